@@ -61,7 +61,7 @@ fn spawn_walker(
     [torch, hat, feather]: [CharacterId; 3],
     nth: usize,
 ) -> Result<Walker, Box<dyn Error>> {
-    let person = Arc::clone(crowd.character(id)?);
+    let person = Arc::clone(crowd.character(id)?.asset());
     let joint = |name: &str| person.skeleton.find(name).ok_or(format!("no joint {name}"));
     let (head, hand, knuckles) = (joint("head")?, joint("r_hand")?, joint("r_fingers")?);
     let x = nth as f32 - 3.0;
@@ -125,6 +125,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = shared::output("attach.png");
     let drawn: Vec<&Character> = characters.iter().collect();
     shared::draw(&mut crowd, &drawn, &[[-3.2, -0.2, 0.9], [3.2, 2.2, 0.0]], &path)?;
-    println!("on {}, drawn to {path}", crowd.device_name());
+    println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let id = crowd.add_character(man.clone())?;
     // Each clip is a sample at its own ground speed.
     let mut samples = Vec::new();
-    for (clip, motion) in crowd.clips(id)? {
+    for (clip, motion) in crowd.character(id)?.clips() {
         let speed_m_per_sec = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0).max(0.0);
         if ["Idle", "Walk", "Run"].contains(&motion.name()) {
             println!("{}: sample at {speed_m_per_sec:.2} m/s", motion.name());
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for _ in 0..72 {
         crowd.update(1.0 / 60.0)?;
     }
-    let clips = crowd.clips(id)?;
+    let clips = crowd.character(id)?.clips();
     for (nth, member) in (0..7_u8).zip(members) {
         let name =
             |clip| clips.iter().find(|(id, _)| *id == clip).map_or("", |(_, clip)| clip.name());

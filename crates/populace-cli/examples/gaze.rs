@@ -48,6 +48,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let path = shared::output("gaze.png");
     shared::draw(&mut crowd, &[&woman], &[[-3.2, -0.3, 1.6], [3.2, 1.9, 0.0]], &path)?;
-    println!("on {}, drawn to {path}", crowd.device_name());
+    println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

@@ -69,7 +69,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
-    let (swing, up) = (crowd.add_clip(id, &swing.into())?, crowd.add_clip(id, &up.into())?);
+    let (swing, up) = (
+        crowd.character_mut(id)?.add_clip(&swing.into())?,
+        crowd.character_mut(id)?.add_clip(&up.into())?,
+    );
     let before = bead::bead("before", 0.016, [0.05, 0.05, 0.08, 1.0])?;
     let after = bead::bead("after", 0.016, [0.75, 0.05, 0.04, 1.0])?;
     let marks = [crowd.add_character(before.clone())?, crowd.add_character(after.clone())?];
@@ -111,6 +114,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]],
         &path,
     )?;
-    println!("all three on {}, drawn to {path}", crowd.device_name());
+    println!("all three on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

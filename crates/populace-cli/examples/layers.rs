@@ -57,8 +57,11 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let mut crowd = Crowd::builder().build()?;
     let id = crowd.add_character(woman.clone())?;
-    let (wave, bow) = (crowd.add_clip(id, &wave.into())?, crowd.add_clip(id, &bow.into())?);
-    let (walk, one_arm) = (crowd.clip(id, "Walk")?, crowd.add_mask(id, &one_arm)?);
+    let (wave, bow) = (
+        crowd.character_mut(id)?.add_clip(&wave.into())?,
+        crowd.character_mut(id)?.add_clip(&bow.into())?,
+    );
+    let (walk, one_arm) = (crowd.clip(id, "Walk")?, crowd.character_mut(id)?.add_mask(&one_arm)?);
     let added = LayerMode::Additive;
     for (nth, (waves, bows)) in
         [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.5, 0.5)].into_iter().enumerate()
@@ -85,6 +88,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     crowd.update(0.6)?;
     let path = shared::output("layers.png");
     shared::draw(&mut crowd, &[&woman], &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
-    println!("all four on {}, drawn to {path}", crowd.device_name());
+    println!("all four on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

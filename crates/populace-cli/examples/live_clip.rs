@@ -50,7 +50,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         translations: Streamed::Nothing,
         ..LiveSettings::default()
     };
-    let live = crowd.add_live_clip(id, "Actor", &settings)?;
+    let live = crowd.character_mut(id)?.add_live_clip("Actor", &settings)?;
     let mut followers = Vec::new();
     for nth in 0..5_u8 {
         let nth = f32::from(nth);
@@ -68,7 +68,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             if at > now {
                 break;
             }
-            crowd.append(live, f64::from(at), &actor(&woman.skeleton, at)?)?;
+            crowd.clip_mut(live)?.append(f64::from(at), &actor(&woman.skeleton, at)?)?;
             poses += 1;
         }
         crowd.update(1.0 / 60.0)?;
@@ -80,6 +80,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let path = shared::output("live_clip.png");
     shared::draw(&mut crowd, &[&woman], &[[-2.9, -0.1, 0.4], [2.9, 2.2, 0.4]], &path)?;
-    println!("{poses} poses in {now:.1} s on {}, drawn to {path}", crowd.device_name());
+    println!("{poses} poses in {now:.1} s on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

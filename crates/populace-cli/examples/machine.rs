@@ -93,7 +93,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(ids[0], name));
     let (idle, walk, run) = (idle?, walk?, run?);
     let mut speeds = [1.4, 3.0];
-    for (clip, motion) in crowd.clips(ids[0])? {
+    for (clip, motion) in crowd.character(ids[0])?.clips() {
         let speed = motion.stats().ground_speed_m_per_sec.unwrap_or(0.0);
         speeds = [
             if clip == walk { speed } else { speeds[0] },
@@ -128,6 +128,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let path = shared::output("machine.png");
     let drawn: Vec<_> = people.iter().collect();
     shared::draw(&mut crowd, &drawn, &[[-3.3, -0.1, 0.3], [3.3, 1.9, 0.0]], &path)?;
-    println!("all on {}, drawn to {path}", crowd.device_name());
+    println!("all on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

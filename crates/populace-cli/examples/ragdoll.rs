@@ -95,6 +95,6 @@ fn place(number: usize, frame: u16) -> Placement {
 
 /// Finds a joint by its name in either of the two rigs.
 fn joint(crowd: &Crowd, member: MemberId, [one, other]: [&str; 2]) -> Result<JointIndex> {
-    let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
+    let skeleton = &crowd.character(crowd.member(member)?.character())?.asset().skeleton;
     skeleton.find(one).or_else(|| skeleton.find(other)).context("the rig has no such joint")
 }

@@ -65,6 +65,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let path = shared::output("reach.png");
     shared::draw(&mut crowd, &[&man, &ramp], &[[-3.4, -0.2, 0.0], [3.4, 3.1, 0.0]], &path)?;
-    println!("on {}, drawn to {path}", crowd.device_name());
+    println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

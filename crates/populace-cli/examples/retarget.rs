@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut people = Vec::new();
     for (nth, character) in [&woman, &man, &man, &child].into_iter().enumerate() {
         let id = crowd.add_character(character.clone())?;
-        let clip = crowd.add_clip(id, &source)?;
+        let clip = crowd.character_mut(id)?.add_clip(&source)?;
         let member =
             crowd.spawn(id, Placement::at([nth as f32 * 1.1 - 1.65, 0.0, 0.0]).facing(0.6))?;
         crowd.member_mut(member)?.play(clip, ClipPlayback::looping().phase(0.1))?;
@@ -45,7 +45,11 @@ fn main() -> Result<(), Box<dyn Error>> {
                 });
             crowd.member_mut(member)?.set_proportions(&lengths.collect::<Vec<f32>>())?;
         }
-        people.push((member, character, crowd.roles(id)?.map_or("none", |roles| roles.naming())));
+        people.push((
+            member,
+            character,
+            crowd.character(id)?.roles().map_or("none", |roles| roles.naming()),
+        ));
     }
     crowd.update(0.35)?;
     for (member, character, naming) in &people {
@@ -64,6 +68,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         &[[-2.4, -0.3, 0.4], [2.4, 2.2, 0.0]],
         &path,
     )?;
-    println!("on {}, drawn to {path}", crowd.device_name());
+    println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

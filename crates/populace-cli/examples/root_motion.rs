@@ -26,11 +26,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (&id, x) in ids.iter().zip([-4.5, -4.0]) {
         let mut moving = |name: &str| -> Result<_, Box<dyn Error>> {
             let clip = crowd.clip(id, name)?;
-            let (_, plain) =
-                crowd.clips(id)?.into_iter().find(|(known, _)| *known == clip).ok_or("a clip")?;
+            let (_, plain) = crowd
+                .character(id)?
+                .clips()
+                .into_iter()
+                .find(|(known, _)| *known == clip)
+                .ok_or("a clip")?;
             // These clips walk in place; their planted feet give the speed.
             let moving = plain.with_root_motion(&MotionSettings::default())?;
-            Ok(crowd.add_clip(id, &Arc::new(moving))?)
+            Ok(crowd.character_mut(id)?.add_clip(&Arc::new(moving))?)
         };
         let (walk, run) = (moving("Walk")?, moving("Run")?);
         for nth in 0..7_u16 {
@@ -61,6 +65,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("the first was placed once, and has moved {metres:.2} m");
     let path = shared::output("root_motion.png");
     shared::draw(&mut crowd, &[&woman, &man], &[[-5.2, -0.3, 1.5], [4.4, 2.0, 0.0]], &path)?;
-    println!("on {}, drawn to {path}", crowd.device_name());
+    println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

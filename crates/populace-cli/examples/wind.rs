@@ -116,7 +116,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         crowd.move_to(device)?;
         crowd.update(secs)?;
         shared::draw(&mut crowd, &[&stalk], &points, &path)?;
-        println!("10000 stalks in the wind on {}, drawn to {path}", crowd.device_name());
+        println!("10000 stalks in the wind on {}, drawn to {path}", crowd.device_info().name);
         pictures.push(std::fs::read(&path)?);
     }
     println!("both pictures are the same: {}", pictures[0] == pictures[1]);

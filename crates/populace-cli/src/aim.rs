@@ -71,7 +71,7 @@ pub(crate) fn apply(
             .and_then(|mut m| m.look_at(Target::InModel(point), at_once))
             .map_err(refused)?;
     }
-    let skeleton = crowd.character(character)?.skeleton.clone();
+    let skeleton = crowd.character(character)?.asset().skeleton.clone();
     let mut described = Vec::new();
     for ReachArg { joint, point } in reaches {
         let end = names::joint(&skeleton, joint)?;

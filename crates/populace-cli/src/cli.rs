@@ -135,7 +135,7 @@ impl DeviceArgs {
 /// Builds a crowd, and reports if it falls back to the native device.
 pub(crate) fn build(builder: CrowdBuilder) -> Result<Crowd, Failure> {
     let crowd = builder.build()?;
-    if let Some(reason) = crowd.fallback() {
+    if let Some(reason) = crowd.device_info().fallback {
         crate::report::message!("using the native device: {reason}");
     }
     Ok(crowd)

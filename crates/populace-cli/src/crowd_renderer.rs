@@ -97,7 +97,8 @@ pub(crate) fn builder_for(
 
 /// Names the devices of a crowd, with the load share of each if there are several.
 pub(crate) fn devices_and_shares(crowd: &Crowd) -> String {
-    let (devices, shares) = (crowd.devices().as_slice(), crowd.shares());
+    let info = crowd.device_info();
+    let (devices, shares) = (info.devices.as_slice(), info.shares);
     match devices {
         [only] => only.to_string(),
         _ => {

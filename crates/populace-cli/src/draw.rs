@@ -89,7 +89,11 @@ impl DrawJob<'_> {
         let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
         let camera = self.camera(&population);
         let devices = devices_and_shares(&crowd);
-        message!("{} on {devices}, {}", counted(crowd.member_count(), "member"), crowd.schedule());
+        message!(
+            "{} on {devices}, {}",
+            counted(crowd.member_count(), "member"),
+            crowd.device_info().schedule
+        );
         let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
             CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide, camera)
         });
@@ -162,8 +166,8 @@ impl DrawJob<'_> {
         if self.args.json {
             return report::json(&json!({
                 "schema": 1,
-                "device": crowd.devices().to_string(),
-                "schedule": crowd.schedule().name(),
+                "device": crowd.device_info().devices.to_string(),
+                "schedule": crowd.device_info().schedule.name(),
                 "members": crowd.member_count(),
                 "frames": count,
                 "ms_median": {"total": total, "animate": animate, "draw": draw},

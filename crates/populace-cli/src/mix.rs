@@ -206,8 +206,8 @@ pub(crate) fn apply(
         let play =
             ClipPlayback::held_at_secs(slot.time_secs).weight(slot.weight).on_layer(slot.layer);
         crowd.member_mut(member)?.blend(clip, if slot.partial { play.partial() } else { play })?;
-        let report = crowd.binding(id, clip)?;
-        fit::warn(&name, &crowd.character(id)?.name, &report);
+        let report = crowd.character(id)?.binding(clip)?;
+        fit::warn(&name, &crowd.character(id)?.asset().name, &report);
         described.0.push(json!({
             "clip": name,
             "time": as_typed(slot.time_secs),
@@ -220,9 +220,9 @@ pub(crate) fn apply(
         let joint = arg.mask.as_ref();
         let mask = match joint {
             Some(joint) => {
-                names::joint(&crowd.character(id)?.skeleton, joint)?;
-                let mask = Mask::of_subtrees(&crowd.character(id)?.skeleton, [joint]);
-                Some(crowd.add_mask(id, &mask.map_err(populace::Error::from)?)?)
+                names::joint(&crowd.character(id)?.asset().skeleton, joint)?;
+                let mask = Mask::of_subtrees(&crowd.character(id)?.asset().skeleton, [joint]);
+                Some(crowd.character_mut(id)?.add_mask(&mask.map_err(populace::Error::from)?)?)
             }
             None => None,
         };

@@ -196,7 +196,7 @@ fn add_role(
             Err(_) => {}
         }
     }
-    let clipless = crowd.clips(id)?.is_empty();
+    let clipless = crowd.character(id)?.clips().is_empty();
     if clipless && RoleMap::detect(&character.skeleton).is_some() {
         for clip in &built_in_clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
@@ -210,7 +210,7 @@ fn add_role(
         report_clipless(crowd, (id, &character), &clips)?;
     }
     for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
-        let known = crowd.clips(id)?.into_iter().find(|(known, _)| known == clip);
+        let known = crowd.character(id)?.clips().into_iter().find(|(known, _)| known == clip);
         fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
     }
     let clips = clips
@@ -230,7 +230,7 @@ fn add_fitting(
         (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
     Ok(match Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
         Ok(binding) if binding.bound_joint_count() > 0 => {
-            Ok((crowd.add_clip(id, clip)?, *binding.report()))
+            Ok((crowd.character_mut(id)?.add_clip(clip)?, *binding.report()))
         }
         Ok(_) => Err("it moves none of its joints".to_owned()),
         Err(error) => Err(error.to_string()),
@@ -244,7 +244,7 @@ fn report_clipless(
     playing: &[ClipId],
 ) -> Result<(), Failure> {
     let name = &character.name;
-    let clips = crowd.clips(id)?;
+    let clips = crowd.character(id)?.clips();
     let played: Vec<_> =
         clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
     if played.is_empty() {
@@ -263,10 +263,10 @@ fn report_clipless(
 
 /// Finds a character's clip by its name.
 pub(crate) fn clip(crowd: &Crowd, id: CharacterId, name: &str) -> Result<ClipId, Failure> {
-    let clips = crowd.clips(id)?;
+    let clips = crowd.character(id)?.clips();
     crowd.clip(id, name).map_err(|_| {
         let hint = hint(name, clips.iter().map(|(_, clip)| clip.name()));
-        let character = crowd.character(id).map_or("", |character| &character.name);
+        let character = crowd.character(id).map_or("", |character| &character.asset().name);
         Failure::usage(format!("\"{character}\" has no clip \"{name}\"{hint}"))
     })
 }
@@ -279,7 +279,8 @@ fn role_clip(
     clip: ClipId,
     choice: ClipChoice,
 ) -> Result<RoleClip, Failure> {
-    let Some((_, plain)) = crowd.clips(role)?.into_iter().find(|(id, _)| *id == clip) else {
+    let Some((_, plain)) = crowd.character(role)?.clips().into_iter().find(|(id, _)| *id == clip)
+    else {
         return Ok(RoleClip { id: clip, motion: None });
     };
     let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
@@ -294,12 +295,12 @@ fn role_clip(
         return Ok(RoleClip { id: clip, motion: None });
     }
     let with_motion = Arc::new(with_motion);
-    let skeleton = &crowd.character(role)?.skeleton;
+    let skeleton = &crowd.character(role)?.asset().skeleton;
     let [clip_roles, own] = [with_motion.skeleton(), skeleton].map(RoleMap::detect);
     let scale = Binding::fitting(&with_motion, clip_roles.as_ref(), skeleton, own.as_ref())
         .map_or(1.0, |binding| binding.motion_scale());
     let motion = with_motion.root_motion().cloned().map(|motion| (motion, scale));
-    Ok(RoleClip { id: crowd.add_clip(role, &with_motion)?, motion })
+    Ok(RoleClip { id: crowd.character_mut(role)?.add_clip(&with_motion)?, motion })
 }
 
 /// Returns the scale to the height asked for or, in a crowd of several characters, to a plausible
@@ -318,7 +319,7 @@ fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
 /// Returns up to three walks and one idle of a character, found by name; the shortest names are
 /// preferred. If there are none, returns all clips.
 fn default_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
-    let clips = crowd.clips(id)?;
+    let clips = crowd.character(id)?.clips();
     let shortest = |word: &str, count: usize| {
         let named = |name: &str| {
             name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose")

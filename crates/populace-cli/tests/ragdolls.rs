@@ -24,8 +24,9 @@ fn fall(device: Device, schedule: Schedule) -> (Vec<u32>, Vec<f32>) {
         .expect("a clip")
         .play(walk, ClipPlayback::looping().phase(0.3))
         .expect("a clip");
-    let plan =
-        Arc::new(RagdollPlan::from_skeleton(&crowd.character(id).expect("a character").skeleton));
+    let plan = Arc::new(RagdollPlan::from_skeleton(
+        &crowd.character(id).expect("a character").asset().skeleton,
+    ));
     let mut ragdolls = Ragdolls::new([0.0, -9.81, 0.0]).expect("gravity");
     let (mut bits, mut heights) = (Vec::new(), Vec::new());
     for frame in 0..270_u16 {

@@ -6,7 +6,6 @@
 //! rows that arrive during playback. Root motion is taken out of a clip's pose and kept beside it
 //! ([`RootMotion`]).
 
-mod animation_set;
 mod clip;
 mod clock;
 mod contacts;
@@ -19,7 +18,6 @@ mod row_block;
 mod rows;
 mod storage;
 
-pub use animation_set::{AnimationSet, ClipIndex};
 pub use clip::{
     Clip, ClipStats, LiveRing, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
     RootMotion, Streamed,

@@ -261,6 +261,9 @@ pub trait Backend: PaletteSource + Send {
     /// A device failure.
     fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, BackendError>;
 
+    /// Forgets all reads of watched joints, completed and under way.
+    fn forget_fetched(&mut self);
+
     /// Number of times that the host has waited for devices of this kind since the process began.
     /// Frames do not wait.
     fn waits(&self) -> u64 {

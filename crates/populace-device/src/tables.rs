@@ -6,14 +6,16 @@ mod live;
 mod machines;
 mod members;
 mod pages;
+mod removal;
 mod rows;
+mod runs;
 mod sample;
 mod set;
 mod space;
 mod table;
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, HashMap};
 
 use crate::Error;
 use crate::layout::{
@@ -29,6 +31,7 @@ use populace_character::PaletteEntry;
 use populace_clip::{Clip, RootMotion};
 use populace_model::convert::u32_from;
 use populace_model::{Mask, Skeleton, Trs};
+use runs::{Asset, Runs};
 use set::{BlockTableSet, TableSet};
 use space::Space;
 
@@ -60,6 +63,8 @@ pub struct Tables {
     /// Number of members in each phase.
     phase_members: [usize; PHASES_MOST as usize],
     instance_space: InstanceSpace,
+    /// The runs of each asset, by kind and index.
+    asset_runs: HashMap<(Asset, u32), Runs>,
 }
 
 impl Tables {
@@ -93,6 +98,7 @@ impl Tables {
             control_spaces: ControlSpaces::new(),
             phase_members: [0; PHASES_MOST as usize],
             instance_space: InstanceSpace::new(),
+            asset_runs: HashMap::new(),
         }
     }
 
@@ -197,47 +203,30 @@ impl Tables {
                 limit,
             });
         }
-        let joint_first = self
-            .all
-            .parents
-            .extend(skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0)))?;
-        let levels = skeleton.levels();
-        let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
-        let level_first = self.all.levels.extend(starts.map(u32_from))?;
-        let rest: Vec<Trs> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
-        let rest_first = self.add_pose(&rest)?;
-        let entry_first = self.all.entries.extend(palette.iter().map(device_entry))?;
-        let index = self.all.bodies.extend([Body {
-            joint_first,
-            joint_count: u32_from(skeleton.joint_count()),
-            padded_count: u32_from(padded(skeleton.joint_count())),
-            level_first,
-            level_count: u32_from(levels.len()),
-            rest_first,
-            entry_first,
-            entry_count: u32_from(palette.len()),
-        }])?;
-        let widths = &mut self.level_widths;
-        widths.resize(widths.len().max(levels.len()), 0);
-        for (widest, level) in widths.iter_mut().zip(levels) {
-            *widest = level.len().max(*widest);
-        }
+        let index = self.add_asset(Asset::Body, |tables, runs| {
+            let all = &mut tables.all;
+            let parents = skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0));
+            let joint_first = runs.add(&mut all.parents, parents)?;
+            let levels = skeleton.levels();
+            let starts = levels.iter().map(|l| l.start).chain([skeleton.joint_count()]);
+            let level_first = runs.add(&mut all.levels, starts.map(u32_from))?;
+            let rest: Vec<Trs> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
+            let rest_first = runs.add(&mut all.poses, planes_of(&rest))?;
+            let entry_first = runs.add(&mut all.entries, palette.iter().map(device_entry))?;
+            let body = Body {
+                joint_first,
+                joint_count: u32_from(skeleton.joint_count()),
+                padded_count: u32_from(padded(skeleton.joint_count())),
+                level_first,
+                level_count: u32_from(levels.len()),
+                rest_first,
+                entry_first,
+                entry_count: u32_from(palette.len()),
+            };
+            runs.add(&mut all.bodies, [body])
+        })?;
+        self.measure_levels();
         Ok(BodyIndex(index))
-    }
-
-    fn add_pose(&mut self, pose: &[Trs]) -> Result<u32, Error> {
-        let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
-        for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
-            for (value, trs) in values.iter_mut().zip(pose) {
-                let component = match plane {
-                    0..4 => trs.rotation[plane],
-                    4..7 => trs.translation[plane - 4],
-                    _ => trs.scale[plane - 7],
-                };
-                *value = component + 0.0; // zeros become positive, as in constant ranges
-            }
-        }
-        self.all.poses.extend(planes)
     }
 
     /// Adds a clip's rows and returns its index. A live clip gets a ring of the size that it asks
@@ -247,35 +236,37 @@ impl Tables {
     ///
     /// [`Error::TooLarge`] if offsets exceed 32 bits.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
-        let row_first = self.add_rows(clip)?;
-        let block_first =
-            self.all.row_blocks.extend(clip.row_blocks().iter().map(RowBlock::from))?;
-        let (buckets, buckets_per_sec) = clip.buckets();
-        let times = if buckets.is_empty() { &[] } else { clip.row_times() };
-        let time_first = self.all.row_times.extend(times.iter().copied())?;
-        let bucket_first = self.all.buckets.extend(buckets.iter().copied())?;
-        let motion_first = self.all.motions.len() / MOTION_ELEMENTS as usize;
-        let motion = clip.root_motion();
-        self.all
-            .motions
-            .extend(motion.into_iter().flat_map(RootMotion::device_rows).map(Float4))?;
-        self.all.clips.extend([ClipRows {
-            motion_first: u32_from(motion_first),
-            motion_count: u32_from(motion.map_or(0, RootMotion::row_count)),
-            motion_rows_per_sec: motion.map_or(0.0, RootMotion::rows_per_sec),
-            row_first,
-            row_stride: u32_from(clip.row_stride()),
-            row_count: u32_from(clip.row_count()),
-            block_first,
-            time_first,
-            bucket_first,
-            bucket_count: u32_from(buckets.len()),
-            buckets_per_sec,
-            start_secs: clip.start_secs(),
-            duration_secs: clip.duration_secs(),
-            rows_per_sec: clip.rows_per_sec(),
-            ..live::new_ring(clip)
-        }])
+        self.add_asset(Asset::Clip, |tables, runs| {
+            let row_first = tables.add_rows(clip, runs)?;
+            let all = &mut tables.all;
+            let blocks = clip.row_blocks().iter().map(RowBlock::from);
+            let block_first = runs.add(&mut all.row_blocks, blocks)?;
+            let (buckets, buckets_per_sec) = clip.buckets();
+            let times = if buckets.is_empty() { &[] } else { clip.row_times() };
+            let time_first = runs.add(&mut all.row_times, times.iter().copied())?;
+            let bucket_first = runs.add(&mut all.buckets, buckets.iter().copied())?;
+            let motion = clip.root_motion();
+            let motions = motion.into_iter().flat_map(RootMotion::device_rows).map(Float4);
+            let motion_element = runs.add(&mut all.motions, motions)?;
+            let rows = ClipRows {
+                motion_first: motion_element / MOTION_ELEMENTS,
+                motion_count: u32_from(motion.map_or(0, RootMotion::row_count)),
+                motion_rows_per_sec: motion.map_or(0.0, RootMotion::rows_per_sec),
+                row_first,
+                row_stride: u32_from(clip.row_stride()),
+                row_count: u32_from(clip.row_count()),
+                block_first,
+                time_first,
+                bucket_first,
+                bucket_count: u32_from(buckets.len()),
+                buckets_per_sec,
+                start_secs: clip.start_secs(),
+                duration_secs: clip.duration_secs(),
+                rows_per_sec: clip.rows_per_sec(),
+                ..live::new_ring(clip)
+            };
+            runs.add(&mut all.clips, [rows])
+        })
     }
 
     /// Adds a mask and returns its offset in [`masks`](Self::masks), for use in layers.
@@ -290,7 +281,8 @@ impl Tables {
             return Err(Error::TooLarge { what: "the masks", count, limit });
         }
         let padding = std::iter::repeat_n(0.0, padded - mask.weights().len());
-        self.all.masks.extend(mask.weights().iter().copied().chain(padding))
+        let weights = mask.weights().iter().copied().chain(padding);
+        self.add_asset(Asset::Mask, |tables, runs| runs.add(&mut tables.all.masks, weights))
     }
 
     /// Adds a length factor for each joint of a body, in level order, and returns their offset in
@@ -301,7 +293,10 @@ impl Tables {
     /// [`Error::TooLarge`] if offsets exceed 32 bits.
     pub fn add_joint_scales(&mut self, factors: &[f32]) -> Result<u32, Error> {
         let padding = std::iter::repeat_n(1.0, padded(factors.len()) - factors.len());
-        self.all.joint_scales.extend(factors.iter().copied().chain(padding))
+        let factors = factors.iter().copied().chain(padding);
+        let add =
+            |tables: &mut Self, runs: &mut Runs| runs.add(&mut tables.all.joint_scales, factors);
+        self.add_asset(Asset::JointScales, add)
     }
 
     /// Clears the record of changes. Call it after every device has copied them.
@@ -330,6 +325,22 @@ impl Tables {
         self.blocks.mark_dirty();
         self.page_lists.mark_dirty();
     }
+}
+
+/// Returns the planes of a pose, padded to whole blocks of joints.
+fn planes_of(pose: &[Trs]) -> Vec<f32> {
+    let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
+    for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
+        for (value, trs) in values.iter_mut().zip(pose) {
+            let component = match plane {
+                0..4 => trs.rotation[plane],
+                4..7 => trs.translation[plane - 4],
+                _ => trs.scale[plane - 7],
+            };
+            *value = component + 0.0; // zeros become positive, as in constant ranges
+        }
+    }
+    planes
 }
 
 fn padded(joint_count: usize) -> usize {

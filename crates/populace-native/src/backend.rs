@@ -311,6 +311,10 @@ impl Backend for NativeBackend {
         Ok(self.fetched.tick.map(|tick| (tick, self.fetched.watched.as_slice())))
     }
 
+    fn forget_fetched(&mut self) {
+        self.fetched = Fetched::default();
+    }
+
     fn frame_time_ms(&mut self) -> Option<f64> {
         self.frame_ms
     }

@@ -355,6 +355,10 @@ impl Backend for OpenClBackend {
         self.history.fetched().map_err(|e| self.device.failed("read the watched joints", &e))
     }
 
+    fn forget_fetched(&mut self) {
+        self.history.forget_fetched();
+    }
+
     fn waits(&self) -> u64 {
         waits::count()
     }

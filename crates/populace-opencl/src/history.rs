@@ -27,6 +27,8 @@ pub(crate) struct History {
     reads: VecDeque<WatchedRead>,
     /// The newest completed read.
     newest: Option<WatchedRead>,
+    /// The number of the oldest reads in progress that are dropped when they complete.
+    forgotten: usize,
 }
 
 /// A read of the watched joints, as of a clock tick.
@@ -57,6 +59,7 @@ impl History {
             now: 0,
             reads: VecDeque::new(),
             newest: None,
+            forgotten: 0,
         })
     }
 
@@ -169,7 +172,12 @@ impl History {
         while let Some(oldest) = self.reads.front_mut()
             && oldest.read.is_done()?
         {
-            self.newest = self.reads.pop_front();
+            let done = self.reads.pop_front();
+            if self.forgotten > 0 {
+                self.forgotten -= 1;
+            } else {
+                self.newest = done;
+            }
         }
         Ok(())
     }
@@ -178,6 +186,11 @@ impl History {
     pub(crate) fn fetched(&mut self) -> Result<Option<(u64, &[Float4])>, ClError> {
         self.collect_reads()?;
         Ok(self.newest.as_ref().map(|newest| (newest.tick, newest.read.elements())))
+    }
+
+    /// Forgets the newest read, and all that are under way.
+    pub(crate) fn forget_fetched(&mut self) {
+        (self.newest, self.forgotten) = (None, self.reads.len());
     }
 
     /// Returns a buffer as the last frame left it; `None` if it is not part of the history.

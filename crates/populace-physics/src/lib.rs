@@ -20,8 +20,8 @@
 //! crowd.member_mut(member)?.play(walk, ClipPlayback::looping())?;
 //! crowd.update(0.1)?;
 //!
-//! let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(man)?.skeleton));
-//! let chest = crowd.character(man)?.skeleton.find("Spine4").unwrap();
+//! let plan = Arc::new(RagdollPlan::from_skeleton(&crowd.character(man)?.asset().skeleton));
+//! let chest = crowd.character(man)?.asset().skeleton.find("Spine4").unwrap();
 //! let mut ragdolls = Ragdolls::new([0.0, -9.81, 0.0])?;
 //! ragdolls.go_limp(&crowd, member, &plan)?;
 //! ragdolls.push(member, chest, [0.0, 0.0, -60.0], None)?;

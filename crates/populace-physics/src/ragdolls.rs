@@ -155,7 +155,7 @@ impl Ragdolls {
         plan: &Arc<RagdollPlan>,
         mut limp: Vec<bool>,
     ) -> Result<(), Error> {
-        let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
+        let skeleton = &crowd.character(crowd.member(member)?.character())?.asset().skeleton;
         if plan.joint_count() != skeleton.joint_count() {
             return Err(Error::WrongPlan {
                 plan: plan.joint_count(),
@@ -324,7 +324,7 @@ impl Ragdolls {
                 old.release(crowd)?;
                 old.remove(&mut self.world);
             }
-            let character = crowd.character(crowd.member(pending.member)?.character())?;
+            let character = crowd.character(crowd.member(pending.member)?.character())?.asset();
             let params = BuildParams {
                 member: pending.member,
                 skeleton: &character.skeleton,

@@ -39,7 +39,7 @@ impl Snapshot {
                 rule: "finite",
             });
         }
-        let skeleton = &crowd.character(crowd.member(member)?.character())?.skeleton;
+        let skeleton = &crowd.character(crowd.member(member)?.character())?.asset().skeleton;
         let mut rotations: Vec<Rotation> = Vec::with_capacity(model_from_joints.len());
         for joint in skeleton.joints() {
             let parent = skeleton.parent(joint).map(JointIndex::index);

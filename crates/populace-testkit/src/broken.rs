@@ -210,6 +210,10 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.fetched()
     }
 
+    fn forget_fetched(&mut self) {
+        self.inner.forget_fetched();
+    }
+
     fn frame_time_ms(&mut self) -> Option<f64> {
         self.inner.frame_time_ms()
     }

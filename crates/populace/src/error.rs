@@ -96,13 +96,25 @@ pub enum Error {
     },
     /// An id of another crowd, or of something that does not exist.
     #[error(
-        "there is no {what} {index} in this crowd; ids are valid in the crowd that returned them"
+        "there is no {what} {index} in this crowd; ids are valid in the crowd that returned them, \
+         until it is removed"
     )]
     UnknownId {
         /// What kind of id.
         what: &'static str,
         /// Its number.
         index: u32,
+    },
+    /// A snapshot of another crowd.
+    #[error("the snapshot was taken from another crowd; restore it there")]
+    OtherCrowd,
+    /// Something to remove that is still needed.
+    #[error("the {what} cannot be removed: it is in use by {by}")]
+    InUse {
+        /// What kind of thing.
+        what: &'static str,
+        /// What needs it, and how to mend that.
+        by: &'static str,
     },
     /// A number out of its range.
     #[error("{what} is {value}; it must be {rule}")]

@@ -51,12 +51,16 @@ pub use populace_retarget::{BindingMethod, BindingReport};
 pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Gaze, Reach, Target, Weight};
 pub use crowd::{
-    BlendSpaceId, Crowd, CrowdBuilder, Event, EventKind, Instance, JointReadback, MachineId,
-    MemberMut, MemberRef, MemberView, StageId, Watch,
+    AssetId, CharacterMut, CharacterRef, ClipMut, Crowd, CrowdBuilder, DeviceInfo, Event,
+    EventKind, FrameTimes, History, Instance, JointReadback, MemberMut, MemberRef, MemberView,
+    SeekReport, Snapshot, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
-pub use ids::{CharacterId, ClipId, MaskId, MemberId, PlaybackId};
+pub use ids::{
+    BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,
+    PlaybackId,
+};
 pub use machine::{Condition, StateMachine};
 pub use placement::Placement;
 pub use playback::{ActiveClip, BlendSpacePlayback, ClipPlayback, MachinePlayback, StatePlayback};

@@ -262,12 +262,14 @@ impl StateMachine {
 }
 
 /// A machine whose names are resolved to indices.
+#[derive(Clone)]
 pub(crate) struct Compiled {
     /// Names and initial values.
     pub(crate) parameters: Vec<(String, f32)>,
     pub(crate) states: Vec<CompiledState>,
 }
 
+#[derive(Clone)]
 pub(crate) struct CompiledState {
     pub(crate) name: Arc<str>,
     pub(crate) clip: ClipId,

@@ -115,8 +115,8 @@ macro_rules! shared_settings {
     (@ partial) => {
         /// Plays clips even if names alone bind less than 30 % of the joints that they move, which
         /// is refused otherwise. For clips of which only a part is wanted, such as through a mask.
-        /// [`Crowd::binding`](crate::Crowd::binding) returns the share. A clip that moves no joint
-        /// of the body is refused all the same.
+        /// [`CharacterRef::binding`](crate::CharacterRef::binding) returns the share. A clip that
+        /// moves no joint of the body is refused all the same.
         #[must_use]
         pub const fn partial(mut self) -> Self {
             self.0.partial = true;

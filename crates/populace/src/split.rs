@@ -368,6 +368,10 @@ impl Backend for SplitBackend {
         self.parts[0].backend.fetched()
     }
 
+    fn forget_fetched(&mut self) {
+        self.parts[0].backend.forget_fetched();
+    }
+
     fn waits(&self) -> u64 {
         self.parts.iter().map(|part| part.backend.waits()).max().unwrap_or(0)
     }

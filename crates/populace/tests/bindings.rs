@@ -68,8 +68,8 @@ fn binding_reports_bound_joints_and_rest_differences() {
     let id = crowd.add_character(post()).unwrap();
     let own = crowd.clip(id, "Own").unwrap();
     let mut report_of = |clip: &Arc<Clip>| {
-        let clip = crowd.add_clip(id, clip).unwrap();
-        let report = crowd.binding(id, clip).unwrap();
+        let clip = crowd.character_mut(id).unwrap().add_clip(clip).unwrap();
+        let report = crowd.character(id).unwrap().binding(clip).unwrap();
         (
             report.way,
             report.bound_joints,
@@ -89,7 +89,7 @@ fn binding_reports_bound_joints_and_rest_differences() {
         report_of(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
     assert_eq!((way, bound, moving, shift), (BindingMethod::Names, 4, 4, 0.0));
     assert!((turned - 0.5).abs() < 1e-3, "{turned}");
-    let report = crowd.binding(id, own).unwrap();
+    let report = crowd.character(id).unwrap().binding(own).unwrap();
     assert_eq!((report.way, report.share()), (BindingMethod::SameRest, 1.0));
 }
 
@@ -97,7 +97,11 @@ fn binding_reports_bound_joints_and_rest_differences() {
 fn clip_with_one_matching_joint_name_plays_only_on_request() {
     let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
     let id = crowd.add_character(post()).unwrap();
-    let stray = crowd.add_clip(id, &clip("Stray", &skeleton(&OTHER, 0.0), &OTHER)).unwrap();
+    let stray = crowd
+        .character_mut(id)
+        .unwrap()
+        .add_clip(&clip("Stray", &skeleton(&OTHER, 0.0), &OTHER))
+        .unwrap();
     let own = crowd.clip(id, "Own").unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     let machine = |play: StatePlayback| StateMachine::new().state("stray", stray, play);

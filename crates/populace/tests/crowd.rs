@@ -105,7 +105,7 @@ fn clips_are_retargeted_by_user_defined_roles(device: Device) {
         refused.contains("\"tall middle\"") && refused.contains("RoleMap::from_names"),
         "{refused}"
     );
-    crowd.set_roles(short, short_roles).unwrap();
+    crowd.character_mut(short).unwrap().set_roles(short_roles).unwrap();
     assert!(
         crowd
             .member_mut(member)
@@ -113,7 +113,7 @@ fn clips_are_retargeted_by_user_defined_roles(device: Device) {
             .is_err(),
         "the clip played without roles"
     );
-    crowd.set_clip_roles(jump, tall_roles).unwrap();
+    crowd.clip_mut(jump).unwrap().set_roles(tall_roles).unwrap();
     crowd.member_mut(member).unwrap().play(jump, ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
     // In the middle of the clip: 1.5 times the hips' height of 0.5 m of this character.
@@ -183,9 +183,9 @@ fn blends_and_layers(device: Device) {
     crowd.update(0.0).unwrap();
     assert_near(height(&mut crowd, member, 0), 7.5);
 
-    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let skeleton = crowd.character(id).unwrap().asset().skeleton.clone();
     let on_tip = Mask::subtree(&skeleton, skeleton.find("tip").unwrap());
-    let on_tip = crowd.add_mask(id, &on_tip).unwrap();
+    let on_tip = crowd.character_mut(id).unwrap().add_mask(&on_tip).unwrap();
     let half = LayerSettings { mode: LayerMode::Override, weight: 0.5 };
     crowd
         .member_mut(member)
@@ -260,9 +260,13 @@ fn added_clip_plays_in_the_next_frame(device: Device) {
     let (mut crowd, id) = crowd_of(device, 1);
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     crowd.update(0.1).unwrap();
-    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let skeleton = crowd.character(id).unwrap().asset().skeleton.clone();
     let source = ClipSource { name: "late".into(), tracks: vec![track("base", 20.0)] };
-    let late = crowd.add_clip(id, &Arc::new(Clip::new(source, &skeleton).unwrap())).unwrap();
+    let late = crowd
+        .character_mut(id)
+        .unwrap()
+        .add_clip(&Arc::new(Clip::new(source, &skeleton).unwrap()))
+        .unwrap();
     assert_eq!(crowd.clip(id, "late").unwrap(), late);
     crowd.member_mut(member).unwrap().play(late, ClipPlayback::looping().phase(0.5)).unwrap();
     crowd.update(0.25).unwrap();
@@ -371,15 +375,19 @@ fn crowd_continues_on_another_device() {
     crowd.update(0.5).unwrap();
     assert_near(height(&mut crowd, member, 0), 0.75);
     assert!(crowd.move_to(Device::opencl(99)).is_err());
-    assert_eq!(*crowd.devices(), Device::opencl(0).into());
+    assert_eq!(crowd.device_info().devices, Device::opencl(0).into());
 }
 
 #[test]
 fn mask_of_another_character_is_refused() {
     let (mut crowd, id) = crowd_of(Device::native(), 2);
     let other = crowd.add_character(lift()).unwrap();
-    let skeleton = crowd.character(other).unwrap().skeleton.clone();
-    let mask = crowd.add_mask(other, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
+    let skeleton = crowd.character(other).unwrap().asset().skeleton.clone();
+    let mask = crowd
+        .character_mut(other)
+        .unwrap()
+        .add_mask(&Mask::subtree(&skeleton, JointIndex(0)))
+        .unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
     assert!(
         crowd
@@ -413,8 +421,12 @@ fn ids_of_another_crowd_are_refused() {
     let member = ours.spawn(id, Placement::at([0.0; 3])).unwrap();
     let foreign = other.spawn(other_id, Placement::at([0.0; 3])).unwrap();
     let (clip, other_clip) = (ours.clip(id, "low").unwrap(), other.clip(other_id, "low").unwrap());
-    let skeleton = other.character(other_id).unwrap().skeleton.clone();
-    let mask = other.add_mask(other_id, &Mask::subtree(&skeleton, JointIndex(0))).unwrap();
+    let skeleton = other.character(other_id).unwrap().asset().skeleton.clone();
+    let mask = other
+        .character_mut(other_id)
+        .unwrap()
+        .add_mask(&Mask::subtree(&skeleton, JointIndex(0)))
+        .unwrap();
     let played =
         other.member_mut(foreign).unwrap().play(other_clip, ClipPlayback::looping()).unwrap();
     let watch = other.member_mut(foreign).unwrap().watch_joint(JointIndex(0)).unwrap();

@@ -73,8 +73,13 @@ fn footsteps_are_reported_once_whatever_the_frame_length() {
     // The foot is lower just after the footstep than just before it.
     let mut scene = native();
     let clip = scene.clip("walk");
-    let known =
-        scene.crowd.clips(scene.body).expect("a character").into_iter().find(|(id, _)| *id == clip);
+    let known = scene
+        .crowd
+        .character(scene.body)
+        .expect("a character")
+        .clips()
+        .into_iter()
+        .find(|(id, _)| *id == clip);
     let secs = known.expect("a clip").1.footsteps()[0].secs;
     let (before, after) = (f64::from(secs) - 0.01, f64::from(secs) + 0.01);
     let height = |scene: &mut Scene, at: f64| {
@@ -96,7 +101,12 @@ fn markers_and_clip_ends_are_reported_in_both_directions() {
     for (speed, marker_secs) in [(1.0, 0.5), (-1.0, 1.5), (2.0, 0.25)] {
         let mut scene = native();
         let clip = scene.clip("sway");
-        scene.crowd.add_event_marker(clip, "swish", 0.5).expect("a marker within two seconds");
+        scene
+            .crowd
+            .clip_mut(clip)
+            .expect("a marker within two seconds")
+            .add_event_marker("swish", 0.5)
+            .expect("a marker within two seconds");
         let member = scene.member(Placement::at([0.0; 3]));
         scene.edit(member).subscribe_events();
         scene
@@ -125,7 +135,9 @@ fn bad_markers_are_refused_and_despawned_members_are_silent() {
     for secs in [-0.1, 2.1, f32::NAN] {
         let error = scene
             .crowd
-            .add_event_marker(clip, "never", secs)
+            .clip_mut(clip)
+            .expect("a clip")
+            .add_event_marker("never", secs)
             .expect_err("a marker outside the clip");
         assert!(matches!(error, Error::BadValue { .. }), "{error}");
     }

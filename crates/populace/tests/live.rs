@@ -93,7 +93,11 @@ fn assert_shows(
 ) {
     let found = scene.models(member);
     let worst = found.iter().zip(wanted).map(|(a, b)| distance_m(a, b)).fold(0.0, f64::max);
-    assert!(worst <= tolerance_m, "{case}: {worst} m off, {:?}", scene.crowd.schedule());
+    assert!(
+        worst <= tolerance_m,
+        "{case}: {worst} m off, {:?}",
+        scene.crowd.device_info().schedule
+    );
 }
 
 /// Returns the largest distance in metres between the two transforms of a joint's origin and of the
@@ -113,8 +117,12 @@ fn settings(secs: f32) -> LiveSettings {
 
 /// Adds a live clip, and one member for each delay in seconds that plays it.
 fn followers(scene: &mut Scene, secs: f32, delays: &[f32]) -> (ClipId, Vec<MemberId>) {
-    let live =
-        scene.crowd.add_live_clip(scene.body, "actor", &settings(secs)).expect("a live clip");
+    let live = scene
+        .crowd
+        .character_mut(scene.body)
+        .expect("a live clip")
+        .add_live_clip("actor", &settings(secs))
+        .expect("a live clip");
     let follow = |delay: &f32| {
         let member = scene.member(Placement::at([0.0; 3]));
         scene.edit(member).play(live, ClipPlayback::live(*delay)).expect("a live clip");
@@ -136,7 +144,7 @@ fn stream_evenly(
     while sent < poses {
         while sent < poses && f64::from(sent) / HZ <= now {
             let secs = f64::from(sent) / HZ;
-            scene.crowd.append(live, secs, &pose(secs)).expect("a pose");
+            scene.crowd.clip_mut(live).expect("a pose").append(secs, &pose(secs)).expect("a pose");
             sent += 1;
         }
         scene.update(FRAME);
@@ -211,7 +219,12 @@ fn live_clip_equals_an_ordinary_clip_of_the_same_poses() {
     everywhere(|scene| {
         let (live, _) = followers(scene, 2.0, &[]);
         let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
-        let clip = scene.crowd.add_clip(scene.body, &clip.into()).expect("enough capacity");
+        let clip = scene
+            .crowd
+            .character_mut(scene.body)
+            .expect("enough capacity")
+            .add_clip(&clip.into())
+            .expect("enough capacity");
         let held = scene.clip("sway");
         let pairs = [0, 1].map(|layer| {
             [(live, ClipPlayback::live(0.3)), (clip, ClipPlayback::looping())].map(
@@ -285,7 +298,7 @@ fn unevenly_timed_poses_are_shown_at_their_own_times() {
             // Poses are up to 8 ms early or late, and each tenth is 15 ms later.
             let jitter = if nth == 0 { 0.0 } else { 0.008 * f64::from(nth * 7 % 11).sin() };
             last = f64::from(nth) / HZ + jitter + if nth % 10 == 9 { 0.015 } else { 0.0 };
-            scene.crowd.append(live, last, &pose(last)).expect("a pose");
+            scene.crowd.clip_mut(live).expect("a pose").append(last, &pose(last)).expect("a pose");
             scene.update((f64::from(nth + 1) / HZ - now) as f32);
             now = f64::from(nth + 1) / HZ;
             if nth > 3 {
@@ -331,11 +344,16 @@ fn live_clip_keeps_its_precision_after_100_hours() {
     let at = |begin: f64| {
         let mut scene = scene(Device::native(), Schedule::Fused);
         let (live, members) = followers(&mut scene, 1.0, &[0.2, 0.05]);
-        scene.crowd.append(live, 1.7e9, &pose(0.0)).expect("a pose");
+        scene.crowd.clip_mut(live).expect("a pose").append(1.7e9, &pose(0.0)).expect("a pose");
         scene.update(begin as f32);
         for nth in 1..60_u32 {
             let secs = f64::from(nth) / HZ;
-            scene.crowd.append(live, 1.7e9 + begin + secs, &pose(secs)).expect("a pose");
+            scene
+                .crowd
+                .clip_mut(live)
+                .expect("a pose")
+                .append(1.7e9 + begin + secs, &pose(secs))
+                .expect("a pose");
             scene.update(1.0 / HZ as f32);
         }
         scene.update(0.012);
@@ -349,12 +367,12 @@ fn stream_can_be_resynchronized_with_the_crowds_clock() {
     everywhere(|scene| {
         let (live, members) = followers(scene, 2.0, &[0.1]);
         assert!(
-            scene.crowd.resync_live(live, 0.0).is_err(),
+            scene.crowd.clip_mut(live).expect("a clip").resync(0.0).is_err(),
             "a stream without poses was synchronized"
         );
         stream_evenly(scene, live, 30, |_, _, _| {});
         scene.update(77.0);
-        scene.crowd.resync_live(live, 0.75).expect("a stream");
+        scene.crowd.clip_mut(live).expect("a stream").resync(0.75).expect("a stream");
         scene.update(0.0);
         assert_shows(scene, members[0], &expected(0.65, 0, 29), 2e-5, "0.1 s before the new time");
         scene.update(0.04);
@@ -367,7 +385,12 @@ fn named_joints_are_streamed_and_others_stay_at_rest() {
     everywhere(|scene| {
         let settings =
             LiveSettings { translations: Streamed::Joints(vec!["hips".into()]), ..settings(1.0) };
-        let live = scene.crowd.add_live_clip(scene.body, "hips", &settings).expect("a live clip");
+        let live = scene
+            .crowd
+            .character_mut(scene.body)
+            .expect("a live clip")
+            .add_live_clip("hips", &settings)
+            .expect("a live clip");
         let member = scene.member(Placement::at([0.0; 3]));
         scene.edit(member).play(live, ClipPlayback::live(0.0)).expect("a live clip");
         let (skeleton, shown) = (skeleton(), pose(0.4));
@@ -375,8 +398,18 @@ fn named_joints_are_streamed_and_others_stay_at_rest() {
         let mut head = shown[joint("head").index()];
         head.translation = [9.0; 3];
         let hips = shown[joint("hips").index()];
-        scene.crowd.append_joints(live, 0.0, &[("hips", hips)]).expect("a pose");
-        scene.crowd.append_joints(live, 0.1, &[("head", head)]).expect("a pose");
+        scene
+            .crowd
+            .clip_mut(live)
+            .expect("a pose")
+            .append_joints(0.0, &[("hips", hips)])
+            .expect("a pose");
+        scene
+            .crowd
+            .clip_mut(live)
+            .expect("a pose")
+            .append_joints(0.1, &[("head", head)])
+            .expect("a pose");
         scene.update(0.2);
         let mut wanted: Vec<_> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
         wanted[joint("hips").index()] = hips;
@@ -435,12 +468,23 @@ fn live_clip_is_retargeted_to_other_characters() {
     everywhere(|scene| {
         let other = scene.crowd.add_character(longer_character()).expect("enough capacity");
         for character in [scene.body, other] {
-            let skeleton = scene.crowd.character(character).expect("a character").skeleton.clone();
-            scene.crowd.set_roles(character, legs(&skeleton)).expect("its roles");
+            let skeleton =
+                scene.crowd.character(character).expect("a character").asset().skeleton.clone();
+            scene
+                .crowd
+                .character_mut(character)
+                .expect("its roles")
+                .set_roles(legs(&skeleton))
+                .expect("its roles");
         }
         let (live, _) = followers(scene, 2.0, &[]);
         let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
-        let clip = scene.crowd.add_clip(scene.body, &clip.into()).expect("enough capacity");
+        let clip = scene
+            .crowd
+            .character_mut(scene.body)
+            .expect("enough capacity")
+            .add_clip(&clip.into())
+            .expect("enough capacity");
         let members = [0, 1]
             .map(|_| scene.crowd.spawn(other, Placement::at([0.0; 3])).expect("enough capacity"));
         scene.edit(members[0]).play(live, ClipPlayback::live(0.3)).expect("a live clip");
@@ -469,7 +513,7 @@ fn live_clip_is_retargeted_to_other_characters() {
 
 /// Asserts that a live clip whose first pose is `first`, at 5 s, takes another pose and plays.
 fn assert_still_plays(scene: &mut Scene, live: ClipId, member: MemberId, first: &[Trs]) {
-    scene.crowd.append(live, 5.1, &pose(0.3)).expect("a pose");
+    scene.crowd.clip_mut(live).expect("a pose").append(5.1, &pose(0.3)).expect("a pose");
     let play = ClipPlayback::live(1e9).fade_in_secs(0.1);
     scene.edit(member).play(live, play).expect("a long delay");
     scene.update(0.2);
@@ -489,7 +533,8 @@ fn bad_poses_are_refused_and_change_nothing() {
     let (sway, good) = (scene.clip("sway"), pose(0.0));
     let crowd = &mut scene.crowd;
     let mut bad = |secs: f64, pose: &[Trs], words: &str| {
-        let error = crowd.append(live, secs, pose).expect_err(words).to_string();
+        let error =
+            crowd.clip_mut(live).expect("a clip").append(secs, pose).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     };
     let with = |change: fn(&mut Trs)| {
@@ -502,16 +547,23 @@ fn bad_poses_are_refused_and_change_nothing() {
     bad(0.0, &with(|trs| trs.translation[1] = f32::NAN), "for the joint \"");
     bad(0.0, &with(|trs| trs.scale[1] = f32::INFINITY), "numbers must be finite");
     bad(0.0, &with(|trs| trs.rotation = [0.0; 4]), "rotations have a length");
-    crowd.append(live, 5.0, &good).expect("a pose");
+    crowd.clip_mut(live).expect("a pose").append(5.0, &good).expect("a pose");
     let mut bad = |secs: f64, words: &str| {
-        let error = crowd.append(live, secs, &good).expect_err(words).to_string();
+        let error =
+            crowd.clip_mut(live).expect("a clip").append(secs, &good).expect_err(words).to_string();
         assert!(error.contains(words), "{error}");
     };
     bad(5.0, "a pose at 5 s after one at 5 s");
     bad(4.0, "\"actor\" got a pose at 4 s after one at 5 s; times must increase");
     bad(1e300, "within 1e10 s");
-    assert_refused(crowd.append(sway, 6.0, &good), "\"sway\" is not live");
-    assert_refused(crowd.append_joints(live, 6.0, &[("hip", good[0])]), "did you mean \"hips\"");
+    assert_refused(
+        crowd.clip_mut(sway).expect("a clip").append(6.0, &good),
+        "\"sway\" is not live",
+    );
+    assert_refused(
+        crowd.clip_mut(live).expect("a clip").append_joints(6.0, &[("hip", good[0])]),
+        "did you mean \"hips\"",
+    );
     assert_still_plays(&mut scene, live, members[0], &good);
 }
 
@@ -521,7 +573,7 @@ fn bad_live_playbacks_and_settings_are_refused() {
     let (live, members) = followers(&mut scene, 1.0, &[0.0]);
     let (sway, good) = (scene.clip("sway"), pose(0.0));
     let crowd = &mut scene.crowd;
-    crowd.append(live, 5.0, &good).expect("a pose");
+    crowd.clip_mut(live).expect("a pose").append(5.0, &good).expect("a pose");
     for play in [ClipPlayback::looping(), ClipPlayback::once(), ClipPlayback::held_at_secs(0.0)] {
         assert_refused(
             crowd.member_mut(members[0]).and_then(|mut m| m.play(live, play)).map(drop),
@@ -548,7 +600,10 @@ fn bad_live_playbacks_and_settings_are_refused() {
         [(0.5, 1.0), (f32::NAN, 1.0), (30.0, 0.0), (30.0, f32::NAN), (1000.0, 1e9)]
     {
         let bad = LiveSettings { rows_per_sec, secs, ..LiveSettings::default() };
-        assert_refused(crowd.add_live_clip(scene.body, "bad", &bad).map(drop), "the clip \"bad\" ");
+        assert_refused(
+            crowd.character_mut(scene.body).expect("a body").add_live_clip("bad", &bad).map(drop),
+            "the clip \"bad\" ",
+        );
     }
     assert_still_plays(&mut scene, live, members[0], &good);
 }

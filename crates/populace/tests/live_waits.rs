@@ -16,7 +16,12 @@ use populace::{ClipPlayback, Device, LiveSettings, Placement, Schedule};
 
 fn assert_no_waits(scene: &mut fixture::Scene) {
     let settings = LiveSettings { rows_per_sec: 120.0, secs: 0.2, ..LiveSettings::default() };
-    let live = scene.crowd.add_live_clip(scene.body, "actor", &settings).expect("a live clip");
+    let live = scene
+        .crowd
+        .character_mut(scene.body)
+        .expect("a live clip")
+        .add_live_clip("actor", &settings)
+        .expect("a live clip");
     for nth in 0..20_u8 {
         let member = scene.member(Placement::at([f32::from(nth), 0.0, 0.0]));
         scene
@@ -28,21 +33,31 @@ fn assert_no_waits(scene: &mut fixture::Scene) {
     let mut waits = 0;
     for frame in 0..120_u32 {
         if frame == 10 {
-            waits = scene.crowd.host_waits();
+            waits = scene.crowd.device_info().host_waits;
         }
         for half in [0.0, 0.5] {
             pose[1].translation[1] += 0.001;
-            scene.crowd.append(live, (f64::from(frame) + half) / 60.0, &pose).expect("a pose");
+            scene
+                .crowd
+                .clip_mut(live)
+                .expect("a pose")
+                .append((f64::from(frame) + half) / 60.0, &pose)
+                .expect("a pose");
         }
         scene.update(1.0 / 60.0);
         // Slow down: a host many frames ahead of the device waits for it even without live poses.
         std::thread::sleep(std::time::Duration::from_millis(6));
     }
-    assert_eq!(scene.crowd.host_waits(), waits, "{:?}: the host waited", scene.crowd.schedule());
-    scene.crowd.finish().expect("a device");
-    let opencl = scene.crowd.device_name().starts_with("OpenCL");
     assert_eq!(
-        scene.crowd.host_waits(),
+        scene.crowd.device_info().host_waits,
+        waits,
+        "{:?}: the host waited",
+        scene.crowd.device_info().schedule
+    );
+    scene.crowd.finish().expect("a device");
+    let opencl = scene.crowd.device_info().name.starts_with("OpenCL");
+    assert_eq!(
+        scene.crowd.device_info().host_waits,
         waits + u64::from(opencl),
         "an explicit wait was not counted"
     );

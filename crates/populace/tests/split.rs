@@ -196,19 +196,22 @@ fn devices_and_load_shares_can_be_changed_at_any_time() {
     let [one, two] = [1, 2].map(|threads| Device::Native { threads });
     let mut scene = Scene::new(&[one, two].into(), Schedule::Fused, Split::Fixed(vec![30.0, 10.0]));
     assert_eq!(
-        (scene.crowd.devices().to_string(), scene.crowd.shares()),
+        (scene.crowd.device_info().devices.to_string(), scene.crowd.device_info().shares),
         ("native:1+native:2".into(), vec![0.75, 0.25])
     );
     scene.step();
-    assert_eq!(scene.crowd.shares(), [0.75, 0.25], "fixed shares changed");
+    assert_eq!(scene.crowd.device_info().shares, [0.75, 0.25], "fixed shares changed");
     let error = scene.crowd.set_split(&Split::Fixed(vec![1.0])).unwrap_err();
     assert!(matches!(&error, Error::BadSplit { .. }), "{error}");
-    assert_eq!(scene.crowd.shares(), [0.75, 0.25]);
+    assert_eq!(scene.crowd.device_info().shares, [0.75, 0.25]);
     scene.crowd.move_to(one).unwrap();
-    assert_eq!((scene.crowd.devices(), scene.crowd.shares()), (&Devices::from(one), vec![1.0]));
+    assert_eq!(
+        (scene.crowd.device_info().devices, scene.crowd.device_info().shares),
+        (Devices::from(one), vec![1.0])
+    );
     scene.step();
     scene.crowd.move_to([two, one]).unwrap();
-    assert_eq!(scene.crowd.shares(), [0.5, 0.5]);
+    assert_eq!(scene.crowd.device_info().shares, [0.5, 0.5]);
     let error = scene.crowd.move_to([two, two]).unwrap_err();
     assert!(matches!(&error, Error::BadDevices { .. }), "{error}");
     assert!(Crowd::builder().devices([]).build().is_err());

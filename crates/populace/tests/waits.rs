@@ -95,7 +95,7 @@ fn assert_no_waits(scene: &mut fixture::Scene) {
     for frame in 0..60_usize {
         if frame == 10 {
             // All buffers have their final size by now.
-            waits = scene.crowd.host_waits();
+            waits = scene.crowd.device_info().host_waits;
         }
         for (n, &member) in members.iter().enumerate() {
             change_all(&mut scene.crowd, member, clips[(frame + n) % 2], frame * 20 + n);
@@ -118,17 +118,24 @@ fn assert_no_waits(scene: &mut fixture::Scene) {
             scene.crowd.readback(watch).expect("a device");
         }
     }
-    assert_eq!(scene.crowd.host_waits(), waits, "{:?}: the host waited", scene.crowd.schedule());
-    scene.crowd.finish().expect("a device");
-    let opencl = scene.crowd.device_name().starts_with("OpenCL");
     assert_eq!(
-        scene.crowd.host_waits(),
+        scene.crowd.device_info().host_waits,
+        waits,
+        "{:?}: the host waited",
+        scene.crowd.device_info().schedule
+    );
+    // Devices that are behind skip readbacks; this one is idle before the last frame.
+    scene.crowd.finish().expect("a device");
+    scene.update(1.0 / 60.0);
+    let opencl = scene.crowd.device_info().name.starts_with("OpenCL");
+    assert_eq!(
+        scene.crowd.device_info().host_waits,
         waits + u64::from(opencl),
         "an explicit wait was not counted"
     );
     scene.edit(members[0]).machine_state(1).expect("a running machine");
     assert_eq!(
-        scene.crowd.host_waits(),
+        scene.crowd.device_info().host_waits,
         waits + 2 * u64::from(opencl),
         "reading a machine's state was not counted"
     );
@@ -137,7 +144,7 @@ fn assert_no_waits(scene: &mut fixture::Scene) {
     let world = scene.crowd.member(members[7]).expect("a member").placement().world_from_model();
     let hand = world.transform_point(scene.position(members[7], "leftHand"));
     assert!(fixture::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
-    assert!((seen.at_secs - 1.0).abs() < 1e-3, "{seen:?}");
+    assert!((seen.at_secs - 61.0 / 60.0).abs() < 1e-3, "{seen:?}");
     scene.crowd.unwatch(watch);
     assert_eq!(scene.crowd.readback(watch).expect("a device"), None);
 }

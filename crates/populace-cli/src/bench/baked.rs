@@ -156,7 +156,7 @@ fn bake(scene: &Scene, character: usize) -> Result<Vec<Table>, Error> {
     let mut crowd = builder.capacity(row_counts.iter().sum()).build()?;
     let id = crowd.add_character(std::sync::Arc::clone(character))?;
     let mut members = Vec::new();
-    for ((clip_id, clip), rows) in crowd.clips(id)?.into_iter().zip(&row_counts) {
+    for ((clip_id, clip), rows) in crowd.character(id)?.clips().into_iter().zip(&row_counts) {
         for row in 0..*rows {
             let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
             let share = row as f32 / (rows - 1) as f32;

@@ -77,7 +77,7 @@ pub(crate) fn bytes_per_member(
     let bytes = |members: usize| {
         let crowd = scene.with_members(members).set_up(on, schedule)?.crowd;
         let entries: usize = crowd.page_lengths().iter().sum();
-        Ok::<_, Error>(crowd.device_memory_bytes() as f64 - (entries * ENTRY_BYTES) as f64)
+        Ok::<_, Error>(crowd.device_info().memory_bytes as f64 - (entries * ENTRY_BYTES) as f64)
     };
     Ok(Some((bytes(2 * SMALL_CROWD)? - bytes(SMALL_CROWD)?) / SMALL_CROWD as f64))
 }

@@ -215,13 +215,15 @@ impl Scene {
         let (mut ids, mut clips) = (Vec::new(), Vec::<Vec<ClipId>>::new());
         for character in &self.characters {
             let id = crowd.add_character(Arc::clone(character))?;
-            clips.push(crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect());
+            clips.push(crowd.character(id)?.clips().into_iter().map(|(clip, _)| clip).collect());
             ids.push(id);
         }
         let mut masks = Vec::new();
         for (id, character) in ids.iter().zip(&self.characters).filter(|_| self.load == Load::Full)
         {
-            masks.push(crowd.add_mask(*id, &constraints::mask(&character.skeleton)?)?);
+            masks.push(
+                crowd.character_mut(*id)?.add_mask(&constraints::mask(&character.skeleton)?)?,
+            );
         }
         let mut members = Vec::with_capacity(self.member_count);
         for index in 0..self.member_count {

@@ -162,8 +162,10 @@ impl<'a> Session<'a> {
                 let error_m = check(members, scene.slot_count).worst_error_m(|member| {
                     staging.crowd.member_mut(staging.members[member]).and_then(|mut m| m.palette())
                 })?;
-                let (memory_bytes, schedule) =
-                    (staging.crowd.device_memory_bytes(), staging.crowd.schedule());
+                let (memory_bytes, schedule) = (
+                    staging.crowd.device_info().memory_bytes,
+                    staging.crowd.device_info().schedule,
+                );
                 if on.is_shared() {
                     let shares = devices_and_shares(&staging.crowd);
                     crate::report::message!("final shares: {shares} ({schedule})");
@@ -212,8 +214,8 @@ fn crowd_frame(
     staging.crowd.finish()?;
     let wall_ms = ms_since(start);
     samples.wall.push(wall_ms);
-    samples.device.push(staging.crowd.frame_time_ms().unwrap_or(wall_ms));
-    for (stage, ms) in staging.crowd.stage_times_ms() {
+    samples.device.push(staging.crowd.frame_times().frame_ms.unwrap_or(wall_ms));
+    for (stage, ms) in staging.crowd.frame_times().stages_ms {
         let at = Stage::ALL.iter().position(|known| *known == stage);
         at.into_iter().for_each(|at| samples.stages[at].push(ms));
     }

@@ -40,7 +40,7 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     if let Some(file) = &args.clips {
         for clip in roles::load_clips(&mut roles::Loader::new(&args.input), file)? {
-            crowd.add_clip(id, &clip)?;
+            crowd.character_mut(id)?.add_clip(&clip)?;
         }
     }
     let member = crowd.spawn(id, Placement::at([0.0; 3]))?;
@@ -69,8 +69,8 @@ fn evaluate(imported: &Imported, args: &PoseArgs) -> Result<Value, Failure> {
         "layers": layers,
         "look_at": looks_at,
         "reach": reaches,
-        "device": crowd.devices().to_string(),
-        "schedule": crowd.schedule().name(),
+        "device": crowd.device_info().devices.to_string(),
+        "schedule": crowd.device_info().schedule.name(),
         "joints": joints(imported, &models),
         "skins": skins,
         "vertices": vertices,
@@ -87,7 +87,7 @@ fn find_clip(
         Ok(clip) => return Ok((clip, name.to_owned())),
         Err(failure) => failure,
     };
-    let clips = crowd.clips(id)?;
+    let clips = crowd.character(id)?.clips();
     match name.parse::<usize>().ok().map(|index| clips.get(index)) {
         Some(Some((clip, known))) => Ok((*clip, known.name().to_owned())),
         Some(None) => {

@@ -83,7 +83,7 @@ fn refused(folder: &Path) -> Result<(), Failed> {
     let (knight, fox) = (load(folder, "kaykit_knight")?, load(folder, "../animals/fox")?);
     let (mut crowd, [(id, member), _]) = crowd_of([&knight, &fox])?;
     let walk = fox.clips.iter().find(|c| c.name() == "Walk").ok_or("no walk")?;
-    let clip = crowd.add_clip(id, walk)?;
+    let clip = crowd.character_mut(id)?.add_clip(walk)?;
     let refused = crowd.member_mut(member).and_then(|mut m| m.play(clip, ClipPlayback::looping()));
     let text = refused.err().ok_or("a knight walks like a fox")?.to_string();
     let explains = text.contains("\"Walk\" cannot move this skeleton")
@@ -250,7 +250,7 @@ fn measure(
     clip: ClipId,
     roles: [&RoleMap; 2],
 ) -> Result<Measured, Failed> {
-    let height = f64::from(crowd.character(members[1].0)?.height_m());
+    let height = f64::from(crowd.character(members[1].0)?.asset().height_m());
     crowd.update(0.0)?;
     let at = |crowd: &mut Crowd| -> Result<_, Failed> {
         let mut one = |n: usize| -> Result<_, Failed> {
@@ -259,7 +259,7 @@ fn measure(
         Ok([one(0)?, one(1)?])
     };
     let rest = at(crowd)?;
-    let clips = crowd.clips(members[0].0)?;
+    let clips = crowd.character(members[0].0)?.clips();
     let (_, motion) = clips.iter().find(|(id, _)| *id == clip).ok_or("the clip is gone")?;
     let mut found = Measured { knees: f64::MAX, ..Measured::default() };
     for sample in 0..SAMPLES {
@@ -312,7 +312,7 @@ fn check_sliding(
     let walk = walk.with_root_motion(&by_feet).map_err(|e| e.to_string())?;
     let (mut crowd, [_, (id, member)]) = crowd_of([&source, &target])?;
     let step_secs = walk.duration_secs() / SAMPLES as f32;
-    let clip = crowd.add_clip(id, &walk.into())?;
+    let clip = crowd.character_mut(id)?.add_clip(&walk.into())?;
     crowd.member_mut(member)?.play(clip, ClipPlayback::looping())?;
     crowd.member_mut(member)?.start_root_motion()?;
     crowd.update(0.0)?;
@@ -348,7 +348,7 @@ fn check_drawn_feet(source: &Character, clip: &str, target: &Character) -> Resul
     let mut seen = Vec::new();
     for (body, (id, member)) in [source, target].into_iter().zip(members) {
         let roles = RoleMap::detect(&body.skeleton).ok_or("a body without roles")?;
-        let clip = crowd.add_clip(id, walk)?;
+        let clip = crowd.character_mut(id)?.add_clip(walk)?;
         seen.push(Feet::new(body, &roles).measure(&mut crowd, member, (clip, walk))?);
     }
     let [own, retargeted] = &seen[..] else { return Err("two bodies were measured".into()) };
@@ -397,7 +397,7 @@ fn by_name(folder: &Path) -> Result<(), Failed> {
     }
     let (mut crowd, [(id, member), _]) = crowd_of([&mage, &knight])?;
     let mut pose = |clip| -> Result<_, Failed> {
-        let clip = crowd.add_clip(id, clip)?;
+        let clip = crowd.character_mut(id)?.add_clip(clip)?;
         crowd.member_mut(member)?.play(clip, ClipPlayback::held_at_secs(0.4))?;
         crowd.update(0.0)?;
         Ok(crowd.member_mut(member)?.model_from_joints()?)

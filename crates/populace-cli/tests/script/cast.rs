@@ -35,7 +35,7 @@ impl Cast {
         let walk_on = Arc::new(clip.with_root_motion(&MotionSettings::default())?);
         let man = crowd.add_character(man)?;
         let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(man, name));
-        let walk_on = crowd.add_clip(man, &walk_on)?;
+        let walk_on = crowd.character_mut(man)?.add_clip(&walk_on)?;
         Ok(Self { man, child, idle: idle?, walk: walk?, run: run?, walk_on, roles, joints })
     }
 

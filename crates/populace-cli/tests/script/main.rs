@@ -1,10 +1,13 @@
-//! A long scripted run of all features, whose palettes keep their bits.
+//! A long scripted run of all features, whose palettes keep their bits, also when frames are played
+//! again from a snapshot.
 //!
 //! The hashes below change only in a commit of their own that says which features compute
 //! something else, and why.
 
 mod cast;
 mod scenes;
+
+use std::ops::Range;
 
 use populace::{Crowd, Device, Devices, Error, MemberId, Schedule};
 
@@ -13,6 +16,8 @@ use cast::Cast;
 /// Seconds of a frame; an odd step among even ones.
 const STEPS: [f32; 4] = [1.0 / 30.0, 1.0 / 30.0, 1.0 / 60.0, 0.041];
 const FRAMES: usize = 24;
+/// The frame before which a snapshot is taken. The frames from it on are played twice.
+const SNAPSHOT: usize = 9;
 
 /// FNV-1a over 64 bits.
 struct Hash(u64);
@@ -37,18 +42,28 @@ impl Hash {
     }
 }
 
-/// Runs one scene and returns the hash of the palettes of all its frames.
+/// Runs one scene and returns the hash of the palettes of all its frames. Then plays the last frames
+/// once more from a snapshot.
 fn hash_of(scene: &scenes::Scene, devices: &Devices, schedule: Schedule) -> Result<u64, Error> {
     let builder = Crowd::builder().devices(devices.clone()).schedule(schedule);
     let mut crowd = builder.capacity(32).build()?;
     let cast = Cast::new(&mut crowd)?;
     let mut run = (scene.start)(&mut crowd, &cast)?;
     let mut hash = Hash(0xcbf2_9ce4_8422_2325);
-    for frame in 0..FRAMES {
-        (run.step)(&mut crowd, frame)?;
-        crowd.update(STEPS[frame % STEPS.len()])?;
-        hash.add_palettes(&mut crowd, &run.members)?;
-    }
+    let mut play = |crowd: &mut Crowd, hash: &mut Hash, frames: Range<usize>| {
+        for frame in frames {
+            (run.step)(crowd, frame)?;
+            crowd.update(STEPS[frame % STEPS.len()])?;
+            hash.add_palettes(crowd, &run.members)?;
+        }
+        Ok::<_, Error>(())
+    };
+    play(&mut crowd, &mut hash, 0..SNAPSHOT)?;
+    let (snapshot, mut replayed) = (crowd.snapshot()?, Hash(hash.0));
+    play(&mut crowd, &mut hash, SNAPSHOT..FRAMES)?;
+    crowd.restore(&snapshot)?;
+    play(&mut crowd, &mut replayed, SNAPSHOT..FRAMES)?;
+    assert_eq!(replayed.0, hash.0, "{}: another run from the snapshot", scene.name);
     Ok(hash.0)
 }
 

@@ -76,9 +76,9 @@ fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 
 fn layers(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 3)?;
-    let skeleton = crowd.character(cast.man)?.skeleton.clone();
+    let skeleton = crowd.character(cast.man)?.asset().skeleton.clone();
     let upper = Mask::subtree(&skeleton, cast.joint(Role::Spine));
-    let mask = crowd.add_mask(cast.man, &upper)?;
+    let mask = crowd.character_mut(cast.man)?.add_mask(&upper)?;
     for (nth, man) in men.iter().enumerate() {
         crowd.member_mut(*man)?.play(cast.walk, ClipPlayback::looping().phase(0.2 * nth as f32))?;
         crowd
@@ -173,10 +173,10 @@ fn state_machines(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
 fn live_clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
     let men = cast.men(crowd, 2)?;
     let rest: Vec<Trs> = {
-        let skeleton = &crowd.character(cast.man)?.skeleton;
+        let skeleton = &crowd.character(cast.man)?.asset().skeleton;
         skeleton.joints().map(|joint| *skeleton.rest(joint)).collect()
     };
-    let live = crowd.add_live_clip(cast.man, "live", &LiveSettings::default())?;
+    let live = crowd.character_mut(cast.man)?.add_live_clip("live", &LiveSettings::default())?;
     crowd.member_mut(men[0])?.play(live, ClipPlayback::live(0.1))?;
     crowd.member_mut(men[1])?.play(cast.walk, ClipPlayback::looping())?;
     crowd.member_mut(men[1])?.blend(live, ClipPlayback::live(0.05).weight(0.5))?;
@@ -185,7 +185,7 @@ fn live_clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
         let mut pose = rest.clone();
         pose[hips].translation[1] -= 0.01 * (frame % 7) as f32;
         pose[hips].rotation = [0.0, 0.28, 0.0, 0.96];
-        crowd.append(live, 0.033 * frame as f64, &pose).map(drop)
+        crowd.clip_mut(live)?.append(0.033 * frame as f64, &pose).map(drop)
     };
     Ok(Run { members: men, step: Box::new(step) })
 }
@@ -285,7 +285,7 @@ fn attachments(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {
             ),
             12 => crowd.member_mut(men[1])?.detach()?,
             15 => drop(crowd.member_mut(men[0])?.commit_root_motion()?),
-            18 => crowd.despawn(extra.take().expect("spawned at frame 5"))?,
+            18 => crowd.despawn(extra.expect("spawned at frame 5"))?,
             _ => {}
         }
         Ok(())

@@ -19,6 +19,7 @@ fn skeleton(world: &World, body: usize) -> Skeleton {
         .crowd
         .character(world.bodies[body].id)
         .expect("a character that was added")
+        .asset()
         .skeleton
         .clone()
 }
@@ -31,7 +32,8 @@ pub(crate) fn add_mask(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let joint = draw.index("joint", world.bodies[body].joints);
     let joint = JointIndex(u32::try_from(joint).expect("few joints"));
     let mask = Mask::subtree(&skeleton(world, body), joint);
-    let result = world.crowd.add_mask(world.bodies[body].id, &mask);
+    let result =
+        world.crowd.character_mut(world.bodies[body].id).and_then(|mut view| view.add_mask(&mask));
     if let Ok(mask) = result {
         world.bodies[body].masks.push(mask);
     }
@@ -139,7 +141,10 @@ pub(crate) fn add_live_clip(world: &mut World, draw: &mut Draw) -> Option<Outcom
     let body = draw.index("body", world.bodies.len());
     let settings = LiveSettings { secs: draw.number("secs", 0.2, 1.0), ..LiveSettings::default() };
     let name = format!("live {}", world.live.len());
-    let result = world.crowd.add_live_clip(world.bodies[body].id, &name, &settings);
+    let result = world
+        .crowd
+        .character_mut(world.bodies[body].id)
+        .and_then(|mut view| view.add_live_clip(&name, &settings));
     if let Ok(clip) = result {
         world.live.push((clip, body, 0.0));
         world.bodies[body].clips.push(clip);
@@ -159,7 +164,7 @@ pub(crate) fn append(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
             ..Trs::IDENTITY
         })
         .collect();
-    let result = world.crowd.append(clip, secs, &pose);
+    let result = world.crowd.clip_mut(clip).and_then(|mut view| view.append(secs, &pose));
     if result.is_ok() {
         world.live[index].2 = secs;
     }
@@ -169,9 +174,8 @@ pub(crate) fn append(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 pub(crate) fn tie_live(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.live.len();
     let (clip, _, newest) = (count > 0).then(|| world.live[draw.index("live", count)])?;
-    Some(Outcome::of(
-        world.crowd.resync_live(clip, newest - f64::from(draw.number("ago", 0.0, 0.2))),
-    ))
+    let at_secs = newest - f64::from(draw.number("ago", 0.0, 0.2));
+    Some(Outcome::of(world.crowd.clip_mut(clip).and_then(|mut view| view.resync(at_secs))))
 }
 
 /// Runs rarely, since moments cannot be removed.
@@ -180,7 +184,9 @@ pub(crate) fn name_moment(world: &mut World, draw: &mut Draw) -> Option<Outcome>
         return None;
     }
     let clip = world.bodies[draw.index("body", world.bodies.len())].clips[0];
-    Some(Outcome::of(world.crowd.add_event_marker(clip, "moment", draw.number("secs", 0.0, 0.5))))
+    let secs = draw.number("secs", 0.0, 0.5);
+    let clip = world.crowd.clip_mut(clip);
+    Some(Outcome::of(clip.and_then(|mut view| view.add_event_marker("moment", secs))))
 }
 
 pub(crate) fn add_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
@@ -201,7 +207,7 @@ pub(crate) fn add_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 pub(crate) fn remove_stage(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let which = draw.index("which", 2);
     let stage = world.staged[which].take()?;
-    Some(Outcome::of(world.crowd.remove_stage(stage)))
+    Some(Outcome::of(world.crowd.remove(stage)))
 }
 
 pub(crate) fn set_stage_parameters(world: &mut World, draw: &mut Draw) -> Option<Outcome> {

@@ -77,7 +77,7 @@ impl World {
         let mut bodies = Vec::new();
         for character in characters() {
             let id = crowd.add_character(Arc::clone(character))?;
-            let clips = crowd.clips(id)?.into_iter().map(|(clip, _)| clip).collect();
+            let clips = crowd.character(id)?.clips().into_iter().map(|(clip, _)| clip).collect();
             let plan = Arc::new(RagdollPlan::from_skeleton(&character.skeleton));
             let joints = character.skeleton.joint_count();
             bodies.push(Body { id, joints, clips, masks: Vec::new(), plan });

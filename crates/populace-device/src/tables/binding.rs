@@ -3,6 +3,7 @@
 use populace_model::convert::u32_from;
 use populace_retarget::{Binding, Footing, Turn};
 
+use super::runs::{Asset, Runs};
 use super::{BodyIndex, Tables, padded};
 use crate::Error;
 use crate::layout::{
@@ -61,6 +62,16 @@ impl Tables {
         if clip as usize >= self.all.clips.len() || joints != Some(binding.joint_map().len()) {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
+        self.add_asset(Asset::BoundClip, |tables, runs| tables.bind(clip, body, binding, runs))
+    }
+
+    fn bind(
+        &mut self,
+        clip: u32,
+        body: BodyIndex,
+        binding: &Binding,
+        runs: &mut Runs,
+    ) -> Result<u32, Error> {
         let body_row = self.all.bodies.as_slice()[body.0 as usize];
         let row_block_first = self.all.clips.as_slice()[clip as usize].block_first;
         let of_clip =
@@ -68,14 +79,15 @@ impl Tables {
         // Corrections are added last to first, so that each can name the next.
         let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
         if let Some(footing) = binding.footing() {
-            let bound = self.add_footing(footing, of_clip)?;
+            let bound = self.add_footing(footing, of_clip, runs)?;
             (next, later) =
-                self.add_correction(&footing.corrections, bound, (next, later), &body_row)?;
+                self.add_correction(&footing.corrections, bound, (next, later), &body_row, runs)?;
         }
         for corrections in binding.corrections().iter().rev() {
-            (next, later) = self.add_correction(corrections, of_clip, (next, later), &body_row)?;
+            (next, later) =
+                self.add_correction(corrections, of_clip, (next, later), &body_row, runs)?;
         }
-        let range_first = self.add_ranges(binding)?;
+        let range_first = runs.add(&mut self.all.poses, range_planes(binding))?;
         let first_joints = (0..body_row.padded_count as usize).step_by(JOINT_BLOCK as usize);
         let flags = first_joints.zip(later.corrections.iter().zip(&later.arms)).map(
             |(first, (corrected, arms))| {
@@ -87,21 +99,27 @@ impl Tables {
         let flags = flags.collect();
         let motion_scale = binding.motion_scale();
         let bound = BoundClip { range_first, body: body.0, next, motion_scale, ..of_clip };
-        self.add_bound(bound, binding.joint_map(), flags)
+        self.add_bound(bound, binding.joint_map(), flags, runs)
     }
 
     /// Adds a bound clip or a correction of one, with its joint map and blocks. `flags` holds the
     /// flags of each block.
-    fn add_bound(&mut self, bound: BoundClip, map: &[u32], flags: Vec<u32>) -> Result<u32, Error> {
-        let map_first = self.all.joint_maps.extend(map.iter().copied())?;
-        let block_first = u32_from(self.all.bound_blocks.len());
+    fn add_bound(
+        &mut self,
+        bound: BoundClip,
+        map: &[u32],
+        flags: Vec<u32>,
+        runs: &mut Runs,
+    ) -> Result<u32, Error> {
+        let map_first = runs.add(&mut self.all.joint_maps, map.iter().copied())?;
+        let mut blocks = Vec::with_capacity(flags.len());
         for (block, flags) in flags.into_iter().enumerate() {
             let first = (block * JOINT_BLOCK as usize).min(map.len());
             let last = map.len().min(first + JOINT_BLOCK as usize);
-            let block = self.bind_block(bound.row_block_first, &map[first..last], flags)?;
-            self.all.bound_blocks.extend([block])?;
+            blocks.push(self.bind_block(bound.row_block_first, &map[first..last], flags, runs)?);
         }
-        self.all.bound_clips.extend([BoundClip { map_first, block_first, ..bound }])
+        let block_first = runs.add(&mut self.all.bound_blocks, blocks)?;
+        runs.add(&mut self.all.bound_clips, [BoundClip { map_first, block_first, ..bound }])
     }
 
     /// Adds a correction of the clip `of` in front of `next`. Returns its index and the blocks that
@@ -112,65 +130,45 @@ impl Tables {
         of: BoundClip,
         (next, later): (u32, CorrectedBlocks),
         body: &Body,
+        runs: &mut Runs,
     ) -> Result<(u32, CorrectedBlocks), Error> {
         let map: Vec<u32> = corrections.iter().map(|correction| correction.map).collect();
-        let range_first = self.add_correction_planes(corrections)?;
+        let range_first = runs.add(&mut self.all.poses, correction_planes(corrections))?;
         let own = CorrectedBlocks::of(corrections, body);
         let flags = own.arms.iter().zip(&later.corrections).map(|(arms, corrected)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
             still | (u32::from(*corrected) * BLOCK_TURNED)
         });
-        let index = self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect())?;
+        let index =
+            self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect(), runs)?;
         Ok((index, later.or(&own)))
     }
 
     /// Adds the rows of a foot correction. A constant correction has no rows of its own.
-    fn add_footing(&mut self, footing: &Footing, of: BoundClip) -> Result<BoundClip, Error> {
+    fn add_footing(
+        &mut self,
+        footing: &Footing,
+        of: BoundClip,
+        runs: &mut Runs,
+    ) -> Result<BoundClip, Error> {
         if footing.rows.is_empty() {
             return Ok(of);
         }
-        let row_first = self.add_words(footing.rows.iter().copied())?;
-        let row_block_first =
-            self.all.row_blocks.extend(footing.blocks.iter().map(RowBlock::from))?;
+        let row_first = self.add_words(footing.rows.iter().copied(), runs)?;
+        let blocks = footing.blocks.iter().map(RowBlock::from);
+        let row_block_first = runs.add(&mut self.all.row_blocks, blocks)?;
         Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
-    }
-
-    fn add_correction_planes(&mut self, corrections: &[Turn]) -> Result<u32, Error> {
-        let padded = padded(corrections.len());
-        let mut planes = vec![0.0; TURN_PLANES * padded];
-        for joint in 0..padded {
-            let Turn { rotation, step_w, arm, after, .. } =
-                corrections.get(joint).copied().unwrap_or(Turn::NONE);
-            let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
-                (rotation.offset, arm.offset, after);
-            let values =
-                [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];
-            for (plane, value) in values.into_iter().enumerate() {
-                planes[plane * padded + joint] = value;
-            }
-        }
-        self.all.poses.extend(planes)
-    }
-
-    fn add_ranges(&mut self, binding: &Binding) -> Result<u32, Error> {
-        let padded = padded(binding.ranges().len());
-        let mut planes = vec![0.0; RANGE_PLANES * padded];
-        for (joint, [translation, rotation, scale]) in binding.ranges().iter().enumerate() {
-            let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
-                (rotation.offset, translation.offset, scale.offset);
-            let (q, t, s) = (rotation.step, translation.step, scale.step);
-            for (plane, value) in
-                [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate()
-            {
-                planes[plane * padded + joint] = value;
-            }
-        }
-        self.all.poses.extend(planes)
     }
 
     /// Builds the location of the columns that 16 joints follow. `blocks` is the offset of the
     /// clip's first block.
-    fn bind_block(&mut self, blocks: u32, maps: &[u32], flags: u32) -> Result<BoundBlock, Error> {
+    fn bind_block(
+        &mut self,
+        blocks: u32,
+        maps: &[u32],
+        flags: u32,
+        runs: &mut Runs,
+    ) -> Result<BoundBlock, Error> {
         const BLOCK: usize = JOINT_BLOCK as usize;
         let moves = MAP_ROTATION | MAP_TRANSLATION | MAP_SCALE;
         let mut sources: Vec<(u32, [u32; BLOCK])> = Vec::new();
@@ -185,11 +183,12 @@ impl Tables {
         }
         let own_lane = |(lane, from): (u32, &u32)| *from == NONE || *from == lane;
         let straight = sources.len() == 1 && (0..).zip(&sources[0].1).all(own_lane);
-        let source_first = u32_from(self.all.sources.len());
+        let mut rows_of = Vec::with_capacity(sources.len());
         for (block, lanes) in &sources {
-            let lanes_first = self.all.source_lanes.extend(lanes.iter().copied())?;
-            self.all.sources.extend([Source { block: blocks + block, lanes_first }])?;
+            let lanes_first = runs.add(&mut self.all.source_lanes, lanes.iter().copied())?;
+            rows_of.push(Source { block: blocks + block, lanes_first });
         }
+        let source_first = runs.add(&mut self.all.sources, rows_of)?;
         let mut rows = RowBlock::STILL;
         for (block, _) in &sources {
             let source = self.all.row_blocks.as_slice()[(blocks + block) as usize];
@@ -226,4 +225,36 @@ impl Tables {
         };
         (u32::from(same(5, 4)) * REST_TRANSLATION) | (u32::from(same(9, 7)) * REST_SCALE)
     }
+}
+
+fn correction_planes(corrections: &[Turn]) -> Vec<f32> {
+    let padded = padded(corrections.len());
+    let mut planes = vec![0.0; TURN_PLANES * padded];
+    for joint in 0..padded {
+        let Turn { rotation, step_w, arm, after, .. } =
+            corrections.get(joint).copied().unwrap_or(Turn::NONE);
+        let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
+            (rotation.offset, arm.offset, after);
+        let values = [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];
+        for (plane, value) in values.into_iter().enumerate() {
+            planes[plane * padded + joint] = value;
+        }
+    }
+    planes
+}
+
+fn range_planes(binding: &Binding) -> Vec<f32> {
+    let padded = padded(binding.ranges().len());
+    let mut planes = vec![0.0; RANGE_PLANES * padded];
+    for (joint, [translation, rotation, scale]) in binding.ranges().iter().enumerate() {
+        let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
+            (rotation.offset, translation.offset, scale.offset);
+        let (q, t, s) = (rotation.step, translation.step, scale.step);
+        for (plane, value) in
+            [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate()
+        {
+            planes[plane * padded + joint] = value;
+        }
+    }
+    planes
 }

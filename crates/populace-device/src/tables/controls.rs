@@ -175,6 +175,16 @@ impl Tables {
         member.control
     }
 
+    /// Returns whether a member has a constraint program.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member.
+    #[must_use]
+    pub fn has_control(&self, member_index: u32) -> bool {
+        self.all.members.as_slice()[member_index as usize].control != NONE
+    }
+
     /// Removes the constraint program of a member.
     pub(super) fn remove_control(&mut self, member_index: u32) {
         let mut member = self.all.members.as_slice()[member_index as usize];

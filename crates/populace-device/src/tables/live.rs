@@ -4,6 +4,7 @@ use populace_clip::Clip;
 use populace_model::Trs;
 
 use super::Tables;
+use super::runs::Runs;
 use crate::Error;
 use crate::layout::{ClipRows, JOINT_BLOCK};
 
@@ -35,20 +36,24 @@ pub(super) fn new_ring(clip: &Clip) -> ClipRows {
 
 impl Tables {
     /// Adds the rows of a clip, or empty rows for its ring, and returns the first word.
-    pub(super) fn add_rows(&mut self, clip: &Clip) -> Result<u32, Error> {
+    pub(super) fn add_rows(&mut self, clip: &Clip, runs: &mut Runs) -> Result<u32, Error> {
         // The first row, which additive layers measure from, and the ring.
         let times = clip.ring().map_or(1, |ring| 1 + ring.rows as usize);
         let (rows, count) = (clip.rows(), clip.rows().len().saturating_mul(times));
         if self.all.rows.len().saturating_add(count) > u32::MAX as usize {
             return Err(Error::TooLarge { what: "rows", count, limit: u32::MAX as usize });
         }
-        self.add_words(rows.iter().copied().cycle().take(count))
+        self.add_words(rows.iter().copied().cycle().take(count), runs)
     }
 
     /// Adds words with padding behind them and returns the first word.
-    pub(super) fn add_words(&mut self, words: impl Iterator<Item = u32>) -> Result<u32, Error> {
+    pub(super) fn add_words(
+        &mut self,
+        words: impl Iterator<Item = u32>,
+        runs: &mut Runs,
+    ) -> Result<u32, Error> {
         let past_the_end = [0; JOINT_BLOCK as usize];
-        self.all.rows.extend(words.chain(past_the_end))
+        runs.add(&mut self.all.rows, words.chain(past_the_end))
     }
 
     /// Writes a pose into a row of a live clip's ring. With `row` of `None` it writes the row that

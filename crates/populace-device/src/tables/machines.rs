@@ -3,6 +3,7 @@
 use populace_clip::ticks_from_secs;
 use populace_model::convert::u32_from;
 
+use super::runs::{Asset, Runs};
 use super::{BodyIndex, Space, Tables};
 use crate::Error;
 use crate::layout::{
@@ -108,38 +109,42 @@ impl Tables {
                 check_transition(transition, states.len())?;
             }
         }
-        let first = self.all.machine_states.len();
-        let mut rows = Vec::with_capacity(states.len());
-        for state in states {
-            let transitions = state.transitions.iter();
-            let transitions: Result<Vec<_>, _> =
-                transitions.map(|t| self.add_transition(first, t)).collect();
-            let transition_first = self.all.transitions.extend(transitions?)?;
-            rows.push(layout::MachineState {
-                phase_rate: state.slot.phase_rate,
-                start_phase: state.slot.start_phase,
-                bound_clip: state.slot.bound_clip,
-                mode: state.slot.mode(),
-                transition_first,
-                transition_count: u32_from(state.transitions.len()),
-                unused: 0,
-            });
-        }
-        self.all.machine_states.extend(rows)
+        self.add_asset(Asset::States, |tables, runs| {
+            let free = layout::MachineState { bound_clip: NONE, ..Default::default() };
+            let first = runs.add(&mut tables.all.machine_states, vec![free; states.len()])?;
+            for (index, state) in (first as usize..).zip(states) {
+                let transitions = state.transitions.iter();
+                let transitions: Result<Vec<_>, _> =
+                    transitions.map(|t| tables.transition_row(first, t, runs)).collect();
+                let transition_first = runs.add(&mut tables.all.transitions, transitions?)?;
+                let row = layout::MachineState {
+                    phase_rate: state.slot.phase_rate,
+                    start_phase: state.slot.start_phase,
+                    bound_clip: state.slot.bound_clip,
+                    mode: state.slot.mode(),
+                    transition_first,
+                    transition_count: u32_from(state.transitions.len()),
+                    unused: 0,
+                };
+                tables.all.machine_states.set(index, row);
+            }
+            Ok(first)
+        })
     }
 
-    fn add_transition(
+    fn transition_row(
         &mut self,
-        state_first: usize,
+        state_first: u32,
         transition: &Transition,
+        runs: &mut Runs,
     ) -> Result<layout::Transition, Error> {
-        let conditions = &transition.conditions;
-        let condition_first = self.all.conditions.extend(conditions.iter().map(|c| c.row()))?;
+        let rows = transition.conditions.iter().map(|condition| condition.row());
+        let condition_first = runs.add(&mut self.all.conditions, rows)?;
         let ticks = ticks_from_secs(f64::from(transition.fade_secs));
         Ok(layout::Transition {
-            to: u32_from(state_first + transition.to),
+            to: state_first + u32_from(transition.to),
             condition_first,
-            condition_count: u32_from(conditions.len()),
+            condition_count: u32_from(transition.conditions.len()),
             fade_ticks: u32::try_from(ticks).unwrap_or(u32::MAX),
             fade_rate: if ticks > 0 { 1.0 / transition.fade_secs } else { 0.0 },
             unused: 0,

@@ -1,5 +1,7 @@
 //! The list of all tables, from which the host and the devices declare theirs.
 
+use std::ops::Range;
+
 use super::{Table, Tables};
 use crate::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
@@ -151,4 +153,19 @@ macro_rules! table_set {
     };
 }
 crate::with_tables!(table_set, TableSet, all);
+
+macro_rules! release {
+    (; $($(#[$doc:meta])* $name:ident: $element:ty),* $(,)?) => {
+        impl TableSet {
+            /// Frees a run of the table of a name.
+            pub(super) fn release(&mut self, table: &str, run: Range<usize>) {
+                match table {
+                    $(stringify!($name) => self.$name.release(run),)*
+                    _ => {}
+                }
+            }
+        }
+    };
+}
+crate::with_tables!(release);
 crate::with_block_tables!(table_set, BlockTableSet, blocks);

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use populace_model::convert::u32_from;
 
+use super::runs::FreeRuns;
 use crate::Error;
 use crate::layout::NONE;
 
@@ -25,6 +26,8 @@ pub struct Table<T> {
     revived: usize,
     /// One bit for each element below `known`, set for those in `changed`.
     is_changed: Vec<u64>,
+    /// Runs that were released, below the end.
+    free: FreeRuns,
 }
 
 impl<T: bytemuck::Pod> Table<T> {
@@ -38,6 +41,7 @@ impl<T: bytemuck::Pod> Table<T> {
             before: Vec::new(),
             revived: 0,
             is_changed: Vec::new(),
+            free: FreeRuns::default(),
         }
     }
 
@@ -116,6 +120,27 @@ impl<T: bytemuck::Pod> Table<T> {
             return Err(Error::TooLarge { what: self.name, count, limit: LIMIT });
         }
         Ok(u32_from(first))
+    }
+
+    /// Adds a run of elements, where a run was released or at the end, and returns the index of the
+    /// first; 0 for no elements.
+    pub(super) fn add(&mut self, values: &[T]) -> Result<u32, Error> {
+        if values.is_empty() {
+            return Ok(0);
+        }
+        match self.free.take(values.len()) {
+            Some(first) => {
+                self.set_run(first, values);
+                Ok(u32_from(first))
+            }
+            None => self.extend(values.iter().copied()),
+        }
+    }
+
+    /// Frees a run that [`add`](Self::add) returned. A run at the end shortens the table.
+    pub(super) fn release(&mut self, run: Range<usize>) {
+        let length = self.free.release(run, self.data.len());
+        self.truncate(length);
     }
 
     /// Extends the table to `count` elements; does nothing if it has as many or more.

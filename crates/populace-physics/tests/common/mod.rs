@@ -34,8 +34,9 @@ impl Scene {
                 .play(clip, ClipPlayback::looping().phase(0.2))
                 .unwrap();
         }
-        let plan =
-            Arc::new(RagdollPlan::from_skeleton(&crowd.character(character).unwrap().skeleton));
+        let plan = Arc::new(RagdollPlan::from_skeleton(
+            &crowd.character(character).unwrap().asset().skeleton,
+        ));
         let mut scene =
             Self { crowd, ragdolls: Ragdolls::new(GRAVITY).unwrap(), plan, character, member };
         scene.crowd.update(0.3).unwrap();
@@ -64,7 +65,7 @@ impl Scene {
     }
 
     pub(crate) fn skeleton(&self) -> &Skeleton {
-        &self.crowd.character(self.character).unwrap().skeleton
+        &self.crowd.character(self.character).unwrap().asset().skeleton
     }
 
     pub(crate) fn joint(&self, name: &str) -> JointIndex {

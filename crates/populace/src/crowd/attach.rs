@@ -1,14 +1,24 @@
 //! Attachments: members that follow a joint of another, on the device and in the same frame.
 
+use std::collections::HashMap;
+
 use populace_device::layout::PHASES_MOST;
 use populace_model::{JointIndex, Trs};
 
-use super::{Crowd, MemberId};
+use super::MemberId;
+use super::base::Base;
+use super::constraints::Constraints;
 use crate::Error;
 
+/// Attachments of members, by member index.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Attachments {
+    by_member: HashMap<u32, Attached>,
+}
+
 /// The parent and the children of a member.
-#[derive(Debug, Default)]
-pub(crate) struct Attached {
+#[derive(Clone, Debug, Default)]
+struct Attached {
     parent: Option<Parent>,
     children: Vec<MemberId>,
 }
@@ -22,26 +32,33 @@ struct Parent {
     watched: u32,
 }
 
+/// Returns the phase of the frame in which devices evaluate a member.
+fn phase(base: &Base, member: MemberId) -> u32 {
+    base.tables.members().as_slice()[member.index as usize].phase()
+}
+
 fn refused<T>(reason: impl Into<String>) -> Result<T, Error> {
     Err(Error::BadAttachment { reason: reason.into() })
 }
 
-impl Crowd {
+impl Attachments {
     pub(super) fn attach(
         &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
         child: MemberId,
         to: MemberId,
         joint: JointIndex,
         offset: Trs,
     ) -> Result<(), Error> {
-        self.check(child)?;
-        self.check_parent(child, to)?;
+        base.check(child)?;
+        self.check_parent(base, child, to)?;
         let old = self.parent(child);
         let parent = match old {
             Some(old) if (old.member, old.joint) == (to, joint) => old,
-            _ => self.follow_joint(to, joint)?,
+            _ => follow_joint(base, constraints, to, joint)?,
         };
-        let changed = self.change_controls(child, |controls| {
+        let changed = constraints.change(base, child, |controls| {
             controls.attached = Some((parent.watched, offset));
             Ok(())
         });
@@ -49,27 +66,32 @@ impl Crowd {
             return changed;
         }
         if let Err(error) = changed {
-            self.unfollow_joint(parent)?;
+            unfollow_joint(base, constraints, parent)?;
             return Err(error);
         }
-        self.unlink(child)?;
-        self.attachments.entry(child.index).or_default().parent = Some(parent);
-        self.attachments.entry(to.index).or_default().children.push(child);
-        self.place_children(to)
+        self.unlink(base, constraints, child)?;
+        self.by_member.entry(child.index).or_default().parent = Some(parent);
+        self.by_member.entry(to.index).or_default().children.push(child);
+        self.place_children(base, to)
     }
 
-    pub(super) fn detach(&mut self, child: MemberId) -> Result<(), Error> {
-        self.check(child)?;
+    pub(super) fn detach(
+        &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        child: MemberId,
+    ) -> Result<(), Error> {
+        base.check(child)?;
         if self.parent(child).is_none() {
             return Ok(());
         }
-        self.change_controls(child, |controls| {
+        constraints.change(base, child, |controls| {
             controls.attached = None;
             Ok(())
         })?;
-        self.unlink(child)?;
-        self.tables.set_phase(child.index, 0)?;
-        self.place_children(child)
+        self.unlink(base, constraints, child)?;
+        base.tables.set_phase(child.index, 0)?;
+        self.place_children(base, child)
     }
 
     pub(super) fn attached_to(&self, child: MemberId) -> Option<(MemberId, JointIndex)> {
@@ -77,10 +99,15 @@ impl Crowd {
     }
 
     /// Detaches a member that is despawned, and all its children.
-    pub(super) fn detach_all(&mut self, member: MemberId) -> Result<(), Error> {
-        self.detach(member)?;
+    pub(super) fn detach_all(
+        &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        member: MemberId,
+    ) -> Result<(), Error> {
+        self.detach(base, constraints, member)?;
         while let Some(child) = self.child(member, 0) {
-            self.detach(child)?;
+            self.detach(base, constraints, child)?;
         }
         Ok(())
     }
@@ -97,45 +124,41 @@ impl Crowd {
     }
 
     /// Gives all attachments of a member its placement and evaluates them after it.
-    pub(super) fn place_children(&mut self, parent: MemberId) -> Result<(), Error> {
-        let placement = self.members[parent.index as usize].placement;
+    pub(super) fn place_children(&self, base: &mut Base, parent: MemberId) -> Result<(), Error> {
+        let placement = base.members.all[parent.index as usize].placement;
         let mut nth = 0;
         while let Some(child) = self.child(parent, nth) {
-            self.members[child.index as usize].placement = placement;
-            self.tables.set_phase(child.index, self.phase(parent) + 1)?;
-            self.upload_placement(child)?;
-            self.place_children(child)?;
+            base.members.all[child.index as usize].placement = placement;
+            base.tables.set_phase(child.index, phase(base, parent) + 1)?;
+            base.upload_placement(child)?;
+            self.place_children(base, child)?;
             nth += 1;
         }
         Ok(())
     }
 
     fn parent(&self, child: MemberId) -> Option<Parent> {
-        self.attachments.get(&child.index)?.parent
+        self.by_member.get(&child.index)?.parent
     }
 
     /// Returns the index of the parent of the member at an index.
-    pub(super) fn parent_index(&self, place: u32) -> Option<u32> {
-        Some(self.attachments.get(&place)?.parent?.member.index)
+    pub(super) fn parent_index(&self, member_index: u32) -> Option<u32> {
+        Some(self.by_member.get(&member_index)?.parent?.member.index)
     }
 
     fn child(&self, parent: MemberId, nth: usize) -> Option<MemberId> {
-        self.attachments.get(&parent.index)?.children.get(nth).copied()
-    }
-
-    fn phase(&self, member: MemberId) -> u32 {
-        self.tables.members().as_slice()[member.index as usize].phase()
+        self.by_member.get(&parent.index)?.children.get(nth).copied()
     }
 
     /// Returns the number of levels of attachments on a member.
     fn levels(&self, member: MemberId) -> u32 {
         let children =
-            self.attachments.get(&member.index).into_iter().flat_map(|attached| &attached.children);
+            self.by_member.get(&member.index).into_iter().flat_map(|attached| &attached.children);
         children.map(|child| 1 + self.levels(*child)).max().unwrap_or(0)
     }
 
-    fn check_parent(&self, child: MemberId, to: MemberId) -> Result<(), Error> {
-        let character = self.character_state(self.check(to)?)?;
+    fn check_parent(&self, base: &Base, child: MemberId, to: MemberId) -> Result<(), Error> {
+        let character = base.character_state(base.check(to)?)?;
         // Fused schedules go by pages of palettes.
         if character.character.palette.is_empty() {
             let name = &character.character.name;
@@ -154,7 +177,7 @@ impl Crowd {
             }
             above = self.parent(member).map(|parent| parent.member);
         }
-        let (levels, most) = (self.phase(to) + 1 + self.levels(child), PHASES_MOST - 1);
+        let (levels, most) = (phase(base, to) + 1 + self.levels(child), PHASES_MOST - 1);
         if levels > most {
             return refused(format!(
                 "attachments would be {levels} levels deep; at most {most} are possible, so attach \
@@ -164,47 +187,61 @@ impl Crowd {
         Ok(())
     }
 
-    /// Makes devices write a joint that attachments can follow.
-    fn follow_joint(&mut self, member: MemberId, joint: JointIndex) -> Result<Parent, Error> {
-        let watched = self.tables.add_watched();
-        let changed = self.change_controls(member, |controls| {
-            controls.carries.push((joint, watched));
-            Ok(())
-        });
-        if let Err(error) = changed {
-            self.tables.remove_watched(watched);
-            return Err(error);
-        }
-        Ok(Parent { member, joint, watched })
-    }
-
-    /// Ends the writing of a followed joint.
-    fn unfollow_joint(&mut self, parent: Parent) -> Result<(), Error> {
-        self.change_controls(parent.member, |controls| {
-            controls.carries.retain(|(_, watched)| *watched != parent.watched);
-            Ok(())
-        })?;
-        self.tables.remove_watched(parent.watched);
-        Ok(())
-    }
-
     /// Removes the link between a member and its parent.
-    fn unlink(&mut self, child: MemberId) -> Result<(), Error> {
+    fn unlink(
+        &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        child: MemberId,
+    ) -> Result<(), Error> {
         let Some(parent) = self.parent(child) else { return Ok(()) };
-        self.unfollow_joint(parent)?;
-        if let Some(attached) = self.attachments.get_mut(&child.index) {
+        unfollow_joint(base, constraints, parent)?;
+        if let Some(attached) = self.by_member.get_mut(&child.index) {
             attached.parent = None;
         }
-        if let Some(attached) = self.attachments.get_mut(&parent.member.index) {
+        if let Some(attached) = self.by_member.get_mut(&parent.member.index) {
             attached.children.retain(|other| *other != child);
         }
-        for place in [child.index, parent.member.index] {
+        for index in [child.index, parent.member.index] {
             let is_done =
                 |attached: &Attached| attached.parent.is_none() && attached.children.is_empty();
-            if self.attachments.get(&place).is_some_and(is_done) {
-                self.attachments.remove(&place);
+            if self.by_member.get(&index).is_some_and(is_done) {
+                self.by_member.remove(&index);
             }
         }
         Ok(())
     }
+}
+
+/// Makes devices write a joint that attachments can follow.
+fn follow_joint(
+    base: &mut Base,
+    constraints: &mut Constraints,
+    member: MemberId,
+    joint: JointIndex,
+) -> Result<Parent, Error> {
+    let watched = base.tables.add_watched();
+    let changed = constraints.change(base, member, |controls| {
+        controls.carries.push((joint, watched));
+        Ok(())
+    });
+    if let Err(error) = changed {
+        base.tables.remove_watched(watched);
+        return Err(error);
+    }
+    Ok(Parent { member, joint, watched })
+}
+
+/// Ends the writing of a followed joint.
+fn unfollow_joint(
+    base: &mut Base,
+    constraints: &mut Constraints,
+    parent: Parent,
+) -> Result<(), Error> {
+    constraints.change(base, parent.member, |controls| {
+        controls.carries.retain(|(_, watched)| *watched != parent.watched);
+        Ok(())
+    })?;
+    base.tables.remove_watched(parent.watched);
+    Ok(())
 }

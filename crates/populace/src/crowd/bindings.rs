@@ -5,7 +5,8 @@ use std::sync::Arc;
 use populace_clip::Clip;
 use populace_retarget::{Binding, BindingReport};
 
-use super::{CharacterId, CharacterState, ClipId, Crowd};
+use super::base::{Base, CharacterState};
+use super::{CharacterId, ClipId};
 use crate::Error;
 
 /// A clip bound to a body.
@@ -16,20 +17,15 @@ pub(super) struct Bound {
     report: BindingReport,
 }
 
-impl Crowd {
-    /// Reports how well a clip fits a character: how its joints are found, the share of its joints
-    /// that are bound, and the difference of the rest poses.
-    ///
-    /// A clip bound by names alone is refused below [`BindingReport::LEAST_SHARE`], unless played
-    /// by [`ClipPlayback::partial`](crate::ClipPlayback::partial). Between that and 80 % it plays
-    /// with a part of its motion missing.
-    ///
-    /// # Errors
-    ///
-    /// An id of another crowd, or a clip that moves no joint of the character.
-    pub fn binding(&self, character: CharacterId, clip: ClipId) -> Result<BindingReport, Error> {
+impl Base {
+    /// Reports how well a clip fits a character.
+    pub(super) fn binding(
+        &self,
+        character: CharacterId,
+        clip: ClipId,
+    ) -> Result<BindingReport, Error> {
         let (state, known) = self.to_bind(character, clip)?;
-        match self.bound_clips.get(&(state.body, clip.index)) {
+        match self.assets.bound_clips.get(&(state.body, clip.index)) {
             Some(bound) => Ok(bound.report),
             None => Ok(*self.make_binding(state, known)?.report()),
         }
@@ -47,7 +43,7 @@ impl Crowd {
         let key = (state.body, clip.index);
         let check =
             |report: &BindingReport| if partial { Ok(()) } else { report.check(known.name()) };
-        if let Some(bound) = self.bound_clips.get(&key) {
+        if let Some(bound) = self.assets.bound_clips.get(&key) {
             check(&bound.report)?;
             return Ok(bound.index);
         }
@@ -55,7 +51,7 @@ impl Crowd {
         let report = *binding.report();
         check(&report)?;
         let index = self.tables.add_bound_clip(clip.index.0, key.0, &binding)?;
-        self.bound_clips.insert(key, Bound { index, report });
+        self.assets.bound_clips.insert(key, Bound { index, report });
         Ok(index)
     }
 
@@ -64,9 +60,7 @@ impl Crowd {
         character: CharacterId,
         clip: ClipId,
     ) -> Result<(&CharacterState, &Arc<Clip>), Error> {
-        self.check_crowd("clip", clip.crowd, clip.index.0)?;
-        let known = self.clips.get(clip.index);
-        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+        let known = self.known_clip(clip)?;
         Ok((self.character_state(character)?, known))
     }
 

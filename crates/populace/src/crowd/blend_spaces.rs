@@ -1,26 +1,23 @@
 //! Blend spaces that members play.
 
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
+use populace_device::BodyIndex;
 use populace_device::layout::Slot;
 use populace_model::convert::single;
 
+use super::base::Base;
+use super::player::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
-use super::{Crowd, MemberId, u32_from};
+use super::{BlendSpaceId, MemberId, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
 use crate::playback::{Playback, check_secs};
 use crate::{BlendSpace, Error};
 
-/// A blend space of a crowd. Members of any character can play it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct BlendSpaceId {
-    crowd: u32,
-    index: u32,
-}
-
 /// A blend space and the durations of its clips.
+#[derive(Clone)]
 pub(super) struct Space {
-    space: BlendSpace,
+    pub(super) space: BlendSpace,
     durations_secs: Vec<f32>,
 }
 
@@ -28,7 +25,7 @@ pub(super) struct Space {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ActiveSpace {
     serial: u32,
-    space: u32,
+    pub(super) space: u32,
     play: Playback,
     /// The position, or the one it moves to; `None` while it waits for a slot.
     at: Option<SpacePoint>,
@@ -54,42 +51,39 @@ fn live_in_space(name: &str) -> Error {
     }
 }
 
-impl Crowd {
-    /// Adds a blend space. Members of any character can play it.
-    ///
-    /// # Errors
-    ///
-    /// A clip of another crowd, or [`Error::BadBlendSpace`] for a live clip, which has no cycle.
-    pub fn add_blend_space(&mut self, space: BlendSpace) -> Result<BlendSpaceId, Error> {
+impl Player {
+    pub(super) fn add_blend_space(
+        &mut self,
+        base: &mut Base,
+        space: BlendSpace,
+    ) -> Result<BlendSpaceId, Error> {
         let mut durations_secs = Vec::new();
         for clip in space.clips() {
-            self.check_crowd("clip", clip.crowd, clip.index.0)?;
-            let known = self.clips.get(clip.index);
-            let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+            let known = base.known_clip(*clip)?;
             if known.ring().is_some() {
                 return Err(live_in_space(known.name()));
             }
             durations_secs.push(known.duration_secs());
         }
-        let id = BlendSpaceId { crowd: self.number, index: u32_from(self.spaces.len()) };
-        self.spaces.push(Space { space, durations_secs });
-        Ok(id)
+        let (index, generation) = self.spaces.insert(Space { space, durations_secs });
+        Ok(BlendSpaceId { crowd: base.number, index, generation })
     }
 
     pub(super) fn play_space(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         space: BlendSpaceId,
         at: SpacePoint,
         play: Playback,
     ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        self.check_crowd("blend space", space.crowd, space.index)?;
+        let character = base.check(member)?;
+        base.check_crowd("blend space", space.crowd, space.index)?;
         let unknown = Error::UnknownId { what: "blend space", index: space.index };
-        let known = self.spaces.get(space.index as usize).ok_or(unknown)?;
+        let known = self.spaces.get((space.index, space.generation)).ok_or(unknown)?;
         play.check()?;
         let at = at.check()?;
-        let (needed, slots) = (known.space.slots_needed(), self.tables.slots_per_member());
+        let (needed, slots) = (known.space.slots_needed(), base.tables.slots_per_member());
         if needed > slots {
             let reason = format!(
                 "takes {needed} slots, but members have {slots}; see CrowdBuilder::slots_per_member"
@@ -98,22 +92,23 @@ impl Crowd {
         }
         // Bound now, so that a scheduled start cannot fail.
         for clip in known.space.clips().to_vec() {
-            self.bind(character, clip, play.partial)?;
+            base.bind(character, clip, play.partial)?;
         }
         self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
         let action = Action::Space { index: space.index, at };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
-        let due = self.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
-        self.begin_or_wait(member.index, due, start)
+        let due = base.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
+        self.begin_or_wait(base, member.index, due, start)
     }
 
     pub(super) fn set_blend_parameter(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         at: SpacePoint,
         over_secs: f32,
     ) -> Result<(), Error> {
-        self.check(member)?;
+        base.check(member)?;
         let at = at.check()?;
         check_secs("the time to move in a blend space", over_secs)?;
         let mut waits = false;
@@ -134,43 +129,54 @@ impl Crowd {
         self.scheduled.retain(member.index, |start| !matches!(start.action, Action::Move { .. }));
         let action = Action::Move { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
-        self.begin_move(member.index, &start, (at, over_secs), self.clock.tick)
+        self.begin_move(base, member.index, &start, (at, over_secs), base.clock.tick)
+    }
+
+    /// Returns whether a slot of the active blend space of the member at an index has weight.
+    pub(super) fn is_heard(&self, base: &Base, index: u32, active: &ActiveSpace) -> bool {
+        let tick = base.clock.tick;
+        let slots = (0..).zip(base.slots(index));
+        let mut own =
+            slots.filter(|(slot, _)| self.started(base, index, *slot).serial == active.serial);
+        own.any(|(_, slot)| !faded_out(slot, tick))
     }
 
     /// Forgets the blend space of a layer that something else takes over.
-    pub(super) fn forget_space(&mut self, place: u32, layer: usize) {
+    pub(super) fn forget_space(&mut self, member_index: u32, layer: usize) {
         if self
             .active_space
-            .get(&place)
+            .get(&member_index)
             .is_some_and(|active_space| active_space.play.layer == layer)
         {
-            self.active_space.remove(&place);
+            self.active_space.remove(&member_index);
         }
     }
 
     pub(super) fn begin_space(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         start: &Start,
         (index, at): (u32, SpacePoint),
         tick: u64,
     ) -> Result<(), Error> {
         let Playback { layer, fade_in_secs: secs, .. } = start.play;
         if secs <= 0.0 {
-            self.fade_out(place, layer, 0.0, tick)?;
+            self.fade_out(base, member_index, layer, 0.0, tick)?;
         }
         let plan = |slot: &Slot, _| {
             if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        let all = self.spaces[index as usize].space.weights_at(at);
-        let weights = strongest(all, |_| false, self.free_slot_count(place, tick, plan));
+        let all = self.spaces[index].space.weights_at(at);
+        let weights =
+            strongest(all, |_| false, self.free_slot_count(base, member_index, tick, plan));
         let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
-        if let Some(due) = self.free_slots(place, needed, secs, tick, plan)? {
-            self.scheduled.push(place, due, start.at_its_time());
+        if let Some(due) = self.free_slots(base, member_index, needed, secs, tick, plan)? {
+            self.scheduled.push(member_index, due, start.at_its_time());
             return Ok(());
         }
-        let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };
-        self.fade_out(place, layer, secs, tick)?;
+        let secs = if self.is_first(base, member_index, layer, tick) { 0.0 } else { secs };
+        self.fade_out(base, member_index, layer, secs, tick)?;
         let phase = f64::from(start.play.phase.rem_euclid(1.0));
         let active_space = ActiveSpace {
             serial: start.serial,
@@ -182,12 +188,12 @@ impl Crowd {
             cycles_per_sec: self.cycles_per_sec(index, &weights, start.play.speed),
             faded_in_tick: tick.saturating_add(ticks_from_secs(f64::from(secs))),
         };
-        self.active_space.insert(place, active_space);
+        self.active_space.insert(member_index, active_space);
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
-            self.add_sample(place, &active_space, (sample, weight), secs, tick)?;
+            self.add_sample(base, member_index, &active_space, (sample, weight), secs, tick)?;
         }
         if weights != all {
-            self.schedule_move(place, start, (at, secs), tick);
+            self.schedule_move(member_index, start, (at, secs), tick);
         }
         Ok(())
     }
@@ -195,35 +201,36 @@ impl Crowd {
     /// Schedules another move to the same position, because some clips have no slot yet.
     fn schedule_move(
         &mut self,
-        place: u32,
+        member_index: u32,
         start: &Start,
         (at, secs): (SpacePoint, f32),
         tick: u64,
     ) {
         let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
         let action = Action::Move { at, over_secs: secs };
-        self.scheduled.push(place, due, Start { action, ..start.at_its_time() });
-        if let Some(active_space) = self.active_space.get_mut(&place) {
+        self.scheduled.push(member_index, due, Start { action, ..start.at_its_time() });
+        if let Some(active_space) = self.active_space.get_mut(&member_index) {
             active_space.at = None;
         }
     }
 
     pub(super) fn begin_move(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         start: &Start,
         (at, over_secs): (SpacePoint, f32),
         tick: u64,
     ) -> Result<(), Error> {
         let Some(active_space) =
-            self.active_space.get(&place).copied().filter(|s| s.serial == start.serial)
+            self.active_space.get(&member_index).copied().filter(|s| s.serial == start.serial)
         else {
             return Ok(()); // Something else has started since.
         };
         if active_space.at == Some(at) {
             return Ok(());
         }
-        let all = self.spaces[active_space.space as usize].space.weights_at(at);
+        let all = self.spaces[active_space.space].space.weights_at(at);
         let fading_in =
             active_space.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
         let secs = over_secs.max(single(fading_in));
@@ -237,21 +244,22 @@ impl Crowd {
                 None => Plan::Apart,
             }
         };
-        let is_there =
-            |sample| self.sample_slot(place, active_space.serial, sample, tick).is_some();
+        let is_there = |sample| {
+            self.sample_slot(base, member_index, active_space.serial, sample, tick).is_some()
+        };
         let weights = if secs > 0.0 {
-            strongest(all, is_there, self.free_slot_count(place, tick, plan))
+            strongest(all, is_there, self.free_slot_count(base, member_index, tick, plan))
         } else {
             all
         };
         let missing = weights.iter().filter(|(sample, weight)| *weight > 0.0 && !is_there(*sample));
         let needed = missing.count();
         if secs <= 0.0 {
-            self.move_slots(place, &active_space, &weights, 0.0, tick)?;
+            self.move_slots(base, member_index, &active_space, &weights, 0.0, tick)?;
         }
-        if let Some(due) = self.free_slots(place, needed, secs, tick, plan)? {
-            self.scheduled.push(place, due, *start);
-            self.active_space.insert(place, ActiveSpace { at: None, ..active_space });
+        if let Some(due) = self.free_slots(base, member_index, needed, secs, tick, plan)? {
+            self.scheduled.push(member_index, due, *start);
+            self.active_space.insert(member_index, ActiveSpace { at: None, ..active_space });
             return Ok(());
         }
         let cycles_per_sec =
@@ -259,15 +267,15 @@ impl Crowd {
         let phase = active_space.phase_at(tick);
         let active_space =
             ActiveSpace { at: Some(at), start_tick: tick, phase, cycles_per_sec, ..active_space };
-        self.active_space.insert(place, active_space);
-        self.move_slots(place, &active_space, &weights, secs, tick)?;
+        self.active_space.insert(member_index, active_space);
+        self.move_slots(base, member_index, &active_space, &weights, secs, tick)?;
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
-            if self.sample_slot(place, active_space.serial, sample, tick).is_none() {
-                self.add_sample(place, &active_space, (sample, weight), secs, tick)?;
+            if self.sample_slot(base, member_index, active_space.serial, sample, tick).is_none() {
+                self.add_sample(base, member_index, &active_space, (sample, weight), secs, tick)?;
             }
         }
         if weights != all {
-            self.schedule_move(place, start, (at, over_secs), tick);
+            self.schedule_move(member_index, start, (at, over_secs), tick);
         }
         Ok(())
     }
@@ -275,21 +283,24 @@ impl Crowd {
     /// Fades the slots of a blend space to new weights and speed, and those that it replaces out.
     fn move_slots(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         active_space: &ActiveSpace,
         weights: &Weights,
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
-        for index in 0..self.slots(place).len() {
-            let (mut slot, started) = (self.slots(place)[index], self.started(place, index));
+        for index in 0..base.slots(member_index).len() {
+            let (mut slot, started) =
+                (base.slots(member_index)[index], self.started(base, member_index, index));
             if slot.layer() as usize != active_space.play.layer || faded_out(&slot, tick) {
                 continue;
             }
             let own = started.sample.filter(|_| started.serial == active_space.serial);
             if let Some(sample) = own {
-                let paced = self.in_phase(place, active_space, usize::from(sample), tick);
-                self.note_left(place, &slot, tick);
+                let paced =
+                    self.in_phase(base, member_index, active_space, usize::from(sample), tick);
+                self.note_left(base, member_index, &slot, tick);
                 slot = Slot {
                     start_tick: tick,
                     start_phase: paced.start_phase,
@@ -301,39 +312,51 @@ impl Crowd {
             }
             let weight =
                 own.map_or(0.0, |sample| weight_of(weights, sample)) * active_space.play.weight;
-            slot.ramp_weight(tick, self.slots(place)[index].weight_at(tick), weight, secs);
-            self.tables.set_slot(place, index, slot)?;
+            slot.ramp_weight(tick, base.slots(member_index)[index].weight_at(tick), weight, secs);
+            base.tables.set_slot(member_index, index, slot)?;
         }
         Ok(())
     }
 
     fn add_sample(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         active_space: &ActiveSpace,
         (sample, weight): (usize, f32),
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
         let mut slot = self
-            .in_phase(place, active_space, sample, tick)
+            .in_phase(base, member_index, active_space, sample, tick)
             .on_layer(u32_from(active_space.play.layer));
         slot.ramp_weight(tick, 0.0, weight * active_space.play.weight, secs);
         let sample = u16::try_from(sample).ok();
         self.fill_slot(
-            place,
+            base,
+            member_index,
             slot,
             Started { serial: active_space.serial, sample, once: false },
             tick,
         )
     }
 
-    fn in_phase(&self, place: u32, active_space: &ActiveSpace, sample: usize, tick: u64) -> Slot {
-        let space = &self.spaces[active_space.space as usize].space;
-        let body = self.tables.members().as_slice()[place as usize].body;
-        let key = (populace_device::BodyIndex(body), space.clips()[sample].index);
-        let bound =
-            self.bound_clips.get(&key).map_or(populace_device::layout::NONE, |bound| bound.index);
+    fn in_phase(
+        &self,
+        base: &Base,
+        member_index: u32,
+        active_space: &ActiveSpace,
+        sample: usize,
+        tick: u64,
+    ) -> Slot {
+        let space = &self.spaces[active_space.space].space;
+        let body = base.tables.members().as_slice()[member_index as usize].body;
+        let key = (BodyIndex(body), space.clips()[sample].index);
+        let bound = base
+            .assets
+            .bound_clips
+            .get(&key)
+            .map_or(populace_device::layout::NONE, |bound| bound.index);
         let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
         Slot::in_phase(
             bound,
@@ -344,10 +367,17 @@ impl Crowd {
     }
 
     /// Returns the slot of a clip of a blend space, unless it has faded out.
-    fn sample_slot(&self, place: u32, serial: u32, sample: usize, tick: u64) -> Option<usize> {
-        (0..self.slots(place).len()).find(|&index| {
-            let started = self.started(place, index);
-            !faded_out(&self.slots(place)[index], tick)
+    fn sample_slot(
+        &self,
+        base: &Base,
+        member_index: u32,
+        serial: u32,
+        sample: usize,
+        tick: u64,
+    ) -> Option<usize> {
+        (0..base.slots(member_index).len()).find(|&index| {
+            let started = self.started(base, member_index, index);
+            !faded_out(&base.slots(member_index)[index], tick)
                 && started.serial == serial
                 && started.sample.map(usize::from) == Some(sample)
         })
@@ -355,7 +385,7 @@ impl Crowd {
 
     /// Returns the weighted mean of the clips' cycles per second. Clips of no length do not count.
     fn cycles_per_sec(&self, space: u32, weights: &Weights, speed: f32) -> f64 {
-        let durations = &self.spaces[space as usize].durations_secs;
+        let durations = &self.spaces[space].durations_secs;
         let (mut sum, mut total) = (0.0, 0.0);
         for (sample, weight) in weights.iter().filter(|(sample, _)| durations[*sample] > 0.0) {
             sum += f64::from(*weight) / f64::from(durations[*sample]);

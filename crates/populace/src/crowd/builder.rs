@@ -1,17 +1,14 @@
 //! The builder of a crowd.
 
-use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use populace_clip::AnimationSet;
-use populace_device::{GlContext, MAX_SLOTS, Schedule, Tables};
+use populace_device::{GlContext, MAX_SLOTS, Schedule};
 
-use super::constraints::Watches;
-use super::machines::Machines;
-use super::scheduled::ScheduledStarts;
-use super::stages::UserStages;
-use super::{Clock, Crowd};
+use super::Crowd;
+use super::active_device::ActiveDevice;
+use super::base::Base;
+use super::state::State;
 use crate::device::Opened;
 use crate::{Device, Devices, Error, Split};
 
@@ -41,7 +38,8 @@ impl Default for CrowdBuilder {
 
 impl CrowdBuilder {
     /// Sets the device. Unless set it is [`Device::best`], or the native device if that cannot be
-    /// opened; [`Crowd::fallback`] then returns the reason.
+    /// opened; [`DeviceInfo::fallback`](crate::DeviceInfo::fallback) then
+    /// holds the reason.
     #[must_use]
     pub fn device(self, device: Device) -> Self {
         self.devices(device)
@@ -114,44 +112,10 @@ impl CrowdBuilder {
             });
         }
         let Start { devices, opened, fallback } = self.open()?;
-        Ok(Crowd {
-            number: CROWDS.fetch_add(1, Ordering::Relaxed),
-            opened,
-            devices,
-            fallback,
-            gl: self.gl,
-            tables: Tables::with_capacity(self.slots_per_member, self.capacity),
-            clips: AnimationSet::default(),
-            characters: Vec::new(),
-            bound_clips: HashMap::new(),
-            clip_roles: HashMap::new(),
-            streams: HashMap::new(),
-            members: Vec::new(),
-            controls: HashMap::new(),
-            watches: Watches::default(),
-            attachments: HashMap::new(),
-            stages: UserStages::default(),
-            readers: BTreeMap::new(),
-            listening: Vec::new(),
-            marks: HashMap::new(),
-            events: Vec::new(),
-            left: Vec::new(),
-            kept: None,
-            frame: 0,
-            is_readable: false,
-            proportions: HashMap::new(),
-            member_count: 0,
-            capacity: self.capacity,
-            clock: Clock::default(),
-            started: Vec::new(),
-            last_serial: 0,
-            motions: 0,
-            moving: HashMap::new(),
-            scheduled: ScheduledStarts::default(),
-            spaces: Vec::new(),
-            active_space: HashMap::new(),
-            machines: Machines::default(),
-        })
+        let number = CROWDS.fetch_add(1, Ordering::Relaxed);
+        let base = Base::new(number, self.slots_per_member, self.capacity);
+        let device = ActiveDevice::new(devices, opened, fallback, self.gl);
+        Ok(Crowd { state: State::new(base), device })
     }
 
     /// Opens the selected devices, or the best device that opens.

@@ -1,48 +1,57 @@
-//! Characters of a crowd, and their clips by name.
+//! Characters of a crowd, their clips and their masks.
 
 use std::sync::Arc;
 
 use populace_character::Character;
 use populace_clip::Clip;
-use populace_model::{RoleMap, nearest_names};
+use populace_model::{Mask, RoleMap, nearest_names};
 
-use super::{CharacterId, CharacterState, ClipId, Crowd, u32_from};
+use super::base::{Assets, Base, CharacterState};
+use super::slab::Slab;
+use super::{CharacterId, ClipId, MaskId};
 use crate::Error;
 
-impl Crowd {
-    /// Adds a character with its clips.
-    ///
-    /// # Errors
-    ///
-    /// More data than devices can address.
-    pub fn add_character(
+impl Assets {
+    /// The index of a clip, if it was added.
+    pub(super) fn index_of(&self, clip: &Arc<Clip>) -> Option<u32> {
+        let known = self.clips.iter().find(|(_, known)| Arc::ptr_eq(known, clip));
+        known.map(|((index, _), _)| index)
+    }
+}
+
+impl Base {
+    pub(super) fn add_character(
         &mut self,
-        character: impl Into<Arc<Character>>,
+        character: Arc<Character>,
     ) -> Result<CharacterId, Error> {
-        let character = character.into();
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
-        let id = CharacterId { crowd: self.number, index: u32_from(self.characters.len()) };
         let clips = character.clips.clone();
         let roles = RoleMap::detect(&character.skeleton);
-        self.characters.push(CharacterState { character, body, roles, clips: Vec::new() });
+        let state =
+            CharacterState { character, body, roles, clips: Vec::new(), masks: Slab::default() };
+        let (index, generation) = self.assets.characters.insert(state);
+        let id = CharacterId { crowd: self.number, index, generation };
         for clip in &clips {
             self.add_clip(id, clip)?;
         }
         Ok(id)
     }
 
-    /// Adds a clip under its name to a character, at any time. Other characters can play it too.
-    ///
-    /// # Errors
-    ///
-    /// A character of another crowd, or more data than devices can address.
-    pub fn add_clip(&mut self, character: CharacterId, clip: &Arc<Clip>) -> Result<ClipId, Error> {
+    pub(super) fn add_clip(
+        &mut self,
+        character: CharacterId,
+        clip: &Arc<Clip>,
+    ) -> Result<ClipId, Error> {
         self.character_state(character)?;
-        if self.clips.find(clip).is_none() {
-            // In the set's order, so that one index names a clip in both.
-            self.tables.add_clip(clip)?;
-        }
-        let id = ClipId { crowd: self.number, index: self.clips.add(clip) };
+        let index = match self.assets.index_of(clip) {
+            Some(index) => index,
+            None => {
+                let index = self.tables.add_clip(clip)?;
+                self.assets.clips.insert_at(index, Arc::clone(clip));
+                index
+            }
+        };
+        let id = self.clip_id(index);
         let clips = &mut self.character_state_mut(character)?.clips;
         if !clips.contains(&id) {
             clips.push(id);
@@ -50,48 +59,54 @@ impl Crowd {
         Ok(id)
     }
 
-    /// Returns the character of an id.
-    ///
-    /// # Errors
-    ///
-    /// A character of another crowd.
-    pub fn character(&self, character: CharacterId) -> Result<&Arc<Character>, Error> {
-        Ok(&self.character_state(character)?.character)
-    }
-
-    /// Returns the clip of a character by name.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::UnknownClip`] with similar names.
-    pub fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
+    /// Returns the clip of a character by name, or an error with similar names.
+    pub(super) fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
+        let named = || self.clips(character).map(|(id, clip)| (clip.name(), id));
         let state = self.character_state(character)?;
-        let named =
-            state.clips.iter().filter_map(|id| Some((self.clips.get(id.index)?.name(), *id)));
-        named.clone().find(|(n, _)| *n == name).map(|(_, id)| id).ok_or_else(|| {
-            Error::UnknownClip {
-                character: state.character.name.clone(),
-                name: name.to_owned(),
-                nearest: nearest_names(name, named.map(|(n, _)| n)),
-            }
+        named().find(|(own, _)| *own == name).map(|(_, id)| id).ok_or_else(|| Error::UnknownClip {
+            character: state.character.name.clone(),
+            name: name.to_owned(),
+            nearest: nearest_names(name, named().map(|(own, _)| own)),
         })
     }
 
-    /// Returns the clips of a character, in the order in which they were added.
-    ///
-    /// # Errors
-    ///
-    /// A character of another crowd.
-    pub fn clips(&self, character: CharacterId) -> Result<Vec<(ClipId, Arc<Clip>)>, Error> {
-        let ids = self.character_state(character)?.clips.iter();
-        Ok(ids.filter_map(|id| Some((*id, Arc::clone(self.clips.get(id.index)?)))).collect())
+    /// Iterates over the clips of a character, in the order in which they were added.
+    pub(super) fn clips(
+        &self,
+        character: CharacterId,
+    ) -> impl Iterator<Item = (ClipId, &Arc<Clip>)> + Clone {
+        let ids = self.character_state(character).map_or(&[][..], |state| &state.clips);
+        ids.iter().filter_map(|id| Some((*id, self.known_clip(*id).ok()?)))
+    }
+
+    pub(super) fn add_mask(
+        &mut self,
+        character: CharacterId,
+        mask: &Mask,
+    ) -> Result<MaskId, Error> {
+        let joints = self.character_state(character)?.character.skeleton.joint_count();
+        let weights = mask.weights().len();
+        if weights != joints {
+            return Err(populace_model::Error::BadMask { weights, joints }.into());
+        }
+        let first = self.tables.add_mask(mask)?;
+        let (index, generation) = self.character_state_mut(character)?.masks.insert(first);
+        Ok(MaskId { character, index, generation })
+    }
+
+    /// Returns the first weight of a mask of a character in the tables.
+    pub(super) fn first_of_mask(&self, character: CharacterId, mask: MaskId) -> Result<u32, Error> {
+        let masks = &self.character_state(character)?.masks;
+        let first =
+            masks.get((mask.index, mask.generation)).filter(|_| mask.character == character);
+        let unknown = Error::UnknownId { what: "mask of this character", index: mask.index };
+        first.copied().ok_or(unknown)
     }
 
     pub(super) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
         self.check_crowd("character", id.crowd, id.index)?;
-        self.characters
-            .get(id.index())
-            .ok_or(Error::UnknownId { what: "character", index: id.index })
+        let unknown = Error::UnknownId { what: "character", index: id.index };
+        self.assets.characters.get((id.index, id.generation)).ok_or(unknown)
     }
 
     pub(super) fn character_state_mut(
@@ -99,8 +114,7 @@ impl Crowd {
         id: CharacterId,
     ) -> Result<&mut CharacterState, Error> {
         self.check_crowd("character", id.crowd, id.index)?;
-        self.characters
-            .get_mut(id.index())
-            .ok_or(Error::UnknownId { what: "character", index: id.index })
+        let unknown = Error::UnknownId { what: "character", index: id.index };
+        self.assets.characters.get_mut((id.index, id.generation)).ok_or(unknown)
     }
 }

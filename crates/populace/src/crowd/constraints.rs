@@ -1,16 +1,15 @@
 //! Constraint programs of members: overrides, look-at, reach, planted feet, proportions.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::mem::{Discriminant, discriminant};
 
 use populace_device::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
-use populace_device::{
-    Chain, Constraint, Controls, Feet, Ground, JointOverride, Limb, Place, Space,
-};
+use populace_device::{BodyIndex, Chain, Constraint, Controls, Feet, JointOverride, Limb, Space};
 use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
+use super::MemberId;
+use super::base::Base;
 use super::humanoid::limb_above;
-use super::{Crowd, MemberId};
 use crate::{Error, Gaze, Reach, Target, Weight};
 
 /// The most targets between which one constraint eases; the weakest is dropped.
@@ -21,14 +20,22 @@ const SOFT: f32 = 0.03;
 /// as a fraction of the limb's length.
 const BENT: f32 = 0.01;
 
-/// Watched joints: index on the device and number of users, by member and joint.
-#[derive(Debug, Default)]
-pub(crate) struct Watches(pub(super) HashMap<(MemberId, JointIndex), (u32, usize)>);
+/// Constraint programs of members, and the joints that they watch.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Constraints {
+    /// By member index.
+    controls: HashMap<u32, MemberControls>,
+    /// Watched joints: index on the device and number of users.
+    watches: HashMap<(MemberId, JointIndex), (u32, usize)>,
+    /// Bone-length factors in use, by body and the bits of the factors: their offset on the device
+    /// and the number of members that have them.
+    proportions: HashMap<(BodyIndex, Vec<u32>), (u32, usize)>,
+}
 
 /// A member's constraint program and the joints that its targets watch.
-#[derive(Debug, Default)]
-pub(crate) struct MemberControls {
-    pub(super) controls: Controls,
+#[derive(Clone, Debug, Default)]
+struct MemberControls {
+    controls: Controls,
     watching: Vec<(MemberId, JointIndex)>,
     /// The tick at which each constraint last received a target.
     aimed: Vec<(Goal, u64)>,
@@ -38,13 +45,14 @@ pub(crate) struct MemberControls {
 /// target.
 type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
-impl Crowd {
+impl Constraints {
     pub(super) fn override_joints(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         overrides: &[JointOverride],
     ) -> Result<(), Error> {
-        self.change_controls(member, |controls| {
+        self.change(base, member, |controls| {
             for given in overrides {
                 let same =
                     |o: &&mut JointOverride| o.joint == given.joint && o.space == given.space;
@@ -59,18 +67,19 @@ impl Crowd {
 
     pub(super) fn release_joints(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         space: Space,
         joints: &[JointIndex],
     ) -> Result<(), Error> {
-        self.change_controls(member, |controls| {
+        self.change(base, member, |controls| {
             controls.overrides.retain(|o| o.space != space || !joints.contains(&o.joint));
             Ok(())
         })
     }
 
-    pub(super) fn release_all(&mut self, member: MemberId) -> Result<(), Error> {
-        self.change_controls(member, |controls| {
+    pub(super) fn release_all(&mut self, base: &mut Base, member: MemberId) -> Result<(), Error> {
+        self.change(base, member, |controls| {
             controls.overrides.clear();
             Ok(())
         })
@@ -78,6 +87,7 @@ impl Crowd {
 
     pub(super) fn look_with(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         gaze: Gaze,
         target: Target,
@@ -85,39 +95,46 @@ impl Crowd {
     ) -> Result<(), Error> {
         let Gaze { chain, facing, limits } = gaze;
         let gaze = populace_device::Gaze { chain, facing, limits, targets: Vec::new() };
-        self.aim(member, target, weight, &Constraint::Gaze(gaze))
+        self.aim(base, member, target, weight, &Constraint::Gaze(gaze))
     }
 
     pub(super) fn reach(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         reach: Reach,
         target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        let state = self.character_state(character)?;
+        let character = base.check(member)?;
+        let state = base.character_state(character)?;
         let by_roles = limb_above(state.roles.as_ref(), reach.end);
         let limb =
             limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
-        self.aim(member, target, weight, &Constraint::Limb(limb))
+        self.aim(base, member, target, weight, &Constraint::Limb(limb))
     }
 
     pub(super) fn reach_with_chain(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         [first, end]: [JointIndex; 2],
         target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
         let chain = Chain { first, end, soft: SOFT, targets: Vec::new() };
-        self.aim(member, target, weight, &Constraint::Chain(chain))
+        self.aim(base, member, target, weight, &Constraint::Chain(chain))
     }
 
-    pub(super) fn plant_with(&mut self, member: MemberId, feet: &Feet) -> Result<(), Error> {
+    pub(super) fn plant_with(
+        &mut self,
+        base: &mut Base,
+        member: MemberId,
+        feet: &Feet,
+    ) -> Result<(), Error> {
         let feet = Constraint::Feet(feet.clone());
         let stays = matches!(&feet, Constraint::Feet(feet) if feet.weight > 0.0);
-        self.change_controls(member, |controls| {
+        self.change(base, member, |controls| {
             let all = &mut controls.constraints;
             // An existing constraint keeps its position among the others.
             match all.iter().position(|constraint| matches!(constraint, Constraint::Feet(_))) {
@@ -130,22 +147,14 @@ impl Crowd {
         })
     }
 
-    /// Sets the ground for planted feet: level at height 0 unless set.
-    ///
-    /// # Errors
-    ///
-    /// More data than devices can address.
-    pub fn set_ground(&mut self, ground: &Ground) -> Result<(), Error> {
-        Ok(self.tables.set_ground(ground)?)
-    }
-
     pub(super) fn set_proportions(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         factors: &[f32],
     ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        let joints = self.character_state(character)?.character.skeleton.joint_count();
+        let character = base.check(member)?;
+        let joints = base.character_state(character)?.character.skeleton.joint_count();
         let good =
             factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
         if !good {
@@ -156,31 +165,51 @@ impl Crowd {
                 rule,
             });
         }
-        let first =
-            match self.proportions.get(&factors.iter().map(|f| f.to_bits()).collect::<Vec<_>>()) {
-                Some(&first) => first,
-                None => {
-                    let first = self.tables.add_joint_scales(factors)?;
-                    self.proportions.insert(factors.iter().map(|f| f.to_bits()).collect(), first);
-                    first
-                }
-            };
-        self.change_controls(member, |controls| {
+        let bits = factors.iter().map(|factor| factor.to_bits()).collect();
+        let key = (base.character_state(character)?.body, bits);
+        let known = self.proportions.get(&key).map(|(first, _)| *first);
+        let first = match known {
+            Some(first) => first,
+            None => base.tables.add_joint_scales(factors)?,
+        };
+        let old = self.controls.get(&member.index).and_then(|state| state.controls.proportions);
+        let changed = self.change(base, member, |controls| {
             controls.proportions = Some(first);
             Ok(())
-        })
+        });
+        if changed.is_ok() {
+            self.proportions.entry(key).or_insert((first, 0)).1 += 1;
+            self.release_proportions(base, old);
+        } else if known.is_none() {
+            base.tables.remove_joint_scales(first)?;
+        }
+        changed
+    }
+
+    /// Frees bone-length factors after their last user.
+    fn release_proportions(&mut self, base: &mut Base, first: Option<u32>) {
+        let Some(first) = first else { return };
+        self.proportions.retain(|_, (known, users)| {
+            *users -= usize::from(*known == first);
+            *users > 0
+        });
+        if !self.proportions.values().any(|(known, _)| *known == first) {
+            // They are in the tables as long as they have users.
+            let _removed = base.tables.remove_joint_scales(first);
+        }
     }
 
     /// Fades out and then removes the constraints that `which` selects.
     fn ease_out(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         secs: f32,
         which: impl Fn(&Constraint) -> bool,
     ) -> Result<(), Error> {
         crate::playback::check_secs("the time to come to a weight", secs)?;
-        let tick = self.clock.tick;
-        self.change_controls(member, |controls| {
+        let tick = base.clock.tick;
+        self.change(base, member, |controls| {
             for constraint in controls.constraints.iter_mut().filter(|c| which(c)) {
                 for target in targets_of(constraint) {
                     *target = target.ramped_to(tick, 0.0, secs);
@@ -190,17 +219,25 @@ impl Crowd {
         })
     }
 
-    pub(super) fn look_ahead(&mut self, member: MemberId, over_secs: f32) -> Result<(), Error> {
-        self.ease_out(member, over_secs, |constraint| matches!(constraint, Constraint::Gaze(_)))
+    pub(super) fn look_ahead(
+        &mut self,
+        base: &mut Base,
+        member: MemberId,
+        over_secs: f32,
+    ) -> Result<(), Error> {
+        self.ease_out(base, member, over_secs, |constraint| {
+            matches!(constraint, Constraint::Gaze(_))
+        })
     }
 
     pub(super) fn let_go(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         end: JointIndex,
         over_secs: f32,
     ) -> Result<(), Error> {
-        self.ease_out(member, over_secs, |constraint| match constraint {
+        self.ease_out(base, member, over_secs, |constraint| match constraint {
             Constraint::Limb(limb) => limb.end == end,
             Constraint::Chain(chain) => chain.end == end,
             Constraint::Gaze(_) | Constraint::Feet(_) => false,
@@ -210,6 +247,7 @@ impl Crowd {
     /// Adds a target to the constraint `new`, or to the existing constraint of the same identity.
     fn aim(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         target: Target,
         weight: Weight,
@@ -217,15 +255,15 @@ impl Crowd {
     ) -> Result<(), Error> {
         target.check()?;
         weight.check()?;
-        self.check(member)?;
+        base.check(member)?;
         let watched = match target {
-            Target::Joint { member: other, joint } => self.watch_for(member, other, joint)?,
+            Target::Joint { member: other, joint } => self.watch_for(base, member, other, joint)?,
             _ => 0,
         };
-        let (tick, goal) = (self.clock.tick, goal_of(new));
+        let (tick, goal) = (base.clock.tick, goal_of(new));
         let target = target.device_target(watched);
-        let follows = !weight.eases_over && self.was_aimed_within(member, goal, weight.secs);
-        self.change_controls(member, |controls| {
+        let follows = !weight.eases_over && self.was_aimed_within(base, member, goal, weight.secs);
+        self.change(base, member, |controls| {
             let at = controls.constraints.iter().position(|constraint| goal_of(constraint) == goal);
             let mut targets =
                 at.map_or_else(Vec::new, |at| targets_of(&mut controls.constraints[at]).to_vec());
@@ -245,16 +283,17 @@ impl Crowd {
     }
 
     /// Returns whether a constraint received a target less than `secs` ago.
-    fn was_aimed_within(&self, member: MemberId, goal: Goal, secs: f32) -> bool {
+    fn was_aimed_within(&self, base: &Base, member: MemberId, goal: Goal, secs: f32) -> bool {
         let aimed = self.controls.get(&member.index).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
         let ticks = populace_clip::ticks_from_secs(f64::from(secs));
-        of_goal.any(|(_, tick)| self.clock.tick - tick < ticks)
+        of_goal.any(|(_, tick)| base.clock.tick - tick < ticks)
     }
 
     /// Watches a joint for a target of `watcher` and returns its index on the device.
     fn watch_for(
         &mut self,
+        base: &mut Base,
         watcher: MemberId,
         other: MemberId,
         joint: JointIndex,
@@ -262,70 +301,115 @@ impl Crowd {
         let key = (other, joint);
         let watching =
             self.controls.get(&watcher.index).is_some_and(|state| state.watching.contains(&key));
-        if let Some((watched, _)) = self.watches.0.get(&key).filter(|_| watching) {
+        if let Some((watched, _)) = self.watches.get(&key).filter(|_| watching) {
             return Ok(*watched);
         }
-        let watched = self.watch_joint(other, joint)?;
+        let watched = self.watch_joint(base, other, joint)?;
         self.controls.entry(watcher.index).or_default().watching.push(key);
         Ok(watched)
     }
 
-    pub(super) fn watch_joint(&mut self, other: MemberId, joint: JointIndex) -> Result<u32, Error> {
-        self.check(other)?;
-        if let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) {
+    pub(super) fn watch_joint(
+        &mut self,
+        base: &mut Base,
+        other: MemberId,
+        joint: JointIndex,
+    ) -> Result<u32, Error> {
+        base.check(other)?;
+        if let Some((watched, count)) = self.watches.get_mut(&(other, joint)) {
             *count += 1;
             return Ok(*watched);
         }
-        let watched = self.tables.add_watched();
-        let changed = self.change_controls(other, |controls| {
+        let watched = base.tables.add_watched();
+        let changed = self.change(base, other, |controls| {
             controls.watches.push((joint, watched));
             Ok(())
         });
         if let Err(error) = changed {
-            self.tables.remove_watched(watched);
+            base.tables.remove_watched(watched);
             return Err(error);
         }
-        self.watches.0.insert((other, joint), (watched, 1));
+        self.watches.insert((other, joint), (watched, 1));
         Ok(watched)
     }
 
-    pub(super) fn unwatch_joint(&mut self, other: MemberId, joint: JointIndex) {
-        let Some((watched, count)) = self.watches.0.get_mut(&(other, joint)) else { return };
+    pub(super) fn unwatch_joint(&mut self, base: &mut Base, other: MemberId, joint: JointIndex) {
+        let Some((watched, count)) = self.watches.get_mut(&(other, joint)) else { return };
         *count -= 1;
         if *count > 0 {
             return;
         }
         let watched = *watched;
-        self.watches.0.remove(&(other, joint));
-        self.tables.remove_watched(watched);
+        self.watches.remove(&(other, joint));
+        base.tables.remove_watched(watched);
         // If the other member is gone there is nothing to change.
-        let _left = self.change_controls(other, |controls| {
-            controls.watches.retain(|(_, place)| *place != watched);
+        let _left = self.change(base, other, |controls| {
+            controls.watches.retain(|(_, index)| *index != watched);
             Ok(())
         });
     }
 
+    /// Returns the index of a watched joint on the device.
+    pub(super) fn watched_index(&self, key: (MemberId, JointIndex)) -> Option<u32> {
+        self.watches.get(&key).map(|(watched, _)| *watched)
+    }
+
+    #[cfg(test)]
+    pub(super) fn watch_count(&self) -> usize {
+        self.watches.len()
+    }
+
+    /// Returns the number of a member's root motion, if it has any.
+    pub(super) fn motion(&self, member: MemberId) -> Option<u32> {
+        self.controls.get(&member.index)?.controls.motion
+    }
+
+    pub(super) fn plants_feet(&self, member: MemberId) -> bool {
+        let feet = |constraint: &Constraint| matches!(constraint, Constraint::Feet(_));
+        self.controls(member).is_some_and(|state| state.controls.constraints.iter().any(feet))
+    }
+
+    /// Returns whether a target of the member is a joint of another member.
+    pub(super) fn watches_others(&self, member: MemberId) -> bool {
+        self.controls(member).is_some_and(|state| !state.watching.is_empty())
+    }
+
+    pub(super) fn overrides_joints(&self, member: MemberId) -> bool {
+        self.controls(member).is_some_and(|state| !state.controls.overrides.is_empty())
+    }
+
+    fn controls(&self, member: MemberId) -> Option<&MemberControls> {
+        self.controls.get(&member.index)
+    }
+
+    /// Returns the indices of the members that run a user stage, in ascending order.
+    pub(super) fn users_of_stage(&self, number: u32) -> BTreeSet<u32> {
+        let uses = |state: &MemberControls| state.controls.stages.iter().any(|u| u.stage == number);
+        self.controls.iter().filter(|(_, state)| uses(state)).map(|(index, _)| *index).collect()
+    }
+
     /// Changes a member's constraint program. Nothing is changed on an error.
-    pub(super) fn change_controls(
+    pub(super) fn change(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         change: impl FnOnce(&mut Controls) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        let skeleton = &self.characters[character.index()].character.skeleton;
+        let character = base.check(member)?;
+        let skeleton = &base.assets.characters[character.index].character.skeleton;
         let state = self.controls.entry(member.index).or_default();
         let mut controls = state.controls.clone();
         change(&mut controls)?;
-        forget_faded(&mut controls, self.clock.tick);
-        self.tables.set_controls(member.index, skeleton, &controls)?;
+        forget_faded(&mut controls, base.clock.tick);
+        base.tables.set_controls(member.index, skeleton, &controls)?;
         state.controls = controls;
-        self.upload_placement(member)?;
-        self.unwatch_unused(member);
+        base.upload_placement(member)?;
+        self.unwatch_unused(base, member);
         Ok(())
     }
 
     /// Ends the watches of joints that no target of the member names any longer.
-    fn unwatch_unused(&mut self, member: MemberId) {
+    fn unwatch_unused(&mut self, base: &mut Base, member: MemberId) {
         let Some(state) =
             self.controls.get_mut(&member.index).filter(|state| !state.watching.is_empty())
         else {
@@ -336,32 +420,21 @@ impl Crowd {
             .filter(|target| target.kind == TARGET_WATCHED)
             .map(|target| target.watched)
             .collect();
-        let watches = &self.watches.0;
+        let watches = &self.watches;
         let is_over = |key: &mut (MemberId, JointIndex)| {
             watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
         };
         for (other, joint) in state.watching.extract_if(.., is_over).collect::<Vec<_>>() {
-            self.unwatch_joint(other, joint);
+            self.unwatch_joint(base, other, joint);
         }
     }
 
-    /// Uploads the placement of a member that has a constraint program.
-    pub(super) fn upload_placement(&mut self, member: MemberId) -> Result<(), Error> {
-        let placement = self.members[member.index as usize].placement;
-        let [cos_row, _, _] = crate::Placement { scale: 1.0, ..placement }.world_from_model().rows;
-        let place = Place {
-            position: placement.position,
-            sin_cos: [cos_row[2], cos_row[0]],
-            scale: placement.scale,
-        };
-        Ok(self.tables.set_place(member.index, &place)?)
-    }
-
     /// Removes the constraint program of a member that is despawned.
-    pub(super) fn forget_controls(&mut self, member: MemberId) {
+    pub(super) fn forget(&mut self, base: &mut Base, member: MemberId) {
         if let Some(state) = self.controls.remove(&member.index) {
+            self.release_proportions(base, state.controls.proportions);
             for (other, joint) in state.watching {
-                self.unwatch_joint(other, joint);
+                self.unwatch_joint(base, other, joint);
             }
         }
     }

@@ -1,59 +1,22 @@
 //! The devices of a crowd: their names, their shares, and moves to other devices.
 
-use populace_device::Schedule;
-
 use super::Crowd;
+use super::active_device::ActiveDevice;
 use crate::device::Engine;
-use crate::split::Kept;
 use crate::{Devices, Error, Split};
 
 impl Crowd {
-    /// The devices in use.
-    #[must_use]
-    pub fn devices(&self) -> &Devices {
-        &self.devices
-    }
-
-    /// The reason why the crowd is on the native device although none was selected, in words.
-    /// `None` if devices were selected or an OpenCL device is in use.
-    #[must_use]
-    pub fn fallback(&self) -> Option<&str> {
-        self.fallback.as_deref()
-    }
-
-    /// The names that the devices report.
-    #[must_use]
-    pub fn device_name(&self) -> String {
-        self.opened.backend().device_name()
-    }
-
-    /// The share of the members that each device evaluates; the sum is 1. Measured shares change
-    /// from frame to frame.
-    #[must_use]
-    pub fn shares(&self) -> Vec<f64> {
-        match &self.opened.engine {
-            Engine::Alone(_) => vec![1.0],
-            Engine::Split(backend) => backend.shares().to_vec(),
-        }
-    }
-
     /// Sets the shares of the devices from the next update on.
     ///
     /// # Errors
     ///
     /// [`Error::BadSplit`] for a split that does not fit the devices; the split then stays.
     pub fn set_split(&mut self, split: &Split) -> Result<(), Error> {
-        let shares = split.shares(&self.devices)?;
-        if let Engine::Split(backend) = &mut self.opened.engine {
+        let shares = split.shares(&self.device.devices)?;
+        if let Engine::Split(backend) = &mut self.device.opened.engine {
             backend.set_shares(shares);
         }
         Ok(())
-    }
-
-    /// The schedule that maps stages to work-items.
-    #[must_use]
-    pub fn schedule(&self) -> Schedule {
-        self.opened.backend().schedule()
     }
 
     /// Moves the crowd to one or several other devices, such as after a device was lost. Members,
@@ -67,17 +30,15 @@ impl Crowd {
     /// [`Error::BadDevices`]; the crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
-        let mut opened = devices.open(self.schedule(), &Split::Measured, self.gl.as_ref())?;
-        opened.backend_mut().set_stages(self.stages.as_slice())?;
-        // If this device has run no frame, `kept` still holds the history of the one before.
-        if self.kept.is_none() {
-            self.kept = Some(Kept::read_all(self.opened.backend_mut(), &self.tables));
-        }
-        self.opened = opened;
-        self.is_readable = false;
-        self.devices = devices;
-        self.fallback = None;
-        self.tables.mark_dirty();
+        let gl = self.device.gl.clone();
+        let mut opened =
+            devices.open(self.device.backend().schedule(), &Split::Measured, gl.as_ref())?;
+        opened.backend_mut().set_stages(self.state.stages.as_slice())?;
+        // A lost device has no history: feet are planted again, and machines restart.
+        let kept = self.device.history(&self.state.base.tables).unwrap_or_default();
+        self.device = ActiveDevice::new(devices, opened, None, gl);
+        self.device.kept = Some(kept);
+        self.state.base.tables.mark_dirty();
         Ok(())
     }
 }

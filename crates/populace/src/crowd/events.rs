@@ -1,13 +1,16 @@
 //! Events of clips: footsteps, ends and markers. Slots are closed-form, so the host finds events
 //! from the clock alone and reads nothing from a device. It does not know what state machines play.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_clip::{ClipIndex, TICKS_PER_SEC};
+use populace_clip::{FIRST_TICK, TICKS_PER_SEC};
 use populace_device::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 
-use super::{ClipId, Crowd, FIRST_TICK, MemberId};
+use super::base::Base;
+use super::{ClipId, MemberId};
 use crate::Error;
+use crate::ids::ClipIndex;
 
 /// The most repeats of one marker that are reported per update; earlier ones are dropped.
 const TOLD_MOST: i128 = 16;
@@ -51,27 +54,39 @@ pub(super) struct Mark {
     kind: EventKind,
 }
 
-impl Crowd {
-    pub(super) fn listen(&mut self, member: MemberId) {
+/// Subscriptions to events, the markers of clips, and the events of the last update.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Events {
+    /// Members whose events are reported.
+    listening: Vec<MemberId>,
+    marks: HashMap<ClipIndex, Vec<Mark>>,
+    found: Vec<Event>,
+}
+
+impl Events {
+    pub(super) fn subscribe(&mut self, member: MemberId) {
         if !self.listening.contains(&member) {
             self.listening.push(member);
         }
     }
 
-    pub(super) fn ignore(&mut self, member: MemberId) {
+    pub(super) fn unsubscribe(&mut self, member: MemberId) {
         self.listening.retain(|other| *other != member);
     }
 
-    /// Adds an event marker to a clip, at `secs` on the clip's own time axis. Members with
-    /// [subscribed events](crate::MemberMut::subscribe_events) report it.
-    ///
-    /// # Errors
-    ///
-    /// A clip of another crowd, or a time outside of the clip.
-    pub fn add_event_marker(&mut self, clip: ClipId, name: &str, secs: f32) -> Result<(), Error> {
-        self.check_crowd("clip", clip.crowd, clip.index.0)?;
-        let known = self.clips.get(clip.index);
-        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+    /// The events of the last update, in order of time.
+    pub(super) fn as_slice(&self) -> &[Event] {
+        &self.found
+    }
+
+    pub(super) fn add_marker(
+        &mut self,
+        base: &Base,
+        clip: ClipId,
+        name: &str,
+        secs: f32,
+    ) -> Result<(), Error> {
+        let known = base.known_clip(clip)?;
         let (start, duration) = (known.start_secs(), known.duration_secs());
         if !(start..=start + duration).contains(&secs) {
             return Err(Error::BadValue {
@@ -81,92 +96,83 @@ impl Crowd {
             });
         }
         let phase = phase_of(secs, start, duration);
-        self.marks_of(clip.index)
-            .push(Mark { phase, kind: EventKind::Marker { name: name.into() } });
+        let mark = Mark { phase, kind: EventKind::Marker { name: name.into() } };
+        marks_of(&mut self.marks, base, clip.index).push(mark);
         Ok(())
     }
 
-    /// The events of the last update, in order of time, of members that
-    /// [subscribed](crate::MemberMut::subscribe_events). Clips of state machines report none: only
-    /// the device knows their state.
-    #[must_use]
-    pub fn events(&self) -> &[Event] {
-        &self.events
+    /// Forgets the markers of a clip that is removed.
+    pub(super) fn forget(&mut self, clip: ClipIndex) {
+        self.marks.remove(&clip);
     }
 
-    /// The markers of a clip: its footsteps, and those added by the caller.
-    fn marks_of(&mut self, clip: ClipIndex) -> &mut Vec<Mark> {
-        let clips = &self.clips;
-        self.marks.entry(clip).or_insert_with(|| {
-            let Some(known) = clips.get(clip) else { return Vec::new() };
-            let (start, duration) = (known.start_secs(), known.duration_secs());
-            let mark = |step: &populace_clip::Footstep| Mark {
-                phase: phase_of(step.secs, start, duration),
-                kind: EventKind::Footstep { joint: Arc::clone(&step.joint) },
-            };
-            known.footsteps().iter().map(mark).collect()
-        })
-    }
-
-    /// Collects the events after tick `after` and up to tick `until`.
-    pub(super) fn find_events(&mut self, after: u64, until: u64) {
-        self.events.clear();
-        let mut listening = std::mem::take(&mut self.listening);
-        listening.retain(|member| self.check(*member).is_ok());
-        let mut found = std::mem::take(&mut self.events);
-        let left = std::mem::take(&mut self.left);
-        for &member in &listening {
-            let of_member = left.iter().filter(|(place, ..)| *place == member.index);
-            let gone = of_member.map(|(_, slot, tick)| (*slot, *tick));
-            let there = self.slots(member.index).iter().map(|slot| (*slot, until));
-            for (slot, until) in gone.chain(there).collect::<Vec<_>>() {
-                if slot.bound_clip != NONE && runs(&slot) && slot.start_tick <= until {
-                    let clip = self.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
-                    self.events_of_slot(
-                        member,
-                        &slot,
-                        ClipIndex(clip),
-                        (after.max(slot.start_tick), until),
-                        &mut found,
-                    );
+    /// Collects the events after tick `after` and up to tick `until`. `left` holds the slots that
+    /// ended during the update: member index, slot and tick.
+    pub(super) fn find(
+        &mut self,
+        base: &Base,
+        left: &[(u32, Slot, u64)],
+        (after, until): (u64, u64),
+    ) {
+        let Self { listening, marks, found } = self;
+        found.clear();
+        listening.retain(|member| base.check(*member).is_ok());
+        for &member in &*listening {
+            let of_member = left.iter().filter(|(index, ..)| *index == member.index);
+            let gone = of_member.map(|(_, slot, tick)| (slot, *tick));
+            let there = base.slots(member.index).iter().map(|slot| (slot, until));
+            for (slot, until) in gone.chain(there) {
+                if slot.bound_clip != NONE && runs(slot) && slot.start_tick <= until {
+                    let clip = base.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
+                    let clip = base.clip_id(clip);
+                    let marks = marks_of(marks, base, clip.index);
+                    let during = (after.max(slot.start_tick), until);
+                    let tell = |kind, tick| event(member, clip, slot, kind, tick);
+                    found
+                        .extend(kinds_of_slot(slot, marks, during).filter_map(|(k, t)| tell(k, t)));
                 }
             }
         }
         found.sort_by(|a, b| a.at_secs.total_cmp(&b.at_secs));
-        self.events = found;
-        self.listening = listening;
     }
+}
 
-    fn events_of_slot(
-        &mut self,
-        member: MemberId,
-        slot: &Slot,
-        clip: ClipIndex,
-        (after, until): (u64, u64),
-        found: &mut Vec<Event>,
-    ) {
-        let number = self.number;
-        let run = Run::of(slot);
-        let mut tell = |tick: u64, kind: EventKind| {
-            let weight = slot.weight_at(tick);
-            if weight > 0.0 {
-                let at_secs = tick.saturating_sub(FIRST_TICK) as f64 / TICKS_PER_SEC as f64;
-                found.push(Event {
-                    member,
-                    clip: ClipId { crowd: number, index: clip },
-                    kind,
-                    at_secs,
-                    weight,
-                });
-            }
+/// Returns the markers of a clip: its footsteps, and those added by the caller.
+fn marks_of<'a>(
+    marks: &'a mut HashMap<ClipIndex, Vec<Mark>>,
+    base: &Base,
+    clip: ClipIndex,
+) -> &'a mut Vec<Mark> {
+    marks.entry(clip).or_insert_with(|| {
+        let Some(known) = base.assets.clips.at(clip.0) else { return Vec::new() };
+        let (start, duration) = (known.start_secs(), known.duration_secs());
+        let mark = |step: &populace_clip::Footstep| Mark {
+            phase: phase_of(step.secs, start, duration),
+            kind: EventKind::Footstep { joint: Arc::clone(&step.joint) },
         };
-        for mark in &*self.marks_of(clip) {
-            run.crossings(mark.phase, after, until).for_each(|tick| tell(tick, mark.kind.clone()));
-        }
-        if let Some(tick) = run.end_tick().filter(|tick| after < *tick && *tick <= until) {
-            tell(tick, EventKind::ClipEnd);
-        }
-    }
+        known.footsteps().iter().map(mark).collect()
+    })
+}
+
+/// Iterates over the events of a slot after tick `after` and up to tick `until`.
+fn kinds_of_slot(
+    slot: &Slot,
+    marks: &[Mark],
+    (after, until): (u64, u64),
+) -> impl Iterator<Item = (EventKind, u64)> {
+    let run = Run::of(slot);
+    let end = run.end_tick().filter(|tick| after < *tick && *tick <= until);
+    let marked = marks.iter().flat_map(move |mark| {
+        run.crossings(mark.phase, after, until).map(|tick| (mark.kind.clone(), tick))
+    });
+    marked.chain(end.map(|tick| (EventKind::ClipEnd, tick)))
+}
+
+/// Returns the event of a slot at a tick, unless the slot has no weight then.
+fn event(member: MemberId, clip: ClipId, slot: &Slot, kind: EventKind, tick: u64) -> Option<Event> {
+    let weight = slot.weight_at(tick);
+    let at_secs = tick.saturating_sub(FIRST_TICK) as f64 / TICKS_PER_SEC as f64;
+    (weight > 0.0).then_some(Event { member, clip, kind, at_secs, weight })
 }
 
 /// Returns whether a slot plays through a clip of known length.
@@ -186,6 +192,7 @@ fn phase_of(secs: f32, start: f32, duration: f32) -> i128 {
 }
 
 /// The phase of a slot over time, in 2^-64 of its clip.
+#[derive(Clone, Copy)]
 struct Run {
     start_tick: u64,
     start: i128,

@@ -9,25 +9,26 @@ use super::Crowd;
 
 impl PaletteSource for Crowd {
     fn page_lengths(&self) -> Vec<usize> {
-        self.opened.backend().page_lengths()
+        self.device.backend().page_lengths()
     }
 
     fn page_room(&self) -> Vec<usize> {
-        self.tables.page_lengths().collect()
+        self.state.base.tables.page_lengths().collect()
     }
 
     fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
-        not_for_gl.or_else(|| self.opened.backend().refuses(way, context))
+        let not_for_gl =
+            self.device.opened.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
+        not_for_gl.or_else(|| self.device.backend().refuses(way, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
-        self.opened.backend_mut().set_target(target, mark)
+        self.device.backend_mut().set_target(target, mark)
     }
 
     fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let handed = self.opened.backend_mut().hand_over()?;
-        self.update_moved()?;
+        let handed = self.device.backend_mut().hand_over()?;
+        self.update_offsets()?;
         Ok(handed)
     }
 
@@ -36,8 +37,8 @@ impl PaletteSource for Crowd {
         page: usize,
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), BackendError> {
-        self.check_readable()?;
-        self.opened.backend_mut().with_page(page, reader)?;
-        self.update_moved()
+        self.device.check_readable()?;
+        self.device.backend_mut().with_page(page, reader)?;
+        self.update_offsets()
     }
 }

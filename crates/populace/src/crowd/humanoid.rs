@@ -5,7 +5,9 @@ use std::f32::consts::PI;
 use populace_device::{Feet, Foot, GazeLimits};
 use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
 
-use super::{CharacterId, Crowd, MemberId};
+use super::base::Base;
+use super::constraints::Constraints;
+use super::{CharacterId, MemberId};
 use crate::playback::check_weight;
 use crate::{Error, Gaze, Target, Weight};
 
@@ -30,24 +32,30 @@ const EYES: GazeLimits = GazeLimits {
     down_rad: 30.0 / 180.0 * PI,
 };
 
-impl Crowd {
+impl Constraints {
     pub(super) fn look_at(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
-        let character = self.check(member)?;
-        for gaze in self.usual_gaze(character)? {
-            self.look_with(member, gaze, target, weight)?;
+        let character = base.check(member)?;
+        for gaze in usual_gaze(base, character)? {
+            self.look_with(base, member, gaze, target, weight)?;
         }
         Ok(())
     }
 
-    pub(super) fn plant_feet(&mut self, member: MemberId, weight: f32) -> Result<(), Error> {
+    pub(super) fn plant_feet(
+        &mut self,
+        base: &mut Base,
+        member: MemberId,
+        weight: f32,
+    ) -> Result<(), Error> {
         check_weight("the weight of planted feet", weight)?;
-        let character = self.check(member)?;
-        let roles = self.roles(character)?.ok_or_else(|| self.no_roles(character, "legs"))?;
+        let character = base.check(member)?;
+        let roles = base.roles(character)?.ok_or_else(|| no_roles(base, character, "legs"))?;
         let foot = |side: Side| {
             let of = |role: Role| roles.joint(role);
             Some(Foot {
@@ -57,7 +65,7 @@ impl Crowd {
             })
         };
         let legs: Vec<Foot> = [Side::Left, Side::Right].into_iter().filter_map(foot).collect();
-        let own = &self.character_state(character)?.character;
+        let own = &base.character_state(character)?.character;
         if let Some((shin, foot)) = roles.loose_feet(&own.skeleton).next() {
             let [shin, foot] = [shin, foot].map(|joint| own.skeleton.name(joint));
             let what = format!(
@@ -75,35 +83,34 @@ impl Crowd {
             .into_iter()
             .flat_map(|hips| std::iter::once(hips).chain(own.skeleton.ancestors(hips)));
         let pelvis = above.filter(|_| !legs.is_empty()).find(carries);
-        let pelvis = pelvis.ok_or_else(|| self.no_roles(character, "legs"))?;
-        self.plant_with(member, &Feet { pelvis, feet: legs, weight })
+        let pelvis = pelvis.ok_or_else(|| no_roles(base, character, "legs"))?;
+        self.plant_with(base, member, &Feet { pelvis, feet: legs, weight })
     }
+}
 
-    /// Returns the gazes of a character: spine and head, then each eye.
-    fn usual_gaze(&self, character: CharacterId) -> Result<Vec<Gaze>, Error> {
-        let skeleton = &self.character_state(character)?.character.skeleton;
-        let gaze =
-            |chain: Vec<(JointIndex, f32)>, limits| Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
-        let Some(roles) = self.roles(character)? else {
-            let head = head_by_name(skeleton).ok_or_else(|| self.no_roles(character, "head"))?;
-            return Ok(vec![gaze(vec![(head, 1.0)], HEAD)]);
-        };
-        let trunk = SHARES.iter().filter_map(|(role, share)| Some((roles.joint(*role)?, *share)));
-        let eyes =
-            [Side::Left, Side::Right].into_iter().filter_map(|side| roles.joint(Role::Eye(side)));
-        let eyes = eyes.map(|eye| gaze(vec![(eye, 1.0)], EYES));
-        Ok([gaze(trunk.collect(), HEAD)].into_iter().chain(eyes).collect())
-    }
+/// Returns the gazes of a character: spine and head, then each eye.
+fn usual_gaze(base: &Base, character: CharacterId) -> Result<Vec<Gaze>, Error> {
+    let skeleton = &base.character_state(character)?.character.skeleton;
+    let gaze =
+        |chain: Vec<(JointIndex, f32)>, limits| Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
+    let Some(roles) = base.roles(character)? else {
+        let head = head_by_name(skeleton).ok_or_else(|| no_roles(base, character, "head"))?;
+        return Ok(vec![gaze(vec![(head, 1.0)], HEAD)]);
+    };
+    let trunk = SHARES.iter().filter_map(|(role, share)| Some((roles.joint(*role)?, *share)));
+    let eyes =
+        [Side::Left, Side::Right].into_iter().filter_map(|side| roles.joint(Role::Eye(side)));
+    let eyes = eyes.map(|eye| gaze(vec![(eye, 1.0)], EYES));
+    Ok([gaze(trunk.collect(), HEAD)].into_iter().chain(eyes).collect())
+}
 
-    fn no_roles(&self, character: CharacterId, part: &str) -> Error {
-        let name =
-            self.character_state(character).map_or("", |state| state.character.name.as_str());
-        let what = format!(
-            "the names of the joints of \"{name}\" do not tell which are its {part}; set them with \
-             Crowd::set_roles, or name the joints in the call"
-        );
-        populace_device::Error::BadConstraint { what }.into()
-    }
+fn no_roles(base: &Base, character: CharacterId, part: &str) -> Error {
+    let name = base.character_state(character).map_or("", |state| state.character.name.as_str());
+    let what = format!(
+        "the names of the joints of \"{name}\" do not tell which are its {part}; set them with \
+         CharacterMut::set_roles, or name the joints in the call"
+    );
+    populace_device::Error::BadConstraint { what }.into()
 }
 
 /// Returns the first joint whose name contains "head".

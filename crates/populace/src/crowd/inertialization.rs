@@ -1,23 +1,30 @@
-//! Inertialized transitions: slots that are left become inertializing slots in place.
+//! Inertialized transitions: slots that are left become inertializing slots in member_index.
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
 
-use super::Crowd;
+use super::base::Base;
+use super::player::Player;
 use super::slots::{Started, faded_out};
 use crate::Error;
 
-impl Crowd {
+impl Player {
     /// Returns whether all slots of the layer can inertialize into `starting`: all are closed-form.
-    pub(super) fn can_inertialize(&self, place: u32, starting: &Slot, tick: u64) -> bool {
-        let left = self.weighing(place, starting.layer(), tick);
+    pub(super) fn can_inertialize(
+        &self,
+        base: &Base,
+        member_index: u32,
+        starting: &Slot,
+        tick: u64,
+    ) -> bool {
+        let left = self.weighing(base, member_index, starting.layer(), tick);
         starting.can_inertialize()
-            && left.iter().all(|index| self.slots(place)[*index].can_inertialize())
+            && left.iter().all(|index| base.slots(member_index)[*index].can_inertialize())
     }
 
     /// Returns the slots of a layer that have not faded out.
-    fn weighing(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
-        let slots = self.slots(place);
+    fn weighing(&self, base: &Base, member_index: u32, layer: u32, tick: u64) -> Vec<usize> {
+        let slots = base.slots(member_index);
         (0..slots.len())
             .filter(|i| slots[*i].layer() == layer && !faded_out(&slots[*i], tick))
             .collect()
@@ -25,11 +32,17 @@ impl Crowd {
 
     /// Returns the slots of a layer whose inertialization began at this tick: their target has not
     /// been evaluated yet.
-    pub(super) fn unevaluated(&self, place: u32, layer: u32, tick: u64) -> Vec<usize> {
+    pub(super) fn unevaluated(
+        &self,
+        base: &Base,
+        member_index: u32,
+        layer: u32,
+        tick: u64,
+    ) -> Vec<usize> {
         let unevaluated = |slot: &Slot| {
             slot.is_inertialization() && slot.layer() == layer && slot.start_tick == tick
         };
-        let slots = self.slots(place);
+        let slots = base.slots(member_index);
         (0..slots.len()).filter(|index| unevaluated(&slots[*index])).collect()
     }
 
@@ -37,43 +50,45 @@ impl Crowd {
     /// unevaluated ones, and returns the total weight of the playing slots.
     pub(super) fn inertialize(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         starting: &Slot,
         secs: f32,
         tick: u64,
     ) -> Result<f32, Error> {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
-        let taking = self.tables.stand(starting, tick);
-        let unevaluated = self.unevaluated(place, layer, tick);
+        let taking = base.tables.stand(starting, tick);
+        let unevaluated = self.unevaluated(base, member_index, layer, tick);
         for &index in &unevaluated {
-            let mut slot = self.slots(place)[index];
+            let mut slot = base.slots(member_index)[index];
             slot.inertialize_into(taking, ticks);
-            self.tables.set_slot(place, index, slot)?;
+            base.tables.set_slot(member_index, index, slot)?;
         }
-        let weighing = self.weighing(place, layer, tick);
-        let all = weighing.iter().map(|index| weight_and_rate(&self.slots(place)[*index], tick));
+        let weighing = self.weighing(base, member_index, layer, tick);
+        let all =
+            weighing.iter().map(|index| weight_and_rate(&base.slots(member_index)[*index], tick));
         let total = all.reduce(|sum, one| [sum[0] + one[0], sum[1] + one[1]]).unwrap_or_default();
-        let in_all = if self.is_additive(place, layer) { total[0] } else { 1.0 };
+        let in_all = if self.is_additive(base, member_index, layer) { total[0] } else { 1.0 };
         for index in weighing {
-            let slot = self.slots(place)[index];
+            let slot = base.slots(member_index)[index];
             let [weight, rate] = weight_and_rate(&slot, tick);
             if !unevaluated.is_empty() || weight <= 0.0 {
-                self.empty_slot(place, index)?;
+                self.empty_slot(base, member_index, index)?;
                 continue;
             }
             let part = weight / total[0];
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
-            let stands = [self.tables.stand(&slot, tick), taking];
+            let stands = [base.tables.stand(&slot, tick), taking];
             let inertialization = Slot::inertialization(tick, ticks, stands, share).on_layer(layer);
-            self.put_slot(place, index, inertialization, Started::default())?;
-            self.leave(place, slot, tick)?;
+            self.put_slot(base, member_index, index, inertialization, Started::default())?;
+            self.leave(base, member_index, slot, tick)?;
         }
         Ok(total[0])
     }
 
-    fn is_additive(&self, place: u32, layer: u32) -> bool {
-        let of_member = self.tables.layer_range(place);
-        layer > 0 && self.tables.layers().as_slice()[of_member][layer as usize].is_additive()
+    fn is_additive(&self, base: &Base, member_index: u32, layer: u32) -> bool {
+        let of_member = base.tables.layer_range(member_index);
+        layer > 0 && base.tables.layers().as_slice()[of_member][layer as usize].is_additive()
     }
 }
 

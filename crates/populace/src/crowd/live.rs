@@ -1,13 +1,16 @@
 //! Live clips: poses that arrive while members play them.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_clip::{Clip, ClipIndex, LiveRing, LiveSettings, TICKS_PER_SEC, ticks_from_secs};
+use populace_clip::{Clip, LiveRing, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::{LiveNewest, Tables};
 use populace_model::Trs;
 
-use super::{CharacterId, ClipId, Crowd};
+use super::ClipId;
+use super::base::Base;
 use crate::Error;
+use crate::ids::ClipIndex;
 use crate::playback::Mode;
 
 /// The largest distance of a stream's time from its first pose, in seconds.
@@ -15,7 +18,8 @@ const MAX_STREAM_SECS: f64 = 1e10;
 
 /// The state of a live clip's stream. Its time is counted in ticks from the first pose. Rows are at
 /// multiples of the ring's spacing, except for the newest, which is the newest pose itself.
-pub(crate) struct Stream {
+#[derive(Clone)]
+struct Stream {
     ring: LiveRing,
     /// The stream's time at the first pose.
     first_secs: f64,
@@ -85,77 +89,33 @@ impl Stream {
     }
 }
 
-impl Crowd {
-    /// Adds a live clip to a character: [`append`](Self::append) adds poses of the character's
-    /// skeleton while members play it with [`ClipPlayback::live`](crate::ClipPlayback::live). Other
-    /// characters can play it like any clip. [`Clip::live`] makes a live clip for any skeleton,
-    /// [`add_clip`](Self::add_clip) adds it.
-    ///
-    /// ```
-    /// # use populace::{Crowd, Device, LiveSettings, Placement, ClipPlayback, Trs};
-    /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
-    /// # let knight = populace::doc_fixture::knight(&mut crowd)?;
-    /// # let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
-    /// let actor = crowd.add_live_clip(knight, "Actor", &LiveSettings::default())?;
-    /// crowd.member_mut(member)?.play(actor, ClipPlayback::live(0.1))?;
-    /// for frame in 0..60 {
-    ///     let pose = Trs { translation: [0.0, frame as f32 / 60.0, 0.0], ..Trs::IDENTITY };
-    ///     crowd.append(actor, f64::from(frame) / 60.0, &[pose])?;
-    ///     crowd.update(1.0 / 60.0)?;
-    /// }
-    /// let hips = crowd.member_mut(member)?.model_from_joints()?[0];
-    /// assert!((hips.rows[1][3] - 0.9).abs() < 1e-3, "the hips 0.1 seconds ago");
-    /// # Ok::<(), populace::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    ///
-    /// A character of another crowd, settings out of their range, names of joints that do not
-    /// exist, or more data than devices can address.
-    pub fn add_live_clip(
-        &mut self,
-        character: CharacterId,
-        name: &str,
-        settings: &LiveSettings,
-    ) -> Result<ClipId, Error> {
-        let clip = Clip::live(name, &self.character(character)?.skeleton, settings)?;
-        self.add_clip(character, &Arc::new(clip))
-    }
+/// Streams of the live clips that have received poses.
+#[derive(Clone, Default)]
+pub(super) struct LiveClips {
+    streams: HashMap<ClipIndex, Stream>,
+}
 
-    /// Appends a pose to a live clip: local transforms of all joints of the clip's own skeleton, in
-    /// level order, in metres. `time_secs` is the time of the pose on the stream's clock, later
-    /// than that of the pose before.
-    ///
-    /// The first pose is aligned with the present of the crowd, the last update. From then on a
-    /// second of the stream is a second of the crowd; [`resync_live`](Self::resync_live) aligns
-    /// them again. Poses may arrive unevenly, several or none between two updates: rows are
-    /// interpolated linearly between them, rotations on the shorter way. The call does not wait for
-    /// a device.
-    ///
-    /// # Errors
-    ///
-    /// [`populace_clip::Error::BadLive`] for a clip that is not live, a time that is not after the
-    /// last, a wrong number of joints, numbers that are not finite, or a rotation of no length.
-    pub fn append(&mut self, clip: ClipId, time_secs: f64, pose: &[Trs]) -> Result<(), Error> {
-        let known = self.live_clip(clip)?;
+impl LiveClips {
+    pub(super) fn append(
+        &mut self,
+        base: &mut Base,
+        clip: ClipId,
+        time_secs: f64,
+        pose: &[Trs],
+    ) -> Result<(), Error> {
+        let known = base.live_clip(clip)?;
         let pose = checked(&known, pose)?;
-        self.append_checked(clip.index, &known, time_secs, pose)
+        self.append_checked(base, clip.index, &known, time_secs, pose)
     }
 
-    /// Appends a pose of the named joints. The others keep their last transforms, at first the rest
-    /// pose. Otherwise as [`append`](Self::append).
-    ///
-    /// # Errors
-    ///
-    /// As for [`append`](Self::append), and [`populace_model::Error::UnknownJoints`] with similar
-    /// names.
-    pub fn append_joints(
+    pub(super) fn append_joints(
         &mut self,
+        base: &mut Base,
         clip: ClipId,
         time_secs: f64,
         joints: &[(&str, Trs)],
     ) -> Result<(), Error> {
-        let known = self.live_clip(clip)?;
+        let known = base.live_clip(clip)?;
         let skeleton = known.skeleton();
         let found = skeleton.find_all(joints.iter().map(|(name, _)| name))?;
         let mut pose = match self.streams.get(&clip.index) {
@@ -166,20 +126,17 @@ impl Crowd {
             pose[joint.index()] = *transform;
         }
         let pose = checked(&known, &pose)?;
-        self.append_checked(clip.index, &known, time_secs, pose)
+        self.append_checked(base, clip.index, &known, time_secs, pose)
     }
 
-    /// Aligns `time_secs` of a live clip's stream with the present of the crowd, such as after the
-    /// crowd was paused while poses arrived, or when the clocks have drifted apart. Members that
-    /// play the clip jump to the new time.
-    ///
-    /// # Errors
-    ///
-    /// [`populace_clip::Error::BadLive`] for a clip that is not live or has no pose yet, or a time
-    /// that is not finite or far from the stream's.
-    pub fn resync_live(&mut self, clip: ClipId, time_secs: f64) -> Result<(), Error> {
-        let known = self.live_clip(clip)?;
-        let tick = self.clock.tick;
+    pub(super) fn resync(
+        &mut self,
+        base: &mut Base,
+        clip: ClipId,
+        time_secs: f64,
+    ) -> Result<(), Error> {
+        let known = base.live_clip(clip)?;
+        let tick = base.clock.tick;
         let Some(stream) = self.streams.get_mut(&clip.index) else {
             return refused(
                 &known,
@@ -190,11 +147,17 @@ impl Crowd {
         let (after, before) =
             (stream.ticks_at(time_secs), ticks_from_secs(stream.first_secs - time_secs));
         stream.first_tick = tick.saturating_add(before).saturating_sub(after);
-        stream.tell(&mut self.tables, clip.index.0)
+        stream.tell(&mut base.tables, clip.index.0)
+    }
+
+    /// Forgets the stream of a clip that is removed.
+    pub(super) fn forget(&mut self, clip: ClipIndex) {
+        self.streams.remove(&clip);
     }
 
     fn append_checked(
         &mut self,
+        base: &mut Base,
         index: ClipIndex,
         clip: &Arc<Clip>,
         time_secs: f64,
@@ -206,15 +169,15 @@ impl Crowd {
             let mut stream = Stream {
                 ring,
                 first_secs: time_secs,
-                first_tick: self.clock.tick,
+                first_tick: base.clock.tick,
                 newest: 0,
                 pose: Vec::new(),
                 next: 0,
                 row: 0,
                 row_count: 1,
             };
-            self.tables.set_live_row(index.0, clip, None, &pose)?;
-            stream.take(&mut self.tables, index.0, clip, 0, pose)?;
+            base.tables.set_live_row(index.0, clip, None, &pose)?;
+            stream.take(&mut base.tables, index.0, clip, 0, pose)?;
             self.streams.insert(index, stream);
             return Ok(());
         };
@@ -233,13 +196,13 @@ impl Crowd {
                 now.rotation = now.rotation.map(|c| -c);
             }
         }
-        stream.take(&mut self.tables, index.0, clip, at, pose)
+        stream.take(&mut base.tables, index.0, clip, at, pose)
     }
 
     /// Returns the stream time that is shown with a delay of `delay_ticks`.
-    pub(super) fn live_secs(&self, clip: u32, delay_ticks: u64) -> f32 {
+    pub(super) fn live_secs(&self, base: &Base, clip: u32, delay_ticks: u64) -> f32 {
         let Some(stream) = self.streams.get(&ClipIndex(clip)) else { return 0.0 };
-        let shown = self.clock.tick.saturating_sub(delay_ticks).saturating_sub(stream.first_tick);
+        let shown = base.clock.tick.saturating_sub(delay_ticks).saturating_sub(stream.first_tick);
         let row_ticks = u64::from(stream.ring.row_ticks);
         let oldest =
             (stream.next + row_ticks).saturating_sub(u64::from(stream.row_count) * row_ticks);
@@ -251,12 +214,12 @@ impl Crowd {
         let secs = (stream.first_secs + shown as f64 / TICKS_PER_SEC as f64) as f32;
         secs
     }
+}
 
+impl Base {
     /// Refuses other modes for live clips, and the live mode for other clips.
     pub(super) fn check_mode(&self, clip: ClipId, mode: Mode) -> Result<(), Error> {
-        let Some(known) = self.clips.get(clip.index) else {
-            return Err(Error::UnknownId { what: "clip", index: clip.index.0 });
-        };
+        let known = self.known_clip(clip)?;
         match (known.ring(), mode) {
             (None, Mode::Live { .. }) => refused(known, NOT_LIVE.into()),
             (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => refused(
@@ -268,14 +231,12 @@ impl Crowd {
     }
 
     fn live_clip(&self, clip: ClipId) -> Result<Arc<Clip>, Error> {
-        self.check_crowd("clip", clip.crowd, clip.index.0)?;
-        let known = self.clips.get(clip.index);
-        let known = known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?;
+        let known = self.known_clip(clip)?;
         if known.ring().is_some() { Ok(Arc::clone(known)) } else { refused(known, NOT_LIVE.into()) }
     }
 }
 
-const NOT_LIVE: &str = "is not live; Crowd::add_live_clip and Clip::live make live clips";
+const NOT_LIVE: &str = "is not live; CharacterMut::add_live_clip and Clip::live make live clips";
 
 fn refused<T>(clip: &Clip, what: String) -> Result<T, Error> {
     Err(populace_clip::Error::BadLive { clip: clip.name().to_owned(), what }.into())

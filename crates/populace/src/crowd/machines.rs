@@ -3,32 +3,30 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_device::layout::{Float4, MACHINE_PARAMETERS, RUNNING_ELEMENTS, Running, Slot};
-use populace_device::{BodyIndex, StageBuffer};
+use populace_device::layout::{MACHINE_PARAMETERS, Running, Slot};
+use populace_device::{BodyIndex, Tables};
 
+use super::base::Base;
+use super::player::Player;
 use super::scheduled::{Action, Start};
+use super::slab::Slab;
 use super::slots::{Plan, Started, faded_out};
-use super::{CharacterId, Crowd, MemberId, PlaybackId, u32_from};
+use super::{
+    CharacterId, ClipId, MachineId, MemberId, Parameter, ParameterId, PlaybackId, u32_from,
+};
 use crate::error::bounded;
 use crate::machine::{Compiled, bad, find};
 use crate::playback::{Playback, check_layer};
 use crate::{Error, StateMachine};
 
-/// A state machine of a crowd. Members of any character can run it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct MachineId {
-    crowd: u32,
-    index: u32,
-}
-
 /// The state machines of a crowd.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Machines {
-    all: Vec<Compiled>,
+    all: Slab<Compiled>,
     /// The first state row on the device of each machine bound to a body.
     bound: HashMap<(BodyIndex, u32), u32>,
-    /// The machine whose states begin at a row.
-    by_state: HashMap<u32, u32>,
+    /// The body and the machine of the states that begin at a row.
+    by_state: HashMap<u32, (BodyIndex, u32)>,
 }
 
 impl Machines {
@@ -37,99 +35,173 @@ impl Machines {
         self.bound.clear();
     }
 
+    /// Returns the index of the machine whose states begin at a row.
+    pub(super) fn index_of(&self, state: u32) -> Option<u32> {
+        self.by_state.get(&state).map(|(_, index)| *index)
+    }
+
+    /// Returns the index of a parameter in the machine whose states begin at a row.
+    fn index_in(&self, state: u32, parameter: Parameter<'_>) -> Option<u32> {
+        let (_, machine) = self.by_state.get(&state)?;
+        match parameter {
+            Parameter::Name(name) => self.all.at(*machine)?.parameter(name).map(u32_from),
+            Parameter::Id(id) => (id.machine.index == *machine
+                && self.all.generation(*machine) == id.machine.generation)
+                .then_some(id.index),
+        }
+    }
+
+    /// Returns whether a machine has a clip.
+    pub(super) fn uses_clip(&self, clip: ClipId) -> bool {
+        self.all.iter().any(|(_, machine)| machine.states.iter().any(|s| s.clip == clip))
+    }
+
+    pub(super) fn get(&self, id: MachineId) -> Option<&Compiled> {
+        self.all.get((id.index, id.generation))
+    }
+
+    /// Removes the states that `which` selects by body and machine.
+    pub(super) fn remove_states(
+        &mut self,
+        tables: &mut Tables,
+        which: impl Fn(BodyIndex, u32) -> bool,
+    ) -> Result<(), Error> {
+        let selected = self.by_state.extract_if(|_, (body, index)| which(*body, *index));
+        let mut rows: Vec<u32> = selected.map(|(row, _)| row).collect();
+        // Sorted, so that equal calls leave equal tables.
+        rows.sort_unstable();
+        rows.into_iter().try_for_each(|row| tables.remove_states(row))?;
+        self.bound.retain(|(body, index), _| !which(*body, *index));
+        Ok(())
+    }
+
+    pub(super) fn remove(&mut self, id: MachineId) {
+        self.all.remove(id.index);
+    }
+
     /// Returns the machine whose states begin at a row.
     fn of_state(&self, state: u32) -> Option<&Compiled> {
-        self.all.get(*self.by_state.get(&state)? as usize)
+        self.all.at(self.by_state.get(&state)?.1)
     }
 }
 
-impl Crowd {
-    /// Adds a state machine. Members of any character can run it.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadStateMachine`] for a machine without states, with more than 8 parameters, with a
-    /// duplicate or unknown name, or with a condition on the end of a clip that has none; a clip of
-    /// another crowd; a number that is not finite; a live clip that is not played as one.
-    pub fn add_machine(&mut self, machine: &StateMachine) -> Result<MachineId, Error> {
+impl Player {
+    pub(super) fn add_machine(
+        &mut self,
+        base: &mut Base,
+        machine: &StateMachine,
+    ) -> Result<MachineId, Error> {
         let compiled = machine.compile(|clip, mode| {
-            self.check_crowd("clip", clip.crowd, clip.index.0)?;
-            self.check_mode(clip, mode)?;
-            let known = self.clips.get(clip.index);
-            Ok(known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })?.duration_secs())
+            base.check_mode(clip, mode)?;
+            Ok(base.known_clip(clip)?.duration_secs())
         })?;
-        let id = MachineId { crowd: self.number, index: u32_from(self.machines.all.len()) };
-        self.machines.all.push(compiled);
-        Ok(id)
+        let (index, generation) = self.machines.all.insert(compiled);
+        Ok(MachineId { crowd: base.number, index, generation })
     }
 
     pub(super) fn run_machine(
         &mut self,
+        base: &mut Base,
         member: MemberId,
         machine: MachineId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let character = self.check(member)?;
-        self.check_crowd("state machine", machine.crowd, machine.index)?;
+        let character = base.check(member)?;
+        base.check_crowd("state machine", machine.crowd, machine.index)?;
+        let unknown = Error::UnknownId { what: "state machine", index: machine.index };
+        let known = self.machines.all.get((machine.index, machine.generation)).ok_or(unknown)?;
+        let initial = known.parameters.clone();
         play.check()?;
-        if self.tables.slots_per_member() < 2 {
+        if base.tables.slots_per_member() < 2 {
             return Err(bad(
                 "takes 2 slots, but members have 1; see CrowdBuilder::slots_per_member",
             ));
         }
-        let state = self.bind_machine(character, machine.index)?;
+        let state = self.bind_machine(base, character, machine.index)?;
         let mut parameters = [0.0; MACHINE_PARAMETERS as usize];
-        let initial = self.machines.all[machine.index as usize].parameters.iter();
-        parameters.iter_mut().zip(initial).for_each(|(own, (_, value))| *own = *value);
+        parameters.iter_mut().zip(&initial).for_each(|(own, (_, value))| *own = *value);
         self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
         let action = Action::Machine { state, parameters };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
-        self.begin_after(member, start, play.after_secs)
+        self.begin_after(base, member, start, play.after_secs)
+    }
+
+    /// Returns the id of a parameter of a machine.
+    pub(super) fn parameter(
+        &self,
+        base: &Base,
+        machine: MachineId,
+        name: &str,
+    ) -> Result<ParameterId, Error> {
+        base.check_crowd("state machine", machine.crowd, machine.index)?;
+        let unknown = Error::UnknownId { what: "state machine", index: machine.index };
+        let known = self.machines.get(machine).ok_or(unknown)?;
+        let names = known.parameters.iter().map(|(own, _)| own.as_str());
+        Ok(ParameterId { machine, index: u32_from(find("parameter", name, names)?) })
     }
 
     pub(super) fn set_parameter(
         &mut self,
+        base: &mut Base,
         member: MemberId,
-        name: &str,
+        parameter: Parameter<'_>,
         value: f32,
     ) -> Result<(), Error> {
-        self.check(member)?;
+        base.check(member)?;
         bounded("a parameter of a state machine", &[value])?;
-        let (tick, place) = (self.clock.tick, member.index);
+        if self.write_parameter(base, member.index, parameter, value)? {
+            return Ok(());
+        }
+        match parameter {
+            Parameter::Name(name) => Err(self.no_parameter(base, member.index, name)),
+            Parameter::Id(_) => {
+                Err(bad("of this parameter is not run by the member; start it with play_machine"))
+            }
+        }
+    }
+
+    /// Sets a parameter wherever the member at an index has it, and returns whether it has.
+    pub(super) fn write_parameter(
+        &mut self,
+        base: &mut Base,
+        member_index: u32,
+        parameter: Parameter<'_>,
+        value: f32,
+    ) -> Result<bool, Error> {
+        let Self { scheduled, machines, .. } = self;
+        let tick = base.clock.tick;
         let mut is_found = false;
-        for index in self.tables.slot_range(place) {
-            let slot = self.tables.slots().as_slice()[index];
-            let Some(machine_instance) =
-                slot.machine_instance().filter(|_| !faded_out(&slot, tick))
-            else {
+        for index in base.tables.slot_range(member_index) {
+            let slot = &base.tables.slots().as_slice()[index];
+            let Some(instance) = slot.machine_instance().filter(|_| !faded_out(slot, tick)) else {
                 continue;
             };
-            let machine =
-                self.machines.of_state(self.tables.machine_instance(machine_instance)?.state);
-            if let Some(parameter) = machine.and_then(|machine| machine.parameter(name)) {
-                self.tables.set_machine_parameter(machine_instance, u32_from(parameter), value)?;
+            let state = base.tables.machine_instance(instance)?.state;
+            if let Some(index) = machines.index_in(state, parameter) {
+                base.tables.set_machine_parameter(instance, index, value)?;
                 is_found = true;
             }
         }
-        let Self { scheduled, machines, .. } = self;
-        scheduled.change(place, |_, start| {
+        scheduled.change(member_index, |_, start| {
             if let Action::Machine { state, parameters } = &mut start.action
-                && let Some(parameter) = machines.of_state(*state).and_then(|m| m.parameter(name))
+                && let Some(index) = machines.index_in(*state, parameter)
             {
-                parameters[parameter] = value;
+                parameters[index as usize] = value;
                 is_found = true;
             }
         });
-        if is_found { Ok(()) } else { Err(self.no_parameter(place, name)) }
+        Ok(is_found)
     }
 
-    fn no_parameter(&self, place: u32, name: &str) -> Error {
-        let running = self.slots(place).iter().filter(|slot| !faded_out(slot, self.clock.tick));
+    fn no_parameter(&self, base: &Base, member_index: u32, name: &str) -> Error {
+        let running =
+            base.slots(member_index).iter().filter(|slot| !faded_out(slot, base.clock.tick));
         let machine_instances = running.filter_map(Slot::machine_instance);
         let states = machine_instances.filter_map(|machine_instance| {
-            Some(self.tables.machine_instance(machine_instance).ok()?.state)
+            Some(base.tables.machine_instance(machine_instance).ok()?.state)
         });
-        let all = states.chain(self.scheduled.of(place).filter_map(|(_, start)| start.machine()));
+        let all =
+            states.chain(self.scheduled.of(member_index).filter_map(|(_, start)| start.machine()));
         let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
         let names =
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
@@ -140,105 +212,106 @@ impl Crowd {
         }
     }
 
-    pub(super) fn state_of(&mut self, member: MemberId, layer: usize) -> Result<Arc<str>, Error> {
-        self.check(member)?;
+    /// Returns the newest machine instance of a layer.
+    pub(super) fn machine_on(
+        &self,
+        base: &Base,
+        member: MemberId,
+        layer: usize,
+    ) -> Result<u32, Error> {
         check_layer(layer)?;
-        let (tick, place) = (self.clock.tick, member.index);
-        let slots = self.slots(place).iter().enumerate();
+        let (tick, index) = (base.clock.tick, member.index);
+        let slots = base.slots(index).iter().enumerate();
         let running =
             slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
-        let machine_instances =
-            running.filter_map(|(index, slot)| Some((index, slot.machine_instance()?)));
-        let newest = machine_instances.max_by_key(|(index, _)| self.started(place, *index).serial);
-        let none =
-            || bad(&format!("of layer {layer} has no state: the layer runs no state machine"));
+        let instances = running.filter_map(|(slot, s)| Some((slot, s.machine_instance()?)));
+        let newest = instances.max_by_key(|(slot, _)| self.started(base, index, *slot).serial);
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
-        if newest.is_none() && self.scheduled.of(place).any(|(_, start)| waits(start)) {
+        if newest.is_none() && self.scheduled.of(index).any(|(_, start)| waits(start)) {
             return Err(bad(&format!(
                 "of layer {layer} has not started yet; ask for its state after the update in \
                  which it starts"
             )));
         }
-        let (_, index) = newest.ok_or_else(none)?;
-        let (machine_instance, at) = (self.tables.machine_instance(index)?, self.running(index)?);
+        newest.map(|(_, instance)| instance).ok_or_else(|| no_machine(layer))
+    }
+
+    /// Returns the name of the state that an instance on `layer` is in, after `running`.
+    pub(super) fn state_name(
+        &self,
+        base: &Base,
+        layer: usize,
+        instance: u32,
+        running: Running,
+    ) -> Result<Arc<str>, Error> {
+        let row = base.tables.machine_instance(instance)?;
         // An instance that no frame has run is in its first state.
-        let state = if at.epoch == machine_instance.epoch {
-            at.state.wrapping_sub(machine_instance.state)
-        } else {
-            0
-        };
-        let machine = self.machines.of_state(machine_instance.state).ok_or_else(none)?;
-        Ok(Arc::clone(&machine.states.get(state as usize).ok_or_else(none)?.name))
+        let state =
+            if running.epoch == row.epoch { running.state.wrapping_sub(row.state) } else { 0 };
+        let machine = self.machines.of_state(row.state).ok_or_else(|| no_machine(layer))?;
+        let state = machine.states.get(state as usize).ok_or_else(|| no_machine(layer))?;
+        Ok(Arc::clone(&state.name))
     }
 
-    /// Returns the state of a machine instance after the last update.
-    fn running(&mut self, machine_instance: u32) -> Result<Running, Error> {
-        if let Some(kept) = &self.kept {
-            return Ok(kept.running(machine_instance));
-        }
-        let mut elements = [Float4::default(); RUNNING_ELEMENTS as usize];
-        if (machine_instance as usize) < self.tables.machine_instances().tail().start {
-            let first = machine_instance as usize * elements.len();
-            self.opened.backend_mut().read(
-                &self.tables,
-                StageBuffer::Running,
-                first,
-                &mut elements,
-            )?;
-        }
-        Ok(Running::from_elements(elements))
-    }
-
-    fn bind_machine(&mut self, character: CharacterId, index: u32) -> Result<u32, Error> {
-        let body = self.character_state(character)?.body;
+    fn bind_machine(
+        &mut self,
+        base: &mut Base,
+        character: CharacterId,
+        index: u32,
+    ) -> Result<u32, Error> {
+        let body = base.character_state(character)?.body;
         if let Some(&state) = self.machines.bound.get(&(body, index)) {
             return Ok(state);
         }
-        let unknown = Error::UnknownId { what: "state machine", index };
-        let states = &self.machines.all.get(index as usize).ok_or(unknown)?.states;
+        let states = &self.machines.all[index].states;
         let states: Vec<_> =
             states.iter().map(|state| (state.clip, state.partial, state.rows.clone())).collect();
         let mut rows = Vec::with_capacity(states.len());
         for (clip, partial, mut row) in states {
-            row.slot.bound_clip = self.bind(character, clip, partial)?;
+            row.slot.bound_clip = base.bind(character, clip, partial)?;
             rows.push(row);
         }
-        let state = self.tables.add_states(body, &rows)?;
+        let state = base.tables.add_states(body, &rows)?;
         self.machines.bound.insert((body, index), state);
-        self.machines.by_state.insert(state, index);
+        self.machines.by_state.insert(state, (body, index));
         Ok(state)
     }
 
     pub(super) fn begin_machine(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         start: &Start,
         (state, parameters): (u32, [f32; MACHINE_PARAMETERS as usize]),
         tick: u64,
     ) -> Result<(), Error> {
         let Playback { layer, fade_in_secs: secs, weight, .. } = start.play;
         if secs <= 0.0 {
-            self.fade_out(place, layer, 0.0, tick)?;
+            self.fade_out(base, member_index, layer, 0.0, tick)?;
         }
         let plan = |slot: &Slot, _| {
             if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        if let Some(due) = self.free_slots(place, 2, secs, tick, plan)? {
-            self.scheduled.push(place, due, start.at_its_time());
+        if let Some(due) = self.free_slots(base, member_index, 2, secs, tick, plan)? {
+            self.scheduled.push(member_index, due, start.at_its_time());
             return Ok(());
         }
-        let secs = if self.is_first(place, layer, tick) { 0.0 } else { secs };
-        self.fade_out(place, layer, secs, tick)?;
-        self.forget_space(place, layer);
-        let machine_instance = self.tables.add_machine_instance(state, tick, parameters)?;
+        let secs = if self.is_first(base, member_index, layer, tick) { 0.0 } else { secs };
+        self.fade_out(base, member_index, layer, secs, tick)?;
+        self.forget_space(member_index, layer);
+        let machine_instance = base.tables.add_machine_instance(state, tick, parameters)?;
         let started = Started { serial: start.serial, sample: None, once: false };
         for which in 0..2 {
             let mut slot = Slot::machine(machine_instance, which, tick).on_layer(u32_from(layer));
             slot.ramp_weight(tick, 0.0, 0.5 * weight, secs);
-            self.fill_slot(place, slot, started, tick)?;
+            self.fill_slot(base, member_index, slot, started, tick)?;
         }
         Ok(())
     }
+}
+
+fn no_machine(layer: usize) -> Error {
+    bad(&format!("of layer {layer} has no state: the layer runs no state machine"))
 }
 
 #[cfg(test)]
@@ -248,7 +321,7 @@ mod tests {
 
     use super::*;
     use crate::{
-        ClipId, ClipPlayback, Device, MachinePlayback, Placement, StateMachine, StatePlayback,
+        ClipPlayback, Crowd, Device, MachinePlayback, Placement, StateMachine, StatePlayback,
     };
 
     /// Runs random starts of clips and machines and calls `look` after each frame.
@@ -256,7 +329,7 @@ mod tests {
         let builder = Crowd::builder().device(Device::native()).slots_per_member(slots);
         let mut crowd = builder.build().unwrap();
         let lift = crowd.add_character(super::super::tests::lift()).unwrap();
-        let clip: ClipId = crowd.clips(lift).unwrap()[0].0;
+        let clip: ClipId = crowd.character(lift).unwrap().clips()[0].0;
         let machine = StateMachine::new().state("lifts", clip, StatePlayback::looping());
         let machine = crowd.add_machine(&machine).unwrap();
         let member = crowd.spawn(lift, Placement::at([0.0; 3])).unwrap();
@@ -286,12 +359,12 @@ mod tests {
     fn machine_slots_have_equal_weights_and_layers_keep_their_sum() {
         for slots in [4, 5, 8] {
             let mut most = 0;
-            run(slots, |crowd, place| {
-                let tick = crowd.clock.tick;
+            run(slots, |crowd, member_index| {
+                let tick = crowd.state.base.clock.tick;
                 let ramp = |s: &Slot| (s.weight_tick, s.start_weight, s.weight_rate, s.end_weight);
                 // Slots of lower weight count as free, one at a time.
                 let taken = |slot: &&Slot| slot.bound_clip != NONE && slot.weight_at(tick) > 2e-3;
-                let all = crowd.slots(place);
+                let all = crowd.state.base.slots(member_index);
                 for slot in
                     all.iter().filter(taken).filter(|slot| slot.machine_instance().is_some())
                 {

@@ -9,7 +9,9 @@ use std::borrow::Borrow;
 
 use populace_model::{JointIndex, Role};
 
-use super::{CharacterId, Crowd, MemberId, MemberState};
+use super::base::MemberState;
+use super::state::State;
+use super::{CharacterId, Crowd, MemberId};
 use crate::{Error, Placement};
 
 /// A borrowed view of a member, whose handle has been checked. [`MemberRef`] reads, [`MemberMut`]
@@ -22,7 +24,7 @@ pub struct MemberView<C> {
 }
 
 /// A view that reads a member; see [`Crowd::member`].
-pub type MemberRef<'a> = MemberView<&'a Crowd>;
+pub type MemberRef<'a> = MemberView<&'a State>;
 
 /// A view that reads and changes a member; see [`Crowd::member_mut`].
 pub type MemberMut<'a> = MemberView<&'a mut Crowd>;
@@ -35,8 +37,8 @@ impl Crowd {
     /// [`Error::StaleMember`] for a member that was despawned, [`Error::UnknownId`] for one of
     /// another crowd.
     pub fn member(&self, id: MemberId) -> Result<MemberRef<'_>, Error> {
-        let character = self.check(id)?;
-        Ok(MemberView { crowd: self, id, character })
+        let character = self.state.base.check(id)?;
+        Ok(MemberView { crowd: &self.state, id, character })
     }
 
     /// Returns a view of a member by which it can be changed.
@@ -54,26 +56,39 @@ impl Crowd {
     ///
     /// As for [`member`](Self::member).
     pub fn member_mut(&mut self, id: MemberId) -> Result<MemberMut<'_>, Error> {
-        let character = self.check(id)?;
+        let character = self.state.base.check(id)?;
         Ok(MemberView { crowd: self, id, character })
     }
 
     /// Iterates over all members, in order of their indices.
     pub fn members(&self) -> impl Iterator<Item = MemberRef<'_>> {
-        (0u32..).zip(&self.members).filter_map(move |(index, state)| {
-            let id = MemberId { crowd: self.number, index, generation: state.generation };
+        self.state.members()
+    }
+}
+
+impl State {
+    pub(super) fn members(&self) -> impl Iterator<Item = MemberRef<'_>> {
+        let base = &self.base;
+        (0u32..).zip(&base.members.all).filter_map(move |(index, state)| {
+            let id = MemberId { crowd: base.number, index, generation: state.generation };
             Some(MemberView { crowd: self, id, character: state.character? })
         })
     }
 }
 
-impl<C: Borrow<Crowd>> MemberView<C> {
-    fn crowd(&self) -> &Crowd {
+impl Borrow<State> for &mut Crowd {
+    fn borrow(&self) -> &State {
+        &self.state
+    }
+}
+
+impl<C: Borrow<State>> MemberView<C> {
+    fn state(&self) -> &State {
         self.crowd.borrow()
     }
 
-    fn state(&self) -> &MemberState {
-        &self.crowd().members[self.id.index as usize]
+    fn member(&self) -> &MemberState {
+        &self.state().base.members.all[self.id.index as usize]
     }
 
     /// The member's handle.
@@ -92,20 +107,20 @@ impl<C: Borrow<Crowd>> MemberView<C> {
     /// has this one.
     #[must_use]
     pub fn joint(&self, role: Role) -> Option<JointIndex> {
-        self.crowd().roles(self.character).ok()??.joint(role)
+        self.state().base.roles(self.character).ok()??.joint(role)
     }
 
     /// The member's placement. Root motion moves the member away from it: see
     /// [`moved_placement`](Self::moved_placement).
     #[must_use]
     pub fn placement(&self) -> Placement {
-        self.state().placement
+        self.member().placement
     }
 
     /// The number set by [`set_user_data`](Self::set_user_data), 0 unless set.
     #[must_use]
     pub fn user_data(&self) -> u64 {
-        self.state().user_data
+        self.member().user_data
     }
 }
 
@@ -118,11 +133,11 @@ impl MemberMut<'_> {
     /// A placement that is not finite, or [`Error::BadAttachment`] if the member is attached to
     /// another, which sets its placement.
     pub fn set_placement(&mut self, placement: Placement) -> Result<(), Error> {
-        self.crowd.place(self.id, placement)
+        self.crowd.state.set_placement(self.id, placement)
     }
 
     /// Stores a number of the caller's own beside the member, such as an index or a key.
     pub fn set_user_data(&mut self, user_data: u64) {
-        self.crowd.members[self.id.index as usize].user_data = user_data;
+        self.crowd.state.base.members.all[self.id.index as usize].user_data = user_data;
     }
 }

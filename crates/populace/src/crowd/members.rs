@@ -2,8 +2,8 @@
 
 use populace_model::Affine;
 
-use super::slots::Started;
-use super::{CharacterId, Crowd, MemberId, MemberState};
+use super::base::{Base, MemberState, Members};
+use super::{CharacterId, Crowd, MemberId};
 use crate::{Error, Placement};
 
 /// The data that a renderer needs to draw one member.
@@ -23,6 +23,42 @@ pub struct Instance {
     pub palette_first: u32,
 }
 
+impl Base {
+    pub(super) fn add_member(
+        &mut self,
+        character: CharacterId,
+        placement: Placement,
+    ) -> Result<MemberId, Error> {
+        placement.check()?;
+        self.check_room_for(1)?;
+        let body = self.character_state(character)?.body;
+        let index = self.tables.add_member(body)?;
+        let free = MemberState::free(placement);
+        let all = &mut self.members.all;
+        all.resize(all.len().max(index as usize + 1), free);
+        let state = &mut all[index as usize];
+        let generation = state.generation;
+        let character = Some(character);
+        *state = MemberState { generation, character, since: self.clock.frame, ..free };
+        self.members.count += 1;
+        Ok(MemberId { crowd: self.number, index, generation })
+    }
+
+    /// Refuses `count` more members than the crowd was built for.
+    pub(super) fn check_room_for(&self, count: usize) -> Result<(), Error> {
+        let Members { count: present, capacity, .. } = self.members;
+        if count <= capacity - present { Ok(()) } else { Err(Error::Full { capacity }) }
+    }
+
+    pub(super) fn remove_member(&mut self, member: MemberId) {
+        self.tables.remove_member(member.index);
+        let state = &mut self.members.all[member.index as usize];
+        state.character = None;
+        state.generation = state.generation.wrapping_add(1);
+        self.members.count -= 1;
+    }
+}
+
 impl Crowd {
     /// Adds a member. It shows the rest pose until a clip plays.
     ///
@@ -34,26 +70,10 @@ impl Crowd {
         character: CharacterId,
         placement: Placement,
     ) -> Result<MemberId, Error> {
-        placement.check()?;
-        if self.member_count == self.capacity {
-            return Err(Error::Full { capacity: self.capacity });
-        }
-        let body = self.character_state(character)?.body;
-        let place = self.tables.add_member(body)?;
-        if self.members.len() <= place as usize {
-            let free =
-                MemberState { generation: 0, character: None, placement, user_data: 0, since: 0 };
-            self.members.resize(place as usize + 1, free);
-            self.started
-                .resize(self.members.len() * self.tables.slots_per_member(), Started::default());
-        }
-        let state = &mut self.members[place as usize];
-        state.character = Some(character);
-        state.placement = placement;
-        state.user_data = 0;
-        state.since = self.frame;
-        self.member_count += 1;
-        Ok(MemberId { crowd: self.number, index: place, generation: state.generation })
+        let (player, base) = self.state.player();
+        let member = base.add_member(character, placement)?;
+        player.set_slot_count(base.members.all.len() * base.tables.slots_per_member());
+        Ok(member)
     }
 
     /// Removes a member. Its handle goes stale, and members attached to it are detached.
@@ -62,45 +82,25 @@ impl Crowd {
     ///
     /// [`Error::StaleMember`].
     pub fn despawn(&mut self, member: MemberId) -> Result<(), Error> {
-        self.detach_all(member)?;
-        self.forget_watches(member);
-        self.forget_motion(member);
-        self.forget_controls(member);
-        self.tables.remove_member(member.index);
-        self.scheduled.retain(member.index, |_| false);
-        self.active_space.remove(&member.index);
-        let state = &mut self.members[member.index as usize];
-        state.character = None;
-        state.generation = state.generation.wrapping_add(1);
-        self.member_count -= 1;
-        Ok(())
+        self.state.despawn(member)
     }
 
     /// The number of members.
     #[must_use]
     pub fn member_count(&self) -> usize {
-        self.member_count
-    }
-
-    pub(super) fn place(&mut self, member: MemberId, placement: Placement) -> Result<(), Error> {
-        self.check(member)?;
-        placement.check()?;
-        self.check_placeable(member)?;
-        self.restart_motion(member)?;
-        self.members[member.index as usize].placement = placement;
-        self.upload_placement(member)?;
-        self.place_children(member)
+        self.state.base.members.count
     }
 
     /// Iterates over the instances to draw, in order of the members' indices.
     pub fn instances(&self) -> impl Iterator<Item = Instance> + '_ {
-        let members = self.members.iter().zip(self.tables.members().as_slice());
-        members.zip(0u32..).filter_map(|((state, member), place)| {
+        let base = &self.state.base;
+        let members = base.members.all.iter().zip(base.tables.members().as_slice());
+        members.zip(0u32..).filter_map(|((state, member), index)| {
             Some(Instance {
-                member: MemberId { crowd: self.number, index: place, generation: state.generation },
+                member: MemberId { crowd: base.number, index, generation: state.generation },
                 character: state.character?,
                 world_from_model: state.placement.world_from_model(),
-                moved: self.shift_of(place),
+                moved: self.state.offset_of(index),
                 palette_first: member.palette_first,
             })
         })

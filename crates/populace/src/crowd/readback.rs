@@ -1,11 +1,15 @@
 //! Reads of device results.
 
+use std::sync::Arc;
+
 use populace_device::layout::{Body, Float4};
-use populace_device::{BackendError, Stage, StageBuffer};
+use populace_device::{BackendError, PaletteSource, StageBuffer};
 use populace_model::{Affine, Trs};
 
-use super::{Crowd, MemberId};
-use crate::Error;
+use super::base::Base;
+use super::state::State;
+use super::{Crowd, JointReadback, MemberId, Watch};
+use crate::{Error, Placement};
 
 impl Crowd {
     /// Calls `reader` with a page of palettes, three elements for each palette entry. Waits for the
@@ -20,18 +24,68 @@ impl Crowd {
         page: usize,
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), Error> {
-        self.check_readable()?;
-        self.opened.backend_mut().with_page(page, reader)?;
-        Ok(self.update_moved()?)
+        Ok(PaletteSource::with_page(self, page, reader)?)
+    }
+
+    /// Returns the newest copy of a watched joint that has reached the host: of the last update on
+    /// the native device, some frames old on others. `None` until an update has advanced the clock
+    /// since the watch began and its result has arrived, and after the watch or the member was
+    /// removed.
+    ///
+    /// # Errors
+    ///
+    /// A watch of another crowd, or a failing device.
+    pub fn readback(&mut self, watch: Watch) -> Result<Option<JointReadback>, Error> {
+        let State { base, readbacks, constraints, .. } = &self.state;
+        base.check_crowd("watch", watch.member.crowd, watch.serial)?;
+        let fetched = self.device.backend_mut().fetched()?;
+        Ok(fetched.and_then(|(tick, elements)| readbacks.find(constraints, watch, tick, elements)))
+    }
+
+    /// Removes a watch. A joint with several watches is copied until all are removed. A stale watch
+    /// and one of another crowd are ignored.
+    pub fn unwatch(&mut self, watch: Watch) {
+        self.state.unwatch(watch);
+    }
+
+    /// Updates the cached root-motion offsets from the newest readback.
+    pub(super) fn update_offsets(&mut self) -> Result<(), BackendError> {
+        let State { base, motion, constraints, .. } = &mut self.state;
+        if !motion.is_empty()
+            && let Some((tick, elements)) = self.device.backend_mut().fetched()?
+        {
+            motion.update_offsets(base, constraints, tick, elements);
+        }
+        Ok(())
+    }
+
+    /// Returns the placement to which root motion has taken a member.
+    pub(super) fn moved_placement(&mut self, member: MemberId) -> Result<Placement, Error> {
+        let State { base, motion, constraints, .. } = &self.state;
+        let placement = base.members.all[member.index as usize].placement;
+        let Some(state) = motion.state_of(base, constraints, member) else { return Ok(placement) };
+        let elements = self.device.states(&base.tables, state.first)?;
+        Ok(state.moved(placement, elements))
+    }
+
+    pub(super) fn machine_state(
+        &mut self,
+        member: MemberId,
+        layer: usize,
+    ) -> Result<Arc<str>, Error> {
+        let State { base, player, .. } = &self.state;
+        let instance = player.machine_on(base, member, layer)?;
+        let running = self.device.running(&base.tables, instance)?;
+        player.state_name(base, layer, instance, running)
     }
 
     pub(super) fn palette(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        let Self { tables, opened, .. } = self;
+        let Self { state: State { base: Base { tables, .. }, .. }, device } = self;
         let first = row.palette_first as usize * 3;
         tables.with_taken_over(|tables| {
-            opened.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
+            device.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
         })?;
         Ok(elements
             .as_chunks::<3>()
@@ -43,76 +97,49 @@ impl Crowd {
 
     pub(super) fn model_from_joints(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
-        let [a, b, c] = self.read_joints(member, buffers)?;
+        let [a, b, c] = self.read_rows(member, buffers)?;
         Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
     }
 
     pub(super) fn local_pose(&mut self, member: MemberId) -> Result<Vec<Trs>, Error> {
         let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
-        let [t, r, s] = self.read_joints(member, buffers)?;
+        let [t, r, s] = self.read_rows(member, buffers)?;
         let joints = t.iter().zip(&r).zip(&s);
         Ok(joints
             .map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() })
             .collect())
     }
 
-    /// The milliseconds that the last update took on the device, if it has finished and the device
-    /// measures time.
-    pub fn frame_time_ms(&mut self) -> Option<f64> {
-        self.opened.backend_mut().frame_time_ms()
-    }
-
-    /// The milliseconds that each stage of the last update took on the device, if the schedule has
-    /// stages and the device measures time.
-    pub fn stage_times_ms(&mut self) -> Vec<(Stage, f64)> {
-        self.opened.backend_mut().stage_times_ms()
-    }
-
-    /// Fills every palette with a constant and returns the milliseconds that it took: the lower
-    /// bound of an update, for benchmarks. The palettes are wrong until the next update.
-    ///
-    /// # Errors
-    ///
-    /// A failing device.
-    pub fn write_floor(&mut self) -> Result<f64, Error> {
-        Ok(self.opened.backend_mut().write_floor(&self.tables)?)
-    }
-
-    /// The bytes that the device has allocated for this crowd.
-    #[must_use]
-    pub fn device_memory_bytes(&self) -> usize {
-        self.opened.backend().memory_bytes()
-    }
-
-    fn read_joints(
+    fn read_rows(
         &mut self,
         member: MemberId,
         buffers: [StageBuffer; 3],
     ) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
         let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
-        let Self { tables, opened, .. } = self;
+        let Self { state: State { base: Base { tables, .. }, .. }, device } = self;
         tables.with_taken_over(|tables| {
             let mut all = buffers.into_iter().zip(&mut arrays);
             let first = row.joint_first as usize;
             all.try_for_each(|(buffer, array)| {
-                opened.backend_mut().read(tables, buffer, first, array)
+                device.backend_mut().read(tables, buffer, first, array)
             })
         })?;
         Ok(arrays)
     }
 
     /// Returns the device rows of a member, if it was present at the last update.
-    fn device_member(
+    pub(super) fn device_member(
         &self,
         member: MemberId,
     ) -> Result<(populace_device::layout::Member, Body), Error> {
-        self.check(member)?;
-        self.check_readable()?;
-        if self.members[member.index as usize].since == self.frame {
+        self.state.base.check(member)?;
+        self.device.check_readable()?;
+        let Base { tables, members, clock, .. } = &self.state.base;
+        if members.all[member.index as usize].since == clock.frame {
             return Err(BackendError::NotEvaluated.into());
         }
-        let row = self.tables.members().as_slice()[member.index as usize];
-        Ok((row, self.tables.bodies().as_slice()[row.body as usize]))
+        let row = tables.members().as_slice()[member.index as usize];
+        Ok((row, tables.bodies().as_slice()[row.body as usize]))
     }
 }

@@ -49,7 +49,7 @@ impl Start {
 type Entry = (u64, u64, Start);
 
 /// All scheduled starts, by member and by time.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct ScheduledStarts {
     by_member: HashMap<u32, Vec<Entry>>,
     by_time: BTreeMap<(u64, u64), u32>,
@@ -68,6 +68,11 @@ impl ScheduledStarts {
     /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
     pub(crate) fn of(&self, place: u32) -> impl Iterator<Item = (u64, &Start)> {
         self.by_member.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
+    }
+
+    /// Returns whether `which` selects any start.
+    pub(crate) fn any(&self, which: impl Fn(&Start) -> bool) -> bool {
+        self.by_member.values().flatten().any(|(_, _, start)| which(start))
     }
 
     /// Takes the first start that is due at or before `tick`.

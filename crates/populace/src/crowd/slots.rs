@@ -10,7 +10,8 @@ use populace_clip::ticks_from_secs;
 use populace_device::layout::{NONE, Slot};
 use populace_device::{MAX_LAYERS, MAX_SLOTS};
 
-use super::Crowd;
+use super::base::Base;
+use super::player::Player;
 use crate::Error;
 
 /// The share of a layer below which a slot that fades out counts as free. Dropping it moves the
@@ -46,28 +47,24 @@ pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
         || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
 }
 
-impl Crowd {
-    pub(super) fn slots(&self, place: u32) -> &[Slot] {
-        &self.tables.slots().as_slice()[self.tables.slot_range(place)]
-    }
-
-    pub(super) fn started(&self, place: u32, index: usize) -> Started {
-        self.started[self.tables.slot_range(place).start + index]
+impl Player {
+    pub(super) fn started(&self, base: &Base, member_index: u32, index: usize) -> Started {
+        self.started[base.tables.slot_range(member_index).start + index]
     }
 
     /// Returns the share of each slot in its layer, 0 to 1: 0 for inertializing slots, `None` for
     /// free ones.
-    fn slot_shares(&self, place: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
+    fn slot_shares(&self, base: &Base, member_index: u32, tick: u64) -> [Option<f32>; MAX_SLOTS] {
         let mut totals = [0.0_f32; MAX_LAYERS];
         let weighing =
             |slot: &Slot| if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
-        for slot in self.slots(place) {
+        for slot in base.slots(member_index) {
             totals[slot.layer() as usize] += weighing(slot);
         }
         // Layer 0 is always normalised. Layers above it leave the remainder to the layers beneath.
         totals[1..].iter_mut().for_each(|total| *total = total.max(1.0));
         let mut shares = [None; MAX_SLOTS];
-        for (share, slot) in shares.iter_mut().zip(self.slots(place)) {
+        for (share, slot) in shares.iter_mut().zip(base.slots(member_index)) {
             let of_layer = weighing(slot) / totals[slot.layer() as usize].max(f32::MIN_POSITIVE);
             let free = faded_out(slot, tick) || (slot.end_weight <= 0.0 && of_layer < NEGLIGIBLE);
             *share = (!free || slot.inertializes(tick)).then_some(of_layer);
@@ -76,12 +73,15 @@ impl Crowd {
     }
 
     /// Returns the free slot of least weight.
-    pub(super) fn free_slot(&self, place: u32, tick: u64) -> Option<usize> {
-        let shares = self.slot_shares(place, tick);
-        let slots =
-            self.slots(place).iter().enumerate().filter(|(index, _)| shares[*index].is_none());
+    pub(super) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
+        let shares = self.slot_shares(base, member_index, tick);
+        let slots = base
+            .slots(member_index)
+            .iter()
+            .enumerate()
+            .filter(|(index, _)| shares[*index].is_none());
         // A slot that was cut since the last update still contributes root motion up to the cut.
-        let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > self.clock.tick;
+        let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > base.clock.tick;
         let weight = |slot: &Slot| match faded_out(slot, tick) {
             true if played(slot) => -1.0,
             true => -2.0,
@@ -95,56 +95,68 @@ impl Crowd {
     /// strongest slot, which takes up the weight of those that fade.
     pub(super) fn free_slots(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         needed: usize,
         secs: f32,
         tick: u64,
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> Result<Option<u64>, Error> {
-        let shares = self.slot_shares(place, tick);
-        let count = self.slots(place).len();
+        let shares = self.slot_shares(base, member_index, tick);
+        let count = base.slots(member_index).len();
         let missing = needed.saturating_sub((0..count).filter(|i| shares[*i].is_none()).count());
         if missing == 0 {
             return Ok(None);
         }
-        let plans = self.plans(place, plan);
-        let (mut evicted, others) = self.by_strength(place, &shares, &plans);
+        let plans = self.plans(base, member_index, plan);
+        let (mut evicted, others) = self.by_strength(base, member_index, &shares, &plans);
         let smoothly = evicted.len() >= missing;
         evicted.extend(others);
-        let splits = evicted.get(missing - 1).and_then(|last| self.partner(place, *last))
-            == evicted.get(missing).copied();
+        let splits =
+            evicted.get(missing - 1).and_then(|last| self.partner(base, member_index, *last))
+                == evicted.get(missing).copied();
         evicted.truncate(missing + usize::from(splits));
         if secs <= 0.0 || !smoothly {
             for index in evicted {
-                self.cut(place, index, tick)?;
+                self.cut(base, member_index, index, tick)?;
             }
             return Ok(None);
         }
         let share: f32 = evicted.iter().filter_map(|i| shares[*i]).sum();
-        self.fade_out_for(place, &evicted, &plans, share * secs, tick).map(Some)
+        self.fade_out_for(base, member_index, &evicted, &plans, share * secs, tick).map(Some)
     }
 
     /// The number of slots that are free or can be freed without a jump of the pose.
     pub(super) fn free_slot_count(
         &self,
-        place: u32,
+        base: &Base,
+        member_index: u32,
         tick: u64,
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> usize {
-        let shares = self.slot_shares(place, tick);
-        let free = (0..self.slots(place).len()).filter(|index| shares[*index].is_none()).count();
-        free + self.by_strength(place, &shares, &self.plans(place, plan)).0.len()
+        let shares = self.slot_shares(base, member_index, tick);
+        let free =
+            (0..base.slots(member_index).len()).filter(|index| shares[*index].is_none()).count();
+        free + self
+            .by_strength(base, member_index, &shares, &self.plans(base, member_index, plan))
+            .0
+            .len()
     }
 
-    fn plans(&self, place: u32, plan: impl Fn(&Slot, Started) -> Plan) -> Vec<Plan> {
-        let slots = self.slots(place).iter().enumerate();
-        slots.map(|(index, slot)| plan(slot, self.started(place, index))).collect()
+    fn plans(
+        &self,
+        base: &Base,
+        member_index: u32,
+        plan: impl Fn(&Slot, Started) -> Plan,
+    ) -> Vec<Plan> {
+        let slots = base.slots(member_index).iter().enumerate();
+        slots.map(|(index, slot)| plan(slot, self.started(base, member_index, index))).collect()
     }
 
     /// Returns the other slot of a state machine. Only the device knows their weights, so both stay
     /// or leave together.
-    fn partner(&self, place: u32, index: usize) -> Option<usize> {
-        let slots = self.slots(place);
+    fn partner(&self, base: &Base, member_index: u32, index: usize) -> Option<usize> {
+        let slots = base.slots(member_index);
         slots[index].machine_instance()?;
         let is_mate = |slot: &Slot| {
             slot.machine_instance().is_some() && slot.bound_clip == slots[index].bound_clip ^ 1
@@ -157,21 +169,23 @@ impl Crowd {
     /// other. The second list holds slots that cannot fade because layer 0 would be left empty.
     fn by_strength(
         &self,
-        place: u32,
+        base: &Base,
+        member_index: u32,
         shares: &[Option<f32>; MAX_SLOTS],
         plans: &[Plan],
     ) -> (Vec<usize>, Vec<usize>) {
-        let slots = self.slots(place);
+        let slots = base.slots(member_index);
         let rank = |i: usize| match slots[i].is_inertialization() {
             true => (1, slots[i].inertialization_tick()),
             false if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
             false => (2, 0),
         };
-        let is_second = |i: usize| self.partner(place, i).is_some_and(|partner| partner < i);
+        let is_second =
+            |i: usize| self.partner(base, member_index, i).is_some_and(|partner| partner < i);
         let gives_way =
             |i: &usize| shares[*i].is_some() && plans[*i] != Plan::Stays && !is_second(*i);
         let mut order: Vec<_> = (0..slots.len()).filter(gives_way).collect();
-        let both = |i: usize| [Some(i), self.partner(place, i)].into_iter().flatten();
+        let both = |i: usize| [Some(i), self.partner(base, member_index, i)].into_iter().flatten();
         let share = |i: usize| both(i).filter_map(|i| shares[i]).sum::<f32>();
         order.sort_by(|&a, &b| rank(a).cmp(&rank(b)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
@@ -189,7 +203,8 @@ impl Crowd {
     /// by one crossfade.
     fn fade_out_for(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         evicted: &[usize],
         plans: &[Plan],
         secs: f32,
@@ -198,7 +213,7 @@ impl Crowd {
         let mut due = tick + 1;
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in evicted {
-            let mut slot = self.slots(place)[index];
+            let mut slot = base.slots(member_index)[index];
             if slot.is_inertialization() {
                 due = due.max(slot.inertialization_tick());
                 continue;
@@ -214,30 +229,30 @@ impl Crowd {
             slot.ramp_weight(tick, weight, 0.0, secs);
             due = due.max(tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1));
             left_behind[slot.layer() as usize] += weight;
-            self.tables.set_slot(place, index, slot)?;
+            base.tables.set_slot(member_index, index, slot)?;
         }
         for (layer, left) in (0..).zip(left_behind) {
             let of_layer = |i: &usize| {
                 plans[*i] != Plan::Apart
                     && !evicted.contains(i)
-                    && self.slots(place)[*i].layer() == layer
+                    && base.slots(member_index)[*i].layer() == layer
             };
             let mut still: Vec<_> = (0..plans.len()).filter(of_layer).collect();
-            let weight = |i: &usize| self.slots(place)[*i].weight_at(tick);
+            let weight = |i: &usize| base.slots(member_index)[*i].weight_at(tick);
             still.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
             let heirs: Vec<_> = still
                 .first()
                 .iter()
-                .flat_map(|i| [Some(**i), self.partner(place, **i)])
+                .flat_map(|i| [Some(**i), self.partner(base, member_index, **i)])
                 .flatten()
                 .collect();
             for index in still {
-                let mut slot = self.slots(place)[index];
+                let mut slot = base.slots(member_index)[index];
                 if left > 0.0 && !faded_out(&slot, tick) {
                     let weight = slot.weight_at(tick);
                     let more = if heirs.contains(&index) { left / heirs.len() as f32 } else { 0.0 };
                     slot.ramp_weight(tick, weight, weight + more, secs);
-                    self.tables.set_slot(place, index, slot)?;
+                    base.tables.set_slot(member_index, index, slot)?;
                 }
             }
         }
@@ -248,21 +263,22 @@ impl Crowd {
     /// 0.
     pub(super) fn fade_out(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         layer: usize,
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
-        for index in 0..self.slots(place).len() {
-            let mut slot = self.slots(place)[index];
+        for index in 0..base.slots(member_index).len() {
+            let mut slot = base.slots(member_index)[index];
             if slot.layer() as usize != layer {
                 continue;
             }
             if secs <= 0.0 {
-                self.cut(place, index, tick)?;
+                self.cut(base, member_index, index, tick)?;
             } else if !faded_out(&slot, tick) {
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
-                self.tables.set_slot(place, index, slot)?;
+                base.tables.set_slot(member_index, index, slot)?;
             }
         }
         Ok(())
@@ -270,61 +286,88 @@ impl Crowd {
 
     /// Sets the weight of a slot to 0 at `tick`. Until the slot is reused it still holds its weight
     /// before `tick`.
-    fn cut(&mut self, place: u32, index: usize, tick: u64) -> Result<(), Error> {
-        let mut slot = self.slots(place)[index];
+    fn cut(
+        &mut self,
+        base: &mut Base,
+        member_index: u32,
+        index: usize,
+        tick: u64,
+    ) -> Result<(), Error> {
+        let mut slot = base.slots(member_index)[index];
         if slot.inertializes(tick) {
-            return self.empty_slot(place, index);
+            return self.empty_slot(base, member_index, index);
         }
         if faded_out(&slot, tick) {
             return Ok(());
         }
-        self.note_left(place, &slot, tick);
+        self.note_left(base, member_index, &slot, tick);
         slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
-        Ok(self.tables.set_slot(place, index, slot)?)
+        Ok(base.tables.set_slot(member_index, index, slot)?)
     }
 
     /// Keeps a slot that ends during an update, for the events before its end.
-    pub(super) fn note_left(&mut self, place: u32, slot: &Slot, tick: u64) {
-        if tick > self.clock.tick && self.listening.iter().any(|member| member.index == place) {
-            self.left.push((place, *slot, tick));
+    pub(super) fn note_left(&mut self, base: &mut Base, member_index: u32, slot: &Slot, tick: u64) {
+        if tick > base.clock.tick {
+            self.left.push((member_index, *slot, tick));
         }
     }
 
     /// Copies a slot that ends during an update to a free slot, if there is one, so that its root
     /// motion up to `tick` counts.
-    pub(super) fn leave(&mut self, place: u32, mut slot: Slot, tick: u64) -> Result<(), Error> {
-        self.note_left(place, &slot, tick);
-        let moves = tick > self.clock.tick && self.moving.contains_key(&place);
-        let Some(index) = self.free_slot(place, tick).filter(|_| moves) else { return Ok(()) };
+    pub(super) fn leave(
+        &mut self,
+        base: &mut Base,
+        member_index: u32,
+        mut slot: Slot,
+        tick: u64,
+    ) -> Result<(), Error> {
+        self.note_left(base, member_index, &slot, tick);
+        let moves = tick > base.clock.tick && base.members.all[member_index as usize].moves;
+        let Some(index) = self.free_slot(base, member_index, tick).filter(|_| moves) else {
+            return Ok(());
+        };
         slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
-        self.put_slot(place, index, slot, Started::default())
+        self.put_slot(base, member_index, index, slot, Started::default())
     }
 
-    pub(super) fn empty_slot(&mut self, place: u32, index: usize) -> Result<(), Error> {
+    pub(super) fn empty_slot(
+        &mut self,
+        base: &mut Base,
+        member_index: u32,
+        index: usize,
+    ) -> Result<(), Error> {
         let empty = Slot { bound_clip: NONE, ..Slot::default() };
-        Ok(self.tables.set_slot(place, index, empty)?)
+        Ok(base.tables.set_slot(member_index, index, empty)?)
     }
 
     /// Writes a slot to a free index; the caller has called [`free_slots`](Self::free_slots).
     pub(super) fn fill_slot(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         slot: Slot,
         started: Started,
         tick: u64,
     ) -> Result<(), Error> {
-        self.put_slot(place, self.free_slot(place, tick).unwrap_or(0), slot, started)
+        self.put_slot(
+            base,
+            member_index,
+            self.free_slot(base, member_index, tick).unwrap_or(0),
+            slot,
+            started,
+        )
     }
 
     pub(super) fn put_slot(
         &mut self,
-        place: u32,
+        base: &mut Base,
+        member_index: u32,
         index: usize,
         slot: Slot,
         started: Started,
     ) -> Result<(), Error> {
-        self.tables.set_slot(place, index, slot)?;
-        let range = self.tables.slot_range(place);
+        base.tables.set_slot(member_index, index, slot)?;
+        let range = base.tables.slot_range(member_index);
         self.started[range.start + index] = started;
         Ok(())
     }

@@ -6,6 +6,9 @@ use populace_device::layout::{STAGE_PARAMETERS, STAGES_MOST};
 use populace_device::{After, UserStage, layout};
 use populace_model::JointIndex;
 
+use super::base::Base;
+use super::constraints::Constraints;
+use super::state::State;
 use super::{Crowd, MemberId, u32_from};
 use crate::error::finite;
 use crate::{Error, StageUse};
@@ -19,7 +22,7 @@ pub struct StageId {
 }
 
 /// The stages of a crowd, by number.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct UserStages {
     /// The stages as devices receive them.
     all: Vec<Option<UserStage>>,
@@ -31,6 +34,54 @@ pub(super) struct UserStages {
 impl UserStages {
     pub(super) fn as_slice(&self) -> &[Option<UserStage>] {
         &self.all
+    }
+
+    pub(super) fn is_any(&self) -> bool {
+        self.all.iter().any(Option::is_some)
+    }
+
+    /// Returns the stages with one more, and its number.
+    fn with(&self, stage: UserStage) -> Result<(Vec<Option<UserStage>>, usize), Error> {
+        stage.check()?;
+        let refused = |stage: &UserStage, what| {
+            Error::from(populace_device::Error::BadStage { stage: stage.name().into(), what })
+        };
+        let mut all = self.all.clone();
+        let number = all.iter().position(Option::is_none).unwrap_or(all.len());
+        if number >= STAGES_MOST as usize {
+            let what = format!(
+                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove \
+                 one first"
+            );
+            return Err(refused(&stage, what));
+        }
+        if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
+            let what = format!(
+                "another stage defines a different function \"{}\"; rename one of them",
+                other.name()
+            );
+            return Err(refused(&stage, what));
+        }
+        all.resize(all.len().max(number + 1), None);
+        all[number] = Some(stage);
+        Ok((all, number))
+    }
+
+    /// Takes stages that devices have received, of which `number` is new. Returns its serial.
+    fn take(&mut self, all: Vec<Option<UserStage>>, number: usize, after: After) -> u32 {
+        self.all = all;
+        self.taken.resize(self.all.len(), None);
+        self.last_serial = self.last_serial.wrapping_add(1);
+        self.taken[number] = Some((after, self.last_serial));
+        self.last_serial
+    }
+
+    /// Returns the stage of the pipeline after which a user stage runs.
+    fn after(&self, base: &Base, id: StageId) -> Result<After, Error> {
+        base.check_crowd("stage", id.crowd, id.number)?;
+        let taken = self.taken.get(id.number as usize).copied().flatten();
+        let ours = taken.filter(|(_, serial)| *serial == id.serial);
+        ours.map(|(after, _)| after).ok_or(Error::UnknownId { what: "stage", index: id.number })
     }
 }
 
@@ -48,60 +99,26 @@ impl Crowd {
     /// compile: the error holds the compiler's message, with line numbers of the user's text.
     /// Nothing is changed then.
     pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
-        stage.check()?;
-        let mut all = self.stages.all.clone();
-        let number = all.iter().position(Option::is_none).unwrap_or(all.len());
-        if number >= STAGES_MOST as usize {
-            let what = format!(
-                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove \
-                 one first"
-            );
-            return Err(
-                populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
-            );
-        }
-        if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
-            let what = format!(
-                "another stage defines a different function \"{}\"; rename one of them",
-                other.name()
-            );
-            return Err(
-                populace_device::Error::BadStage { stage: stage.name().into(), what }.into()
-            );
-        }
-        all.resize(all.len().max(number + 1), None);
-        all[number] = Some(stage);
-        self.opened.backend_mut().set_stages(&all)?;
-        let stages = &mut self.stages;
-        stages.all = all;
-        stages.taken.resize(stages.all.len(), None);
-        stages.last_serial = stages.last_serial.wrapping_add(1);
-        stages.taken[number] = Some((after, stages.last_serial));
+        let Self { state: State { base, stages, .. }, device } = self;
+        let (all, number) = stages.with(stage)?;
+        device.backend_mut().set_stages(&all)?;
+        let serial = stages.take(all, number, after);
         let number = u32_from(number);
-        self.tables.set_stage_parameters(number, &[0.0; STAGE_PARAMETERS as usize])?;
-        Ok(StageId { crowd: self.number, number, serial: self.stages.last_serial })
+        base.tables.set_stage_parameters(number, &[0.0; STAGE_PARAMETERS as usize])?;
+        Ok(StageId { crowd: base.number, number, serial })
     }
 
-    /// Removes a stage. Its id goes stale, and members no longer run it.
-    ///
-    /// # Errors
-    ///
-    /// A stage that does not exist, or a failing device. Nothing is changed then.
-    pub fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
-        self.stage_after(id)?;
-        let mut all = self.stages.all.clone();
+    /// Removes a stage; members no longer run it. Nothing is changed on an error.
+    pub(super) fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
+        let Self { state: State { base, stages, constraints, .. }, device } = self;
+        stages.after(base, id)?;
+        let mut all = stages.all.clone();
         all[id.number as usize] = None;
-        self.opened.backend_mut().set_stages(&all)?;
-        self.stages.all = all;
-        self.stages.taken[id.number as usize] = None;
-        let uses = |state: &super::MemberControls| {
-            state.controls.stages.iter().any(|u| u.stage == id.number)
-        };
-        let places = self.controls.iter().filter(|(_, state)| uses(state)).map(|(place, _)| *place);
-        // Sorted, so that equal calls leave equal tables.
-        for place in places.collect::<BTreeSet<_>>() {
-            let generation = self.members[place as usize].generation;
-            self.forget_use(MemberId { crowd: self.number, index: place, generation }, id.number)?;
+        device.backend_mut().set_stages(&all)?;
+        stages.all = all;
+        stages.taken[id.number as usize] = None;
+        for index in constraints.users_of_stage(id.number) {
+            constraints.clear_stage(base, base.member_id(index), id.number)?;
         }
         Ok(())
     }
@@ -113,7 +130,8 @@ impl Crowd {
     ///
     /// A stage that does not exist, more than 16 numbers, or one that is not finite.
     pub fn set_stage_parameters(&mut self, id: StageId, parameters: &[f32]) -> Result<(), Error> {
-        self.stage_after(id)?;
+        let State { base, stages, .. } = &mut self.state;
+        stages.after(base, id)?;
         finite("a parameter of a stage", parameters)?;
         let mut all = [0.0; STAGE_PARAMETERS as usize];
         let Some(given) = all.get_mut(..parameters.len()) else {
@@ -121,26 +139,29 @@ impl Crowd {
             return Err(Error::BadValue { what, value, rule: "at most 16" });
         };
         given.copy_from_slice(parameters);
-        Ok(self.tables.set_stage_parameters(id.number, &all)?)
+        Ok(base.tables.set_stage_parameters(id.number, &all)?)
     }
+}
 
-    pub(super) fn use_stage(
+impl State {
+    pub(super) fn set_stage(
         &mut self,
         member: MemberId,
         id: StageId,
-        how: StageUse,
+        usage: StageUse,
     ) -> Result<(), Error> {
-        let after = self.stage_after(id)?;
-        let character = self.check(member)?;
-        finite("a member's value for a stage", &how.values)?;
-        let skeleton = &self.character_state(character)?.character.skeleton;
+        let Self { base, stages, constraints, .. } = self;
+        let after = stages.after(base, id)?;
+        let character = base.check(member)?;
+        finite("a member's value for a stage", &usage.values)?;
+        let skeleton = &base.character_state(character)?.character.skeleton;
         let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
         // Each joint once, even if named several times.
-        let joints: BTreeSet<_> = how.joints.unwrap_or_else(all).into_iter().collect();
+        let joints: BTreeSet<_> = usage.joints.unwrap_or_else(all).into_iter().collect();
         let joints = joints.into_iter().collect();
         let stage =
-            populace_device::StageUse { stage: id.number, after, joints, values: how.values };
-        self.change_controls(member, |controls| {
+            populace_device::StageUse { stage: id.number, after, joints, values: usage.values };
+        constraints.change(base, member, |controls| {
             match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
                 Some(old) => *old = stage,
                 None => controls.stages.push(stage),
@@ -149,23 +170,18 @@ impl Crowd {
         })
     }
 
-    pub(super) fn leave_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
-        self.stage_after(id)?;
-        self.forget_use(member, id.number)
+    pub(super) fn clear_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
+        self.stages.after(&self.base, id)?;
+        self.constraints.clear_stage(&mut self.base, member, id.number)
     }
+}
 
-    fn forget_use(&mut self, member: MemberId, number: u32) -> Result<(), Error> {
-        self.change_controls(member, |controls| {
+impl Constraints {
+    fn clear_stage(&mut self, base: &mut Base, member: MemberId, number: u32) -> Result<(), Error> {
+        self.change(base, member, |controls| {
             controls.stages.retain(|given| given.stage != number);
             Ok(())
         })
-    }
-
-    fn stage_after(&self, id: StageId) -> Result<After, Error> {
-        self.check_crowd("stage", id.crowd, id.number)?;
-        let taken = self.stages.taken.get(id.number as usize).copied().flatten();
-        let ours = taken.filter(|(_, serial)| *serial == id.serial);
-        ours.map(|(after, _)| after).ok_or(Error::UnknownId { what: "stage", index: id.number })
     }
 }
 

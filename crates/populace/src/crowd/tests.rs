@@ -1,12 +1,12 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use populace_character::{CharacterSource, PaletteEntry};
+use populace_character::{Character, CharacterSource, PaletteEntry};
 use populace_clip::Clip;
 use populace_device::layout::Float4;
 use populace_device::{
-    Backend, BackendError, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, Schedule,
-    Stage, StageBuffer, TargetMark,
+    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
+    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark,
 };
 use populace_model::{
     Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
@@ -14,10 +14,9 @@ use populace_model::{
 use populace_native::NativeBackend;
 
 use super::*;
-use crate::ClipPlayback;
-use crate::Device;
 use crate::device::Engine;
 use crate::split::SplitBackend;
+use crate::{ClipPlayback, Device, Placement};
 
 /// A backend whose operation `lost_in` fails like a lost device while `is_lost` is set.
 struct FailingBackend {
@@ -99,6 +98,10 @@ impl Backend for FailingBackend {
         self.inner.fetched()
     }
 
+    fn forget_fetched(&mut self) {
+        self.inner.forget_fetched();
+    }
+
     fn frame_time_ms(&mut self) -> Option<f64> {
         self.inner.frame_time_ms()
     }
@@ -168,7 +171,7 @@ pub(super) fn lift() -> Character {
 }
 
 fn spawn(crowd: &mut Crowd, count: u8) {
-    let id = CharacterId { crowd: crowd.number, index: 0 };
+    let id = CharacterId { crowd: crowd.state.base.number, index: 0, generation: 0 };
     let clip = crowd.clip(id, "Lift").unwrap();
     for nth in 0..count {
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
@@ -200,7 +203,7 @@ fn crowd_with_failing_backend(operation: &'static str) -> (Crowd, Arc<AtomicBool
     let second = FailingBackend { inner: native(), lost_in: operation, is_lost: Arc::clone(&lost) };
     let backends: Vec<Box<dyn Backend>> = vec![Box::new(native()), Box::new(second)];
     let mut crowd = crowd();
-    crowd.opened.engine = Engine::Split(Box::new(SplitBackend::new(backends, None)));
+    crowd.device.opened.engine = Engine::Split(Box::new(SplitBackend::new(backends, None)));
     (crowd, lost)
 }
 
@@ -305,9 +308,13 @@ fn gaze_that_changes_targets_keeps_few_watches() {
             .unwrap();
         crowd.update(0.2).unwrap();
     }
-    assert!(crowd.watches.0.len() <= 2, "{} joints are watched", crowd.watches.0.len());
+    assert!(
+        crowd.state.constraints.watch_count() <= 2,
+        "{} joints are watched",
+        crowd.state.constraints.watch_count()
+    );
     crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
     crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
-    assert_eq!(crowd.watches.0.len(), 0, "joints are still watched");
-    assert_eq!(crowd.tables.watched_elements(), 0);
+    assert_eq!(crowd.state.constraints.watch_count(), 0, "joints are still watched");
+    assert_eq!(crowd.state.base.tables.watched_elements(), 0);
 }

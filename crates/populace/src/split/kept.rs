@@ -26,9 +26,11 @@ impl Kept {
         !self.states.is_empty() || !self.watched.is_empty()
     }
 
-    /// Reads the whole history of a device for another. A lost device has none: feet are planted
-    /// again, and machines restart.
-    pub(crate) fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Self {
+    /// Reads the whole history of a device.
+    pub(crate) fn read_all(
+        backend: &mut dyn Backend,
+        tables: &Tables,
+    ) -> Result<Self, BackendError> {
         let mut kept = Self::default();
         // States added since the last update are not on the device yet.
         let states = tables.controls().tail().start * STATES_PER_CONTROL as usize;
@@ -39,11 +41,11 @@ impl Kept {
             (StageBuffer::Running, &mut kept.running, running),
         ] {
             all.resize(count, Float4::default());
-            if count > 0 && backend.read(tables, buffer, 0, all).is_err() {
-                all.clear();
+            if count > 0 {
+                backend.read(tables, buffer, 0, all)?;
             }
         }
-        kept
+        Ok(kept)
     }
 
     /// Returns elements of the states from `first` on; zeros for unknown states.

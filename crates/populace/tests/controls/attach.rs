@@ -107,7 +107,11 @@ fn attachment_follows_its_joint_in_the_same_frame() {
             last = hand.origin();
             for attachment in [first, second] {
                 let error = attachment_error(scene, attachment, free, &hand);
-                assert!(error < 1e-5, "{error} m in frame {frame}, {:?}", scene.crowd.schedule());
+                assert!(
+                    error < 1e-5,
+                    "{error} m in frame {frame}, {:?}",
+                    scene.crowd.device_info().schedule
+                );
                 assert_eq!(scene.crowd.member(attachment).map(|m| m.placement()), Ok(placement));
             }
         }
@@ -133,7 +137,11 @@ fn attachments_can_be_chained_four_levels_deep() {
             for pair in chain.windows(2) {
                 let head = scene.models(pair[1])[joint("head").index()];
                 let error = attachment_error(scene, pair[0], free, &head);
-                assert!(error < 1e-5, "{error} m in frame {frame}, {:?}", scene.crowd.schedule());
+                assert!(
+                    error < 1e-5,
+                    "{error} m in frame {frame}, {:?}",
+                    scene.crowd.device_info().schedule
+                );
                 assert_eq!(scene.crowd.member(pair[0]).map(|m| m.placement()), Ok(placement));
             }
         }
@@ -191,7 +199,7 @@ fn attachments_give_equal_bits_on_every_device_and_schedule() {
         let members = parents_with_attachments(scene);
         let frames: Vec<_> = (0..10).map(|frame| step(scene, &members, frame)).collect();
         let mut first = first.borrow_mut();
-        let schedule = scene.crowd.schedule();
+        let schedule = scene.crowd.device_info().schedule;
         assert!(*first.get_or_insert_with(|| frames.clone()) == frames, "{schedule:?} differs");
     });
 }

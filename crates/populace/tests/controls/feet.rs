@@ -163,7 +163,12 @@ fn feet_outside_legs_are_planted_after_reparenting() {
         let mut planted = |character: Character| {
             let roles = roles(&character.skeleton);
             let id = scene.crowd.add_character(character).expect("enough capacity");
-            scene.crowd.set_roles(id, roles).expect("roles of its own");
+            scene
+                .crowd
+                .character_mut(id)
+                .expect("roles of its own")
+                .set_roles(roles)
+                .expect("roles of its own");
             let walk = scene.crowd.clip(id, "walk").expect("a clip of that name");
             let member = scene.crowd.spawn(id, at).expect("enough capacity");
             scene.edit(member).play(walk, ClipPlayback::looping()).expect("a clip that plays");
@@ -183,6 +188,7 @@ fn feet_outside_legs_are_planted_after_reparenting() {
                     .crowd
                     .character(id)
                     .expect("the character")
+                    .asset()
                     .skeleton
                     .find("leftFoot")
                     .expect("a foot");

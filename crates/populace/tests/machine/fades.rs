@@ -91,7 +91,7 @@ fn machine_fades_in_over_a_clip_and_out_under_one() {
             worst = worst.max(step(&mut scene, member));
         }
         assert_eq!(scene.bits(member), scene.bits(direct), "the machine has not faded out");
-        assert!(worst > 0.005 && worst < 0.04, "{worst}, {:?}", scene.crowd.schedule());
+        assert!(worst > 0.005 && worst < 0.04, "{worst}, {:?}", scene.crowd.device_info().schedule);
     }
 }
 

@@ -38,7 +38,7 @@ fn assert_states(crowd: &mut Crowd, members: &[(MemberId, Interpreter)]) {
 }
 
 fn devices() -> Vec<Devices> {
-    everywhere().into_iter().map(|builder| builder.build().unwrap().devices().clone()).collect()
+    everywhere().into_iter().map(|builder| builder.build().unwrap().device_info().devices).collect()
 }
 
 #[test]

@@ -49,7 +49,7 @@ fn machine_shows_the_same_poses_as_its_clips_played_directly() {
                         found,
                         wanted,
                         "frame {frame}, {own:?}, {:?}",
-                        scene.crowd.schedule()
+                        scene.crowd.device_info().schedule
                     );
                 }
                 if let Some(fade_secs) = taken {
@@ -99,7 +99,12 @@ fn thousand_members_follow_the_interpreter_on_every_device() {
         }
         let expected = first.get_or_insert_with(|| bits.clone());
         let apart = expected.iter().zip(&bits).filter(|(a, b)| a != b).count();
-        assert_eq!((apart, expected.len()), (0, bits.len()), "{:?}", scene.crowd.schedule());
+        assert_eq!(
+            (apart, expected.len()),
+            (0, bits.len()),
+            "{:?}",
+            scene.crowd.device_info().schedule
+        );
     }
 }
 

@@ -74,8 +74,14 @@ fn straight(name: &str, metres: f32) -> ClipSource {
 fn add(scene: &mut Scene, source: ClipSource) -> (ClipId, ClipId) {
     let whole = Clip::new(source, &character().skeleton).expect("a good clip");
     let extracted = whole.with_root_motion(&MotionSettings::default()).expect("a root that moves");
-    let mut add =
-        |clip| scene.crowd.add_clip(scene.body, &Arc::new(clip)).expect("enough capacity");
+    let mut add = |clip| {
+        scene
+            .crowd
+            .character_mut(scene.body)
+            .expect("enough capacity")
+            .add_clip(&Arc::new(clip))
+            .expect("enough capacity")
+    };
     (add(whole), add(extracted))
 }
 
@@ -122,7 +128,7 @@ fn root_motion_follows_the_whole_clip_over_many_cycles() {
         }
         println!(
             "{:?}: {:.2} mm off in four cycles, 200 frames",
-            scene.crowd.schedule(),
+            scene.crowd.device_info().schedule,
             worst * 1e3
         );
         assert!(worst < 2e-3, "the pose is {worst} m off");
@@ -255,7 +261,7 @@ fn move_before_the_newest_members_ran_keeps_offsets() {
         let first = walker(scene, walk);
         scene.update(0.5);
         let newest: Vec<_> = (0..9).map(|_| walker(scene, walk)).collect();
-        let devices = scene.crowd.devices().clone();
+        let devices = scene.crowd.device_info().devices.clone();
         scene.crowd.move_to(devices).expect("the same devices");
         let z = |scene: &mut Scene, member| {
             scene.edit(member).moved_placement().expect("a member").position()[2]
@@ -348,7 +354,8 @@ fn crowd_on(device: Device) -> Crowd {
 fn root_motion_gives_equal_bits_on_all_devices_and_schedules() {
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);
     everywhere(|scene| {
-        let (device, schedule) = (scene.crowd.devices().clone(), scene.crowd.schedule());
+        let (device, schedule) =
+            (scene.crowd.device_info().devices.clone(), scene.crowd.device_info().schedule);
         let crowd = Crowd::builder()
             .devices(device)
             .schedule(schedule)

@@ -63,7 +63,12 @@ fn root_motion_is_blended_like_poses() {
         close(step_of(scene, member, 0.01), 0.005);
         // Layers: with a mask without the root, with weight 0.5 for all joints, and additive.
         let legs = Mask::of_subtrees(&character().skeleton, ["leftUpperLeg"]).expect("a joint");
-        let legs = scene.crowd.add_mask(scene.body, &legs).expect("enough capacity");
+        let legs = scene
+            .crowd
+            .character_mut(scene.body)
+            .expect("enough capacity")
+            .add_mask(&legs)
+            .expect("enough capacity");
         let settings = LayerSettings::default();
         scene.edit(member).set_layer(1, settings, Some(legs)).expect("a layer");
         scene.edit(member).play(still, ClipPlayback::looping().on_layer(1)).expect("a clip");

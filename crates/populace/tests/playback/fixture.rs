@@ -99,7 +99,7 @@ pub(crate) fn crowd_of(
 ) -> (Crowd, CharacterId, Vec<ClipId>) {
     let mut crowd = builder.clone().build().unwrap();
     let id = crowd.add_character(character(motions)).unwrap();
-    let clips = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
+    let clips = crowd.character(id).unwrap().clips().into_iter().map(|(clip, _)| clip).collect();
     (crowd, id, clips)
 }
 

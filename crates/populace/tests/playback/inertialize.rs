@@ -165,10 +165,10 @@ fn layers_can_be_inertialized(builder: &CrowdBuilder) {
     for mode in [LayerMode::Override, LayerMode::Additive] {
         let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-        let skeleton = crowd.character(id).unwrap().skeleton.clone();
+        let skeleton = crowd.character(id).unwrap().asset().skeleton.clone();
         let mask =
             Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 2).unwrap();
-        let mask = crowd.add_mask(id, &mask).unwrap();
+        let mask = crowd.character_mut(id).unwrap().add_mask(&mask).unwrap();
         crowd
             .member_mut(member)
             .unwrap()
@@ -394,7 +394,8 @@ fn frames(
     mut before_update: impl FnMut(&mut Crowd, u8),
 ) -> Vec<Vec<populace::Affine>> {
     let id = crowd.add_character(character(&motions())).unwrap();
-    let clips: Vec<_> = crowd.clips(id).unwrap().into_iter().map(|(clip, _)| clip).collect();
+    let clips: Vec<_> =
+        crowd.character(id).unwrap().clips().into_iter().map(|(clip, _)| clip).collect();
     let members: Vec<_> =
         (0..12).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
     let mut all = Vec::new();

@@ -21,8 +21,8 @@ fn motions() -> Vec<Motion> {
 #[track_caller]
 fn assert_matches_oracle(crowd: &mut Crowd, member: MemberId, layers: &[OracleLayer]) {
     let id = crowd.instances().find(|i| i.member == member).unwrap().character;
-    let clips = crowd.clips(id).unwrap();
-    let body = OracleBody::from_character(crowd.character(id).unwrap());
+    let clips = crowd.character(id).unwrap().clips();
+    let body = OracleBody::from_character(crowd.character(id).unwrap().asset());
     let playing = crowd.member(member).unwrap().active_clips();
     let slots: Vec<_> = playing
         .iter()
@@ -55,7 +55,7 @@ fn assert_matches_oracle(crowd: &mut Crowd, member: MemberId, layers: &[OracleLa
 fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     let (mut crowd, id, clips) = crowd_of(&builder.clone().slots_per_member(8), &motions());
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    let skeleton = crowd.character(id).unwrap().skeleton.clone();
+    let skeleton = crowd.character(id).unwrap().asset().skeleton.clone();
     let fading =
         Mask::of_subtrees(&skeleton, ["joint 1"]).unwrap().with_falloff(&skeleton, 3).unwrap();
     let all_but = Mask::of_joints(&skeleton, ["joint 2"]).unwrap().inverted();
@@ -68,8 +68,8 @@ fn layers_with_masks_agree_with_the_oracle(builder: &CrowdBuilder) {
     ];
     let masks = [
         None,
-        Some(crowd.add_mask(id, &fading).unwrap()),
-        Some(crowd.add_mask(id, &all_but).unwrap()),
+        Some(crowd.character_mut(id).unwrap().add_mask(&fading).unwrap()),
+        Some(crowd.character_mut(id).unwrap().add_mask(&all_but).unwrap()),
         None,
     ];
     for (index, (layer, mask)) in layers.iter().zip(masks).enumerate().skip(1) {

@@ -66,8 +66,9 @@ fn phases_apart(crowd: &Crowd, member: MemberId, lengths: &[(ClipId, f32)]) -> f
 fn lengths(crowd: &Crowd, member: MemberId) -> Vec<(ClipId, f32)> {
     let character = crowd.instances().find(|i| i.member == member).unwrap().character;
     crowd
-        .clips(character)
+        .character(character)
         .unwrap()
+        .clips()
         .into_iter()
         .map(|(id, clip)| (id, clip.duration_secs()))
         .collect()

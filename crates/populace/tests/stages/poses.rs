@@ -213,7 +213,7 @@ fn cleared_or_removed_stage_has_no_effect() {
         step(&mut staged, &[0, 1]);
         staged.edit(second).clear_stage(lift).expect("a stage in use");
         step(&mut staged, &[0]);
-        staged.crowd.remove_stage(lift).expect("a stage");
+        staged.crowd.remove(lift).expect("a stage");
         assert!(
             staged
                 .crowd
@@ -223,7 +223,7 @@ fn cleared_or_removed_stage_has_no_effect() {
             "a removed stage can be used"
         );
         step(&mut staged, &[0]);
-        staged.crowd.remove_stage(bend).expect("a stage");
+        staged.crowd.remove(bend).expect("a stage");
         step(&mut staged, &[]);
         // A new stage takes the index of the removed one; no member uses it yet.
         let report = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");

@@ -76,8 +76,8 @@ fn device_without_a_stages_form_names_the_stage() {
     let before = native.bits();
     refused(native.crowd.move_to(Device::opencl(0)).expect_err("no text"), in_c);
     refused(native.crowd.move_to(both).expect_err("no text"), in_c);
-    assert_eq!(native.crowd.devices().as_slice(), [Device::native()]);
-    native.crowd.remove_stage(gust).expect("a stage");
+    assert_eq!(native.crowd.device_info().devices.as_slice(), [Device::native()]);
+    native.crowd.remove(gust).expect("a stage");
     let whole =
         UserStage::new("gust").opencl_c("void gust(StageJoint *joint) { joint->row1.w += 1.0f; }");
     let whole = whole.rust(|joint| joint.model.rows[1][3] += 1.0);

@@ -5,15 +5,16 @@ use std::borrow::Borrow;
 use populace_device::{Feet, JointOverride, Space};
 use populace_model::{JointIndex, Trs};
 
-use super::super::{Crowd, MemberId, StageId};
+use super::super::state::State;
+use super::super::{MemberId, StageId};
 use super::{MemberMut, MemberView};
 use crate::{Error, Gaze, Reach, StageUse, Target, Weight};
 
-impl<C: Borrow<Crowd>> MemberView<C> {
+impl<C: Borrow<State>> MemberView<C> {
     /// The member and joint that this member is attached to, if any.
     #[must_use]
     pub fn attached_to(&self) -> Option<(MemberId, JointIndex)> {
-        self.crowd().attached_to(self.id)
+        self.state().attachments.attached_to(self.id)
     }
 }
 
@@ -26,7 +27,8 @@ impl MemberMut<'_> {
     /// A joint that does not exist, a transform that is not finite or whose rotation is not of
     /// length 1, or a weight that is not from 0 to 1. Nothing is changed then.
     pub fn override_joints(&mut self, overrides: &[JointOverride]) -> Result<(), Error> {
-        self.crowd.override_joints(self.id, overrides)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.override_joints(base, self.id, overrides)
     }
 
     /// Removes the overrides of joints in one space.
@@ -35,7 +37,8 @@ impl MemberMut<'_> {
     ///
     /// More data than devices can address.
     pub fn release_joints(&mut self, space: Space, joints: &[JointIndex]) -> Result<(), Error> {
-        self.crowd.release_joints(self.id, space, joints)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.release_joints(base, self.id, space, joints)
     }
 
     /// Removes all overrides.
@@ -44,7 +47,8 @@ impl MemberMut<'_> {
     ///
     /// More data than devices can address.
     pub fn release_all_joints(&mut self) -> Result<(), Error> {
-        self.crowd.release_all(self.id)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.release_all(base, self.id)
     }
 
     /// Makes the member look at a target, in place of its earlier one. Spine, neck, head and eyes
@@ -57,10 +61,12 @@ impl MemberMut<'_> {
     ///
     /// # Errors
     ///
-    /// A character whose head is unknown ([`Crowd::set_roles`],
+    /// A character whose head is unknown
+    /// ([`CharacterMut::set_roles`](crate::CharacterMut::set_roles),
     /// [`look_at_with`](Self::look_at_with)), or a target or weight that is out of its range.
     pub fn look_at(&mut self, target: impl Into<Target>, weight: Weight) -> Result<(), Error> {
-        self.crowd.look_at(self.id, target.into(), weight)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.look_at(base, self.id, target.into(), weight)
     }
 
     /// Makes the member look at a target with a chain of joints of the caller's choice, in place of
@@ -75,7 +81,8 @@ impl MemberMut<'_> {
         target: impl Into<Target>,
         weight: Weight,
     ) -> Result<(), Error> {
-        self.crowd.look_with(self.id, gaze.clone(), target.into(), weight)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.look_with(base, self.id, gaze.clone(), target.into(), weight)
     }
 
     /// Fades out all look-at constraints within `over_secs`.
@@ -84,7 +91,8 @@ impl MemberMut<'_> {
     ///
     /// A time that is out of its range.
     pub fn clear_look_at(&mut self, over_secs: f32) -> Result<(), Error> {
-        self.crowd.look_ahead(self.id, over_secs)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.look_ahead(base, self.id, over_secs)
     }
 
     /// Makes a limb reach for a target by two-bone IK, in place of its earlier target. The limb
@@ -99,7 +107,8 @@ impl MemberMut<'_> {
         target: impl Into<Target>,
         weight: Weight,
     ) -> Result<(), Error> {
-        self.crowd.reach(self.id, reach, target.into(), weight)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.reach(base, self.id, reach, target.into(), weight)
     }
 
     /// Makes a chain of joints from `first` to `end` reach for a target by FABRIK, in place of its
@@ -115,7 +124,8 @@ impl MemberMut<'_> {
         target: impl Into<Target>,
         weight: Weight,
     ) -> Result<(), Error> {
-        self.crowd.reach_with_chain(self.id, [first, end], target.into(), weight)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.reach_with_chain(base, self.id, [first, end], target.into(), weight)
     }
 
     /// Fades out the reach of the limb or chain that ends in `end`, within `over_secs`.
@@ -124,7 +134,8 @@ impl MemberMut<'_> {
     ///
     /// A time that is out of its range.
     pub fn clear_reach(&mut self, end: JointIndex, over_secs: f32) -> Result<(), Error> {
-        self.crowd.let_go(self.id, end, over_secs)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.let_go(base, self.id, end, over_secs)
     }
 
     /// Keeps the feet on the ground ([`Crowd::set_ground`]) by leg IK. The humanoid roles name the
@@ -132,12 +143,14 @@ impl MemberMut<'_> {
     ///
     /// # Errors
     ///
-    /// A character whose legs are unknown ([`Crowd::set_roles`],
+    /// A character whose legs are unknown
+    /// ([`CharacterMut::set_roles`](crate::CharacterMut::set_roles),
     /// [`plant_feet_with`](Self::plant_feet_with)) or whose feet do not hang on its legs
     /// ([`Character::with_feet_on_legs`](populace_character::Character::with_feet_on_legs)), or a
     /// weight that is not from 0 to 1.
     pub fn plant_feet(&mut self, weight: f32) -> Result<(), Error> {
-        self.crowd.plant_feet(self.id, weight)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.plant_feet(base, self.id, weight)
     }
 
     /// Keeps feet of the caller's choice on the ground. A weight of 0 ends it.
@@ -146,7 +159,8 @@ impl MemberMut<'_> {
     ///
     /// Joints that form no legs, or a weight that is not from 0 to 1.
     pub fn plant_feet_with(&mut self, feet: &Feet) -> Result<(), Error> {
-        self.crowd.plant_with(self.id, feet)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.plant_with(base, self.id, feet)
     }
 
     /// Scales the lengths of joints: one factor for each joint, in level order, on its distance
@@ -156,7 +170,8 @@ impl MemberMut<'_> {
     ///
     /// Another number of factors than joints, or a factor that is not above 0 and at most 10,000.
     pub fn set_proportions(&mut self, factors: &[f32]) -> Result<(), Error> {
-        self.crowd.set_proportions(self.id, factors)
+        let (constraints, base) = self.crowd.state.constraints();
+        constraints.set_proportions(base, self.id, factors)
     }
 
     /// Attaches the member to a joint of another, in place of its earlier attachment. Its model
@@ -179,7 +194,7 @@ impl MemberMut<'_> {
         joint: JointIndex,
         offset: Trs,
     ) -> Result<(), Error> {
-        self.crowd.attach(self.id, parent, joint, offset)
+        self.crowd.state.attach(self.id, parent, joint, offset)
     }
 
     /// Detaches the member. It keeps the placement that it has of its parent, wherever root motion
@@ -190,7 +205,7 @@ impl MemberMut<'_> {
     ///
     /// More data than devices can address.
     pub fn detach(&mut self) -> Result<(), Error> {
-        self.crowd.detach(self.id)
+        self.crowd.state.detach(self.id)
     }
 
     /// Runs a user stage for joints of the member, in place of the joints for which it ran. Several
@@ -201,7 +216,7 @@ impl MemberMut<'_> {
     /// A stage or joint that does not exist, or a value that is not finite. Nothing is changed
     /// then.
     pub fn set_stage(&mut self, stage: StageId, usage: StageUse) -> Result<(), Error> {
-        self.crowd.use_stage(self.id, stage, usage)
+        self.crowd.state.set_stage(self.id, stage, usage)
     }
 
     /// Stops running a user stage for the member.
@@ -210,6 +225,6 @@ impl MemberMut<'_> {
     ///
     /// A stage that does not exist.
     pub fn clear_stage(&mut self, stage: StageId) -> Result<(), Error> {
-        self.crowd.leave_stage(self.id, stage)
+        self.crowd.state.clear_stage(self.id, stage)
     }
 }

@@ -2,15 +2,15 @@
 
 use std::borrow::Borrow;
 
-use super::super::Crowd;
+use super::super::state::State;
 use super::{MemberMut, MemberView};
 use crate::{Error, Placement};
 
-impl<C: Borrow<Crowd>> MemberView<C> {
+impl<C: Borrow<State>> MemberView<C> {
     /// Returns whether root motion moves the member.
     #[must_use]
     pub fn has_root_motion(&self) -> bool {
-        self.crowd().motion_of(self.id).is_some()
+        self.state().constraints.motion(self.id).is_some()
     }
 }
 
@@ -31,7 +31,7 @@ impl MemberMut<'_> {
     ///
     /// More data than devices can address.
     pub fn start_root_motion(&mut self) -> Result<(), Error> {
-        self.crowd.move_by_clips(self.id, true)
+        self.crowd.state.start_motion(self.id)
     }
 
     /// Ends root motion and returns the member to its placement.
@@ -40,7 +40,7 @@ impl MemberMut<'_> {
     ///
     /// More data than devices can address.
     pub fn stop_root_motion(&mut self) -> Result<(), Error> {
-        self.crowd.move_by_clips(self.id, false)
+        self.crowd.state.stop_motion(self.id)
     }
 
     /// Returns the placement to which root motion has moved the member by the last update. The
@@ -51,7 +51,7 @@ impl MemberMut<'_> {
     ///
     /// A failing device.
     pub fn moved_placement(&mut self) -> Result<Placement, Error> {
-        self.crowd.moved(self.id)
+        self.crowd.moved_placement(self.id)
     }
 
     /// Sets the placement to which root motion has moved the member, and returns it. Root motion
@@ -61,16 +61,18 @@ impl MemberMut<'_> {
     ///
     /// A failing device, or [`Error::BadAttachment`] if the member is attached to another.
     pub fn commit_root_motion(&mut self) -> Result<Placement, Error> {
-        self.crowd.place_where_moved(self.id)
+        let placement = self.crowd.moved_placement(self.id)?;
+        self.crowd.state.set_placement(self.id, placement)?;
+        Ok(placement)
     }
 
     /// Reports the member's events in [`Crowd::events`] from the next update on.
     pub fn subscribe_events(&mut self) {
-        self.crowd.listen(self.id);
+        self.crowd.state.events.subscribe(self.id);
     }
 
     /// Reports the member's events no longer.
     pub fn unsubscribe_events(&mut self) {
-        self.crowd.ignore(self.id);
+        self.crowd.state.events.unsubscribe(self.id);
     }
 }

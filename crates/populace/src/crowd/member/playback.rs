@@ -5,18 +5,20 @@ use std::sync::Arc;
 
 use populace_device::LayerSettings;
 
-use super::super::{BlendSpaceId, ClipId, Crowd, MachineId, MaskId, PlaybackId};
+use super::super::state::State;
+use super::super::{BlendSpaceId, ClipId, MachineId, MaskId, Parameter, PlaybackId};
 use super::{MemberMut, MemberView};
 use crate::{ActiveClip, BlendSpacePlayback, ClipPlayback, Error, MachinePlayback, SpacePoint};
 
-impl<C: Borrow<Crowd>> MemberView<C> {
+impl<C: Borrow<State>> MemberView<C> {
     /// Returns the clips that the member plays now, by layer and then by the order in which they
     /// were started. Scheduled clips, clips that have faded out and the clips of state machines
     /// are not among them: only the device knows the state of a machine, and
     /// [`machine_state`](Self::machine_state) asks it.
     #[must_use]
     pub fn active_clips(&self) -> Vec<ActiveClip> {
-        self.crowd().active_clips(self.id)
+        let State { base, player, live, .. } = &self.state();
+        player.active_clips(base, live, self.id)
     }
 }
 
@@ -31,9 +33,10 @@ impl MemberMut<'_> {
     /// # Errors
     ///
     /// An id of another crowd, a setting that is out of its range, or a clip that does not fit the
-    /// character ([`Crowd::binding`]).
+    /// character ([`CharacterRef::binding`](crate::CharacterRef::binding)).
     pub fn play(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
-        self.crowd.play(self.id, clip, playback.0)
+        let (player, base) = self.crowd.state.player();
+        player.play(base, self.id, clip, playback.0)
     }
 
     /// Adds a clip to those that the layer plays. Clips of one layer are mixed by their weights.
@@ -42,7 +45,8 @@ impl MemberMut<'_> {
     ///
     /// As for [`play`](Self::play).
     pub fn blend(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
-        self.crowd.blend(self.id, clip, playback.0)
+        let (player, base) = self.crowd.state.player();
+        player.blend(base, self.id, clip, playback.0)
     }
 
     /// Plays a clip when the newest clip of the layer ends: a clip that plays once at its end, a
@@ -70,7 +74,8 @@ impl MemberMut<'_> {
     ///
     /// As for [`play`](Self::play).
     pub fn queue(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
-        self.crowd.queue(self.id, clip, playback.0)
+        let (player, base) = self.crowd.state.player();
+        player.queue(base, self.id, clip, playback.0)
     }
 
     /// Fades layer 0 over to a looping clip within `secs`.
@@ -89,7 +94,8 @@ impl MemberMut<'_> {
     ///
     /// A setting that is out of its range.
     pub fn stop(&mut self, layer: usize, fade_out_secs: f32) -> Result<(), Error> {
-        self.crowd.stop(self.id, layer, fade_out_secs)
+        let (player, base) = self.crowd.state.player();
+        player.stop(base, self.id, layer, fade_out_secs)
     }
 
     /// Fades the weight of a clip or a state machine to `weight` within `over_secs`. A weight of 0
@@ -107,7 +113,8 @@ impl MemberMut<'_> {
         over_secs: f32,
     ) -> Result<(), Error> {
         self.check_own(playback)?;
-        self.crowd.set_weight(playback, weight, over_secs)
+        let (player, base) = self.crowd.state.player();
+        player.set_weight(base, playback, weight, over_secs)
     }
 
     /// Sets the speed of a clip from now on; negative plays backwards, 0 holds. The clip queued
@@ -119,7 +126,8 @@ impl MemberMut<'_> {
     /// that is not finite.
     pub fn set_speed(&mut self, playback: PlaybackId, speed: f32) -> Result<(), Error> {
         self.check_own(playback)?;
-        self.crowd.set_speed(playback, speed)
+        let (player, base) = self.crowd.state.player();
+        player.set_speed(base, playback, speed)
     }
 
     fn check_own(&self, playback: PlaybackId) -> Result<(), Error> {
@@ -138,7 +146,8 @@ impl MemberMut<'_> {
         settings: LayerSettings,
         mask: Option<MaskId>,
     ) -> Result<(), Error> {
-        self.crowd.set_layer(self.id, layer, settings, mask)
+        let (player, base) = self.crowd.state.player();
+        player.set_layer(base, self.id, layer, settings, mask)
     }
 
     /// Plays a blend space at a position, in place of what the layer plays, which fades out.
@@ -157,7 +166,8 @@ impl MemberMut<'_> {
         at: impl Into<SpacePoint>,
         playback: BlendSpacePlayback,
     ) -> Result<(), Error> {
-        self.crowd.play_space(self.id, space, at.into(), playback.0)
+        let (player, base) = self.crowd.state.player();
+        player.play_space(base, self.id, space, at.into(), playback.0)
     }
 
     /// Moves the member's blend space to another position within `over_secs`. The phase continues
@@ -173,7 +183,8 @@ impl MemberMut<'_> {
         at: impl Into<SpacePoint>,
         over_secs: f32,
     ) -> Result<(), Error> {
-        self.crowd.set_blend_parameter(self.id, at.into(), over_secs)
+        let (player, base) = self.crowd.state.player();
+        player.set_blend_parameter(base, self.id, at.into(), over_secs)
     }
 
     /// Runs a state machine from its first state, in place of what the layer plays, which fades
@@ -192,18 +203,25 @@ impl MemberMut<'_> {
         machine: MachineId,
         playback: MachinePlayback,
     ) -> Result<PlaybackId, Error> {
-        self.crowd.run_machine(self.id, machine, playback.0)
+        let (player, base) = self.crowd.state.player();
+        player.run_machine(base, self.id, machine, playback.0)
     }
 
     /// Sets a parameter of every state machine that the member runs or has scheduled and that has
-    /// a parameter of this name. It uploads 4 bytes.
+    /// this parameter: by name, or by its [id](crate::Crowd::parameter), which is faster. It uploads 4
+    /// bytes.
     ///
     /// # Errors
     ///
     /// A value that is not finite, or [`Error::BadStateMachine`] if no machine of the member has
     /// such a parameter.
-    pub fn set_parameter(&mut self, name: &str, value: f32) -> Result<(), Error> {
-        self.crowd.set_parameter(self.id, name, value)
+    pub fn set_parameter<'a>(
+        &mut self,
+        parameter: impl Into<Parameter<'a>>,
+        value: f32,
+    ) -> Result<(), Error> {
+        let (player, base) = self.crowd.state.player();
+        player.set_parameter(base, self.id, parameter.into(), value)
     }
 
     /// Returns the name of the state of a layer's machine after the last update; during a
@@ -214,6 +232,6 @@ impl MemberMut<'_> {
     /// A layer that does not exist, a failing device, or [`Error::BadStateMachine`] if the layer
     /// runs no machine or has only scheduled one.
     pub fn machine_state(&mut self, layer: usize) -> Result<Arc<str>, Error> {
-        self.crowd.state_of(self.id, layer)
+        self.crowd.machine_state(self.id, layer)
     }
 }

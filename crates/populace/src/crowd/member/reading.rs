@@ -44,6 +44,6 @@ impl MemberMut<'_> {
     ///
     /// A joint that does not exist.
     pub fn watch_joint(&mut self, joint: JointIndex) -> Result<Watch, Error> {
-        self.crowd.watch(self.id, joint)
+        self.crowd.state.watch(self.id, joint)
     }
 }

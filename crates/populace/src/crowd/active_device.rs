@@ -1,0 +1,106 @@
+//! The devices in use by a crowd, and the results that they hold.
+
+use std::sync::Arc;
+
+use populace_device::layout::{Float4, RUNNING_ELEMENTS, Running};
+use populace_device::{Backend, BackendError, Frame, GlContext, StageBuffer, Tables};
+
+use crate::device::Opened;
+use crate::split::Kept;
+use crate::{Devices, Error};
+
+/// The devices in use.
+pub(super) struct ActiveDevice {
+    pub(super) devices: Devices,
+    pub(super) opened: Opened,
+    /// The reason for the native device, if no device was selected.
+    pub(super) fallback: Option<String>,
+    /// The OpenGL context that devices share buffers with.
+    pub(super) gl: Option<Arc<dyn GlContext>>,
+    /// History that the previous device held, for the next frame.
+    pub(super) kept: Option<Kept>,
+    /// Whether the device holds the results of the last update.
+    pub(super) is_readable: bool,
+}
+
+impl ActiveDevice {
+    pub(super) fn new(
+        devices: Devices,
+        opened: Opened,
+        fallback: Option<String>,
+        gl: Option<Arc<dyn GlContext>>,
+    ) -> Self {
+        Self { devices, opened, fallback, gl, kept: None, is_readable: false }
+    }
+
+    pub(super) fn backend(&self) -> &dyn Backend {
+        self.opened.backend()
+    }
+
+    pub(super) fn backend_mut(&mut self) -> &mut dyn Backend {
+        self.opened.backend_mut()
+    }
+
+    /// Uploads what changed in the tables and evaluates a frame.
+    pub(super) fn run(&mut self, tables: &mut Tables, frame: Frame) -> Result<(), Error> {
+        self.is_readable = false;
+        if let Some(kept) = &mut self.kept {
+            kept.forget_new_watched(tables);
+        }
+        self.opened.backend_mut().update(tables)?;
+        tables.mark_clean();
+        if let Some(kept) = &self.kept {
+            kept.write(self.opened.backend_mut(), tables)?;
+        }
+        self.opened.backend_mut().run(tables, frame)?;
+        (self.kept, self.is_readable) = (None, true);
+        Ok(())
+    }
+
+    /// Refuses to read if the device holds no results of the last update.
+    pub(super) fn check_readable(&self) -> Result<(), BackendError> {
+        if self.is_readable { Ok(()) } else { Err(BackendError::NotEvaluated) }
+    }
+
+    /// Reads elements of the history of constraints, from the device or on its way to the next.
+    pub(super) fn states<const N: usize>(
+        &mut self,
+        tables: &Tables,
+        first: usize,
+    ) -> Result<[Float4; N], Error> {
+        if let Some(kept) = &self.kept {
+            return Ok(kept.states(first));
+        }
+        let mut elements = [Float4::default(); N];
+        self.backend_mut().read(tables, StageBuffer::States, first, &mut elements)?;
+        Ok(elements)
+    }
+
+    /// Returns the state of a machine instance after the last update.
+    pub(super) fn running(&mut self, tables: &Tables, instance: u32) -> Result<Running, Error> {
+        if let Some(kept) = &self.kept {
+            return Ok(kept.running(instance));
+        }
+        let mut elements = [Float4::default(); RUNNING_ELEMENTS as usize];
+        if (instance as usize) < tables.machine_instances().tail().start {
+            let first = instance as usize * elements.len();
+            self.backend_mut().read(tables, StageBuffer::Running, first, &mut elements)?;
+        }
+        Ok(Running::from_elements(elements))
+    }
+
+    /// Returns the history of the device in use, or of the previous one if this device has run no
+    /// frame.
+    pub(super) fn history(&mut self, tables: &Tables) -> Result<Kept, Error> {
+        match &self.kept {
+            Some(kept) => Ok(kept.clone()),
+            None => Ok(Kept::read_all(self.opened.backend_mut(), tables)?),
+        }
+    }
+
+    /// Takes a history for the next frame, and forgets the results of earlier ones.
+    pub(super) fn take_history(&mut self, history: Kept) {
+        (self.kept, self.is_readable) = (Some(history), false);
+        self.backend_mut().forget_fetched();
+    }
+}

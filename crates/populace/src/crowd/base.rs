@@ -1,0 +1,163 @@
+//! The data that all subsystems of a crowd work on: tables, clock, assets and members.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use populace_character::Character;
+use populace_clip::{Clip, FIRST_TICK};
+use populace_device::layout::Slot;
+use populace_device::{BodyIndex, Place, Tables};
+use populace_model::RoleMap;
+
+use super::bindings::Bound;
+use super::slab::Slab;
+use crate::ids::{CharacterId, ClipId, ClipIndex, MemberId};
+use crate::{Error, Placement};
+
+/// The tables, the clock, the assets and the members of a crowd.
+#[derive(Clone)]
+pub(super) struct Base {
+    /// The crowd's number, which its ids carry.
+    pub(super) number: u32,
+    pub(super) tables: Tables,
+    pub(super) clock: Clock,
+    pub(super) assets: Assets,
+    pub(super) members: Members,
+}
+
+/// Time in whole ticks, and the remaining fraction of a tick.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Clock {
+    pub(super) tick: u64,
+    pub(super) left_over: f64,
+    /// The number of updates.
+    pub(super) frame: u64,
+}
+
+/// Characters and clips, and the bindings between them.
+#[derive(Clone, Default)]
+pub(super) struct Assets {
+    /// By their index in the tables.
+    pub(super) clips: Slab<Arc<Clip>>,
+    pub(super) characters: Slab<CharacterState>,
+    pub(super) bound_clips: HashMap<(BodyIndex, ClipIndex), Bound>,
+    /// Bound clips that were replaced after roles had changed. Slots may still play them.
+    pub(super) replaced: Vec<((BodyIndex, ClipIndex), Bound)>,
+    /// Roles of the skeletons that clips were made for, where set.
+    pub(super) clip_roles: HashMap<ClipIndex, RoleMap>,
+}
+
+#[derive(Clone)]
+pub(super) struct CharacterState {
+    pub(super) character: Arc<Character>,
+    pub(super) body: BodyIndex,
+    /// Detected from joint names, or set.
+    pub(super) roles: Option<RoleMap>,
+    /// The clips that came with the character or were added to it.
+    pub(super) clips: Vec<ClipId>,
+    /// The first weight of each mask in the tables.
+    pub(super) masks: Slab<u32>,
+}
+
+/// Members by index, and the limit of their number.
+#[derive(Clone)]
+pub(super) struct Members {
+    pub(super) all: Vec<MemberState>,
+    pub(super) count: usize,
+    pub(super) capacity: usize,
+}
+
+#[derive(Clone, Copy)]
+pub(super) struct MemberState {
+    pub(super) generation: u32,
+    /// `None` while the index is free.
+    pub(super) character: Option<CharacterId>,
+    pub(super) placement: Placement,
+    pub(super) user_data: u64,
+    /// The number of updates when the member was spawned.
+    pub(super) since: u64,
+    /// Whether root motion moves it.
+    pub(super) moves: bool,
+}
+
+impl MemberState {
+    /// Returns the state of an index that was never used.
+    pub(super) fn free(placement: Placement) -> Self {
+        let (user_data, since, moves) = (0, 0, false);
+        Self { generation: 0, character: None, placement, user_data, since, moves }
+    }
+}
+
+impl Base {
+    pub(super) fn new(number: u32, slots_per_member: usize, capacity: usize) -> Self {
+        Self {
+            number,
+            tables: Tables::with_capacity(slots_per_member, capacity),
+            clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0 },
+            assets: Assets::default(),
+            members: Members { all: Vec::new(), count: 0, capacity },
+        }
+    }
+
+    /// Refuses an id of another crowd.
+    pub(super) fn check_crowd(
+        &self,
+        what: &'static str,
+        crowd: u32,
+        index: u32,
+    ) -> Result<(), Error> {
+        if crowd == self.number { Ok(()) } else { Err(Error::UnknownId { what, index }) }
+    }
+
+    /// Returns the character of a member, or refuses a stale handle.
+    pub(super) fn check(&self, member: MemberId) -> Result<CharacterId, Error> {
+        self.check_crowd("member", member.crowd, member.index)?;
+        let same = |s: &&MemberState| s.generation == member.generation;
+        let state = self.members.all.get(member.index as usize).filter(same);
+        state.and_then(|s| s.character).ok_or(Error::StaleMember)
+    }
+
+    /// Returns the handle of the member at an index.
+    pub(super) fn member_id(&self, index: u32) -> MemberId {
+        let generation = self.members.all[index as usize].generation;
+        MemberId { crowd: self.number, index, generation }
+    }
+
+    /// Returns the handle of the clip at an index.
+    pub(super) fn clip_id(&self, index: u32) -> ClipId {
+        let generation = self.assets.clips.generation(index);
+        ClipId { crowd: self.number, index: ClipIndex(index), generation }
+    }
+
+    pub(super) fn known_clip(&self, clip: ClipId) -> Result<&Arc<Clip>, Error> {
+        self.check_crowd("clip", clip.crowd, clip.index.0)?;
+        let known = self.assets.clips.get((clip.index.0, clip.generation));
+        known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })
+    }
+
+    /// The slots of the member at an index.
+    pub(super) fn slots(&self, place: u32) -> &[Slot] {
+        &self.tables.slots().as_slice()[self.tables.slot_range(place)]
+    }
+
+    /// The length of a bound clip.
+    pub(super) fn duration_secs(&self, bound: u32) -> f32 {
+        let clip = self.tables.bound_clips().as_slice()[bound as usize].clip;
+        self.tables.clips().as_slice()[clip as usize].duration_secs
+    }
+
+    /// Uploads the placement of a member that has a constraint program.
+    pub(super) fn upload_placement(&mut self, member: MemberId) -> Result<(), Error> {
+        if !self.tables.has_control(member.index) {
+            return Ok(());
+        }
+        let placement = self.members.all[member.index as usize].placement;
+        let [cos_row, _, _] = Placement { scale: 1.0, ..placement }.world_from_model().rows;
+        let place = Place {
+            position: placement.position,
+            sin_cos: [cos_row[2], cos_row[0]],
+            scale: placement.scale,
+        };
+        Ok(self.tables.set_place(member.index, &place)?)
+    }
+}

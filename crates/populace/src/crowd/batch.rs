@@ -1,0 +1,168 @@
+//! Calls for many members at once. A batch checks everything first: on an error, nothing is
+//! changed.
+
+use populace_device::layout::Float4;
+use populace_device::{Schedule, StageBuffer};
+use populace_model::{Affine, JointIndex};
+
+use super::state::State;
+use super::{CharacterId, Crowd, MemberId, Parameter, ParameterId};
+use crate::error::bounded;
+use crate::playback::check_secs;
+use crate::{Error, Placement, SpacePoint};
+
+impl Crowd {
+    /// Adds a member for each placement, as [`spawn`](Self::spawn) does.
+    ///
+    /// # Errors
+    ///
+    /// As for [`spawn`](Self::spawn). Nothing is added then.
+    pub fn spawn_many(
+        &mut self,
+        character: CharacterId,
+        placements: &[Placement],
+    ) -> Result<Vec<MemberId>, Error> {
+        placements.iter().try_for_each(Placement::check)?;
+        let (player, base) = self.state.player();
+        base.check_room_for(placements.len())?;
+        let mut members = Vec::with_capacity(placements.len());
+        for placement in placements {
+            match base.add_member(character, *placement) {
+                Ok(member) => members.push(member),
+                Err(error) => {
+                    members.into_iter().for_each(|member| base.remove_member(member));
+                    return Err(error);
+                }
+            }
+        }
+        player.set_slot_count(base.members.all.len() * base.tables.slots_per_member());
+        Ok(members)
+    }
+
+    /// Sets the placements of members, as
+    /// [`MemberMut::set_placement`](crate::MemberMut::set_placement) does.
+    ///
+    /// # Errors
+    ///
+    /// As for [`MemberMut::set_placement`](crate::MemberMut::set_placement). Nothing is changed
+    /// then.
+    pub fn set_placements(&mut self, placements: &[(MemberId, Placement)]) -> Result<(), Error> {
+        self.state.set_placements(placements)
+    }
+
+    /// Sets a parameter of the state machines of members, as
+    /// [`MemberMut::set_parameter`](crate::MemberMut::set_parameter) does. Members that do not run
+    /// the machine are left alone.
+    ///
+    /// # Errors
+    ///
+    /// A stale member, or a value that is not finite. Nothing is changed then.
+    pub fn set_parameters(
+        &mut self,
+        parameter: ParameterId,
+        values: &[(MemberId, f32)],
+    ) -> Result<(), Error> {
+        let (player, base) = self.state.player();
+        for (member, value) in values {
+            base.check(*member)?;
+            bounded("a parameter of a state machine", &[*value])?;
+        }
+        for (member, value) in values {
+            player.write_parameter(base, member.index, Parameter::Id(parameter), *value)?;
+        }
+        Ok(())
+    }
+
+    /// Moves the blend spaces of members to other positions within `over_secs`, as
+    /// [`MemberMut::set_blend_parameter`](crate::MemberMut::set_blend_parameter) does.
+    ///
+    /// # Errors
+    ///
+    /// A stale member, a position that is not finite, or a time that is out of its range: nothing
+    /// is changed then. [`Error::BadBlendSpace`] for a member that plays no blend space, after the
+    /// members before it have been moved.
+    pub fn set_blend_parameters(
+        &mut self,
+        points: &[(MemberId, SpacePoint)],
+        over_secs: f32,
+    ) -> Result<(), Error> {
+        check_secs("the time to move in a blend space", over_secs)?;
+        let (player, base) = self.state.player();
+        for (member, point) in points {
+            base.check(*member)?;
+            point.check()?;
+        }
+        for (member, point) in points {
+            player.set_blend_parameter(base, *member, *point, over_secs)?;
+        }
+        Ok(())
+    }
+
+    /// Reads joints of members after the last update into `models`: joint to model space, one for
+    /// each of `joints`. Waits for the last update, once.
+    ///
+    /// # Errors
+    ///
+    /// A stale member, a joint that does not exist, a slice of another length than `joints`, a
+    /// member that was not present at the last update, or a failing device.
+    pub fn read_joints(
+        &mut self,
+        joints: &[(MemberId, JointIndex)],
+        models: &mut [Affine],
+    ) -> Result<(), Error> {
+        if joints.len() != models.len() {
+            let (what, value) = ("the length of the slice of joints", models.len() as f32);
+            return Err(Error::BadValue { what, value, rule: "that of the list of joints" });
+        }
+        let mut firsts = Vec::with_capacity(joints.len());
+        for (member, joint) in joints {
+            let (row, body) = self.device_member(*member)?;
+            if joint.0 >= body.joint_count {
+                return Err(Error::UnknownId { what: "joint", index: joint.0 });
+            }
+            firsts.push((row.joint_first + joint.0) as usize);
+        }
+        let span = firsts.iter().min().zip(firsts.iter().max());
+        let Some((&first, &last)) = span else { return Ok(()) };
+        let Self { state: State { base, .. }, device } = self;
+        // Fused schedules store no joints: each member is evaluated as it is read.
+        let is_stored = device.backend().schedule() == Schedule::Staged;
+        base.tables.with_taken_over(|tables| {
+            let backend = device.backend_mut();
+            let mut rows = vec![Float4::default(); if is_stored { last - first + 1 } else { 1 }];
+            if is_stored {
+                for (nth, buffer) in ROWS.into_iter().enumerate() {
+                    backend.read(tables, buffer, first, &mut rows)?;
+                    let found = models.iter_mut().zip(&firsts);
+                    found.for_each(|(model, at)| model.rows[nth] = rows[at - first].0);
+                }
+                return Ok(());
+            }
+            for (model, at) in models.iter_mut().zip(&firsts) {
+                for (row, buffer) in model.rows.iter_mut().zip(ROWS) {
+                    backend.read(tables, buffer, *at, &mut rows)?;
+                    *row = rows[0].0;
+                }
+            }
+            Ok(())
+        })
+    }
+}
+
+/// The rows of the matrices from joints to model space.
+const ROWS: [StageBuffer; 3] =
+    [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
+
+impl State {
+    fn set_placements(&mut self, placements: &[(MemberId, Placement)]) -> Result<(), Error> {
+        for (member, placement) in placements {
+            self.base.check(*member)?;
+            placement.check()?;
+            self.attachments.check_placeable(*member)?;
+        }
+        for (member, placement) in placements {
+            self.place(*member, *placement)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,52 @@
+//! The player: what members play in their slots, and what is scheduled.
+
+use std::collections::HashMap;
+
+use populace_device::layout::Slot;
+
+use super::MemberId;
+use super::blend_spaces::{ActiveSpace, Space};
+use super::machines::Machines;
+use super::scheduled::ScheduledStarts;
+use super::slab::Slab;
+use super::slots::Started;
+
+/// Playback of all members: clips, blend spaces and state machines. The slots themselves are in
+/// the tables.
+#[derive(Clone, Default)]
+pub(super) struct Player {
+    /// What was started in each slot of the tables.
+    pub(super) started: Vec<Started>,
+    pub(super) scheduled: ScheduledStarts,
+    last_serial: u32,
+    pub(super) spaces: Slab<Space>,
+    /// The blend space that a member plays, by member index.
+    pub(super) active_space: HashMap<u32, ActiveSpace>,
+    pub(super) machines: Machines,
+    /// Slots that ended during an update: member index, slot and tick.
+    pub(super) left: Vec<(u32, Slot, u64)>,
+}
+
+impl Player {
+    /// Makes room for what is started in `slots` slots.
+    pub(super) fn set_slot_count(&mut self, slots: usize) {
+        self.started.resize(self.started.len().max(slots), Started::default());
+    }
+
+    /// Forgets what a despawned member plays.
+    pub(super) fn forget(&mut self, member: MemberId) {
+        self.scheduled.retain(member.index, |_| false);
+        self.active_space.remove(&member.index);
+    }
+
+    /// Returns a number that no other start has.
+    pub(super) fn next_serial(&mut self) -> u32 {
+        self.last_serial = self.last_serial.wrapping_add(1);
+        self.last_serial
+    }
+
+    /// Takes the slots that ended since the last call.
+    pub(super) fn take_left(&mut self) -> Vec<(u32, Slot, u64)> {
+        std::mem::take(&mut self.left)
+    }
+}

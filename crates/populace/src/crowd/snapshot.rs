@@ -1,0 +1,72 @@
+//! Snapshots: the state of a crowd between two frames.
+
+use super::Crowd;
+use super::state::State;
+use crate::Error;
+use crate::split::Kept;
+
+/// The state of a crowd between two frames: members, assets, playback, constraints, the clock, and
+/// the history that its device holds. See [`Crowd::snapshot`].
+#[derive(Clone)]
+pub struct Snapshot {
+    state: State,
+    history: Kept,
+}
+
+impl Crowd {
+    /// Copies all state of the crowd. Waits for the last update.
+    ///
+    /// Ragdolls and other things outside the crowd are not part of it. The copy takes as much
+    /// memory as the crowd has on the host.
+    ///
+    /// ```
+    /// # use populace::{ClipPlayback, Crowd, Device, Placement};
+    /// # let mut crowd = Crowd::builder().device(Device::native()).build()?;
+    /// # let knight = populace::doc_fixture::knight(&mut crowd)?;
+    /// # let walk = crowd.clip(knight, "Walk")?;
+    /// let member = crowd.spawn(knight, Placement::at([0.0; 3]))?;
+    /// crowd.member_mut(member)?.play(walk, ClipPlayback::looping())?;
+    /// crowd.update(0.25)?;
+    /// let snapshot = crowd.snapshot()?;
+    /// crowd.update(0.5)?;
+    /// let first = crowd.member_mut(member)?.palette()?;
+    /// crowd.restore(&snapshot)?;
+    /// crowd.update(0.5)?;
+    /// assert_eq!(crowd.member_mut(member)?.palette()?, first);
+    /// # Ok::<(), populace::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    pub fn snapshot(&mut self) -> Result<Snapshot, Error> {
+        let Self { state, device } = self;
+        let history = device.history(&state.base.tables)?;
+        Ok(Snapshot { state: state.clone(), history })
+    }
+
+    /// Returns to the state of a snapshot of this crowd. The same calls then give the same bits as
+    /// they did after the snapshot, on any devices that compute the same bits. Results can be read
+    /// after the next update.
+    ///
+    /// Devices, split and ground-sharing with OpenGL stay as they are. Handles that were returned
+    /// after the snapshot was taken mean nothing afterwards.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::OtherCrowd`] for a snapshot of another crowd, or a device that cannot run a user
+    /// stage of the snapshot. Nothing is changed then.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        if snapshot.state.base.number != self.state.base.number {
+            return Err(Error::OtherCrowd);
+        }
+        let (now, then) = (&self.state.stages, &snapshot.state.stages);
+        if now.is_any() || then.is_any() {
+            self.device.backend_mut().set_stages(then.as_slice())?;
+        }
+        self.state.clone_from(&snapshot.state);
+        self.state.base.tables.mark_dirty();
+        self.device.take_history(snapshot.history.clone());
+        Ok(())
+    }
+}
