@@ -7,13 +7,13 @@ use populace::character::Character;
 use populace::hand_over::PAGE_ENTRIES;
 use populace::model::Affine;
 use populace::{Crowd, Error};
+use populace_testkit::Rng;
 use populace_testkit::oracle::{OracleBody, evaluate};
 
 use super::changes::{ChangingSlots, SlotState};
 use super::constraints;
 use super::scene::{Load, Scene};
 use super::spec::FRAME_TICKS;
-use crate::placement::Random;
 
 /// Number of random members that are compared.
 const SAMPLE_COUNT: usize = 64;
@@ -100,7 +100,7 @@ pub(crate) fn allowed_m(scene: &Scene) -> f64 {
 /// Returns random members of a scene, and its first and last.
 pub(crate) fn sample(scene: &Scene) -> Vec<usize> {
     let count = scene.member_count;
-    let mut random = Random::new(count as u64);
+    let mut random = Rng::from_state(count as u64);
     let random = (0..SAMPLE_COUNT.min(count)).map(|_| random.below(count));
     random.chain([0, count - 1]).collect()
 }

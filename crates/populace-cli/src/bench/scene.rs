@@ -8,9 +8,9 @@ use populace::character::Character;
 use populace::{
     ClipId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
 };
+use populace_testkit::Rng;
 
 use super::{constraints, rigs};
-use crate::placement::Random;
 
 /// Joint counts of the four default skeletons.
 const JOINT_COUNTS: [usize; 4] = [24, 54, 67, 128];
@@ -128,7 +128,7 @@ impl DeviceSetup {
 impl Scene {
     /// Creates a scene without members.
     pub(crate) fn new(settings: SceneSettings, load: Load) -> Result<Self, Error> {
-        let mut random = Random::new(settings.seed);
+        let mut random = Rng::from_state(settings.seed);
         let counts = settings.joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
         let clips_each = CLIP_COUNT / counts.len();
         let retargeted = load == Load::Retargeted;
@@ -169,7 +169,7 @@ impl Scene {
     /// Returns the slots of a member at the start.
     pub(crate) fn initial_slots(&self, member: usize) -> impl Iterator<Item = InitialSlot> + use<> {
         let clips = self.characters[self.character_index(member)].clips.len();
-        let mut random = Random::one_of(self.seed, member);
+        let mut random = Rng::one_of(self.seed, member);
         let lower = self.slot_count - self.load.upper_slots();
         (0..self.slot_count).map(move |slot| InitialSlot {
             clip: random.below(clips),
@@ -181,7 +181,7 @@ impl Scene {
 
     /// Returns a member's look-at target in its model space.
     pub(crate) fn target(&self, member: usize) -> [f32; 3] {
-        let mut random = Random::one_of(!self.seed, member);
+        let mut random = Rng::one_of(!self.seed, member);
         [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
@@ -196,7 +196,7 @@ impl Scene {
         (0..count).map(move |index| {
             let member = (index * members / count + frame as usize) % members;
             let clips = self.characters[self.character_index(member)].clips.len();
-            let mut random = Random::one_of(self.seed ^ (u64::from(frame) + 1), member);
+            let mut random = Rng::one_of(self.seed ^ (u64::from(frame) + 1), member);
             (member, random.below(clips))
         })
     }
@@ -284,7 +284,7 @@ mod tests {
         let scene = |members, percent| Scene {
             load: Load::Changing { percent },
             characters: vec![Arc::new(
-                rigs::character(3, 2, false, &mut Random::new(1)).expect("valid"),
+                rigs::character(3, 2, false, &mut Rng::from_state(1)).expect("valid"),
             )],
             member_count: members,
             slot_count: 2,
