@@ -10,6 +10,7 @@ use populace::clip::Clip;
 use populace::model::{
     Affine, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
 };
+use populace_model::convert::single;
 use populace_testkit::Rng;
 
 const KEYS_PER_SEC: f32 = 30.0;
@@ -169,17 +170,17 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Rng) -> ClipSource {
         add(
             Property::Rotation,
             (0..key_count)
-                .flat_map(|k| quat_from_axis_angle(axis, swing * narrow(wave(k))))
+                .flat_map(|k| quat_from_axis_angle(axis, swing * single(wave(k))))
                 .collect(),
         );
         if skeleton.parent(joint).is_none() {
             let sway = |k: usize| {
-                [narrow(wave(k)) * 0.1, PELVIS_M, narrow(f64::from(angle(k)).cos()) * 0.1]
+                [single(wave(k)) * 0.1, PELVIS_M, single(f64::from(angle(k)).cos()) * 0.1]
             };
             add(Property::Translation, (0..key_count).flat_map(sway).collect());
         }
         if joint.index() % 8 == 3 {
-            let swell = |k: usize| [1.0 + narrow(wave(k)) * 0.1, 1.0, 1.0 - narrow(wave(k)) * 0.05];
+            let swell = |k: usize| [1.0 + single(wave(k)) * 0.1, 1.0, 1.0 - single(wave(k)) * 0.05];
             add(Property::Scale, (0..key_count).flat_map(swell).collect());
         }
     }
@@ -204,11 +205,6 @@ fn random_axis(random: &mut Rng) -> [f32; 3] {
 
 fn quat_from_axis_angle([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
     let (sin, cos) = f64::from(angle_rad / 2.0).sin_cos();
-    let sin = narrow(sin);
-    [x * sin, y * sin, z * sin, narrow(cos)]
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
-fn narrow(x: f64) -> f32 {
-    x as f32
+    let sin = single(sin);
+    [x * sin, y * sin, z * sin, single(cos)]
 }
