@@ -102,12 +102,11 @@ impl Crowd {
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> Result<Option<u64>, Error> {
         let shares = self.slot_shares(place, tick);
-        let count = self.slots(place).len();
-        let missing = needed.saturating_sub((0..count).filter(|i| shares[*i].is_none()).count());
+        let plans = self.plans(place, plan);
+        let missing = needed.saturating_sub(self.count_free(place, &shares, &plans, tick));
         if missing == 0 {
             return Ok(None);
         }
-        let plans = self.plans(place, plan);
         let (mut evicted, others) = self.by_strength(place, &shares, &plans);
         let smoothly = evicted.len() >= missing;
         evicted.extend(others);
@@ -131,9 +130,26 @@ impl Crowd {
         tick: u64,
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> usize {
-        let shares = self.slot_shares(place, tick);
-        let free = (0..self.slots(place).len()).filter(|index| shares[*index].is_none()).count();
-        free + self.by_strength(place, &shares, &self.plans(place, plan)).0.len()
+        let (shares, plans) = (self.slot_shares(place, tick), self.plans(place, plan));
+        let free = self.count_free(place, &shares, &plans, tick);
+        free + self.by_strength(place, &shares, &plans).0.len()
+    }
+
+    /// The number of free slots. One of negligible weight that the start keeps is not free: its
+    /// weight rises again.
+    fn count_free(
+        &self,
+        place: u32,
+        shares: &[Option<f32>; MAX_SLOTS],
+        plans: &[Plan],
+        tick: u64,
+    ) -> usize {
+        let slots = self.slots(place).iter().zip(shares).zip(plans);
+        slots
+            .filter(|((slot, share), plan)| {
+                share.is_none() && (**plan != Plan::Stays || faded_out(slot, tick))
+            })
+            .count()
     }
 
     fn plans(&self, place: u32, plan: impl Fn(&Slot, Started) -> Plan) -> Vec<Plan> {
