@@ -1,6 +1,8 @@
 //! Points of a plane joined to triangles, and the weights of their corners.
 
-use super::{MOST, Weights, single};
+use populace_model::convert::single;
+
+use super::{MOST, Weights};
 
 type Point = [f64; 2];
 
