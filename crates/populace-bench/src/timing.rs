@@ -69,7 +69,8 @@ fn next_group<'a>(
             group.extend(pending.pop_front());
         } else if group.is_empty() {
             let (needed, free) = (bytes >> 20, free >> 20);
-            observer.skipped(subject, &format!("it needs about {needed} MiB, {free} are free"));
+            let reason = format!("it needs about {needed} MiB, {free} are free");
+            observer.skipped(&subject.to_string(), &reason);
             pending.pop_front();
         } else {
             break;
@@ -91,7 +92,7 @@ fn measure_group<'a>(
                 sessions.push(Session { subject, evaluator, samples: Samples::default() });
             }
             Err(Error::Backend(error @ BackendError::OutOfMemory { .. })) => {
-                observer.skipped(&subject, &error.to_string());
+                observer.skipped(&subject.to_string(), &error.to_string());
             }
             Err(error) => return Err(error),
         }

@@ -119,7 +119,7 @@ impl Observer for Report {
         self.0 = None;
     }
 
-    fn skipped(&mut self, subject: &Subject, reason: &str) {
+    fn skipped(&mut self, subject: &str, reason: &str) {
         report::message!("skipped: {subject}: {reason}");
     }
 
