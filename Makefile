@@ -21,6 +21,7 @@ lint:
 	sh scripts/check-docs.sh
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy -p populace --no-default-features -- -D warnings
+	cargo clippy -p populace-cli --no-default-features -- -D warnings
 
 doc:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_character::PaletteEntry;
 use populace_model::Error;
+use populace_model::convert::single;
 use populace_model::{
     Affine, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
 };
@@ -10,7 +11,7 @@ use populace_model::{
 use crate::Rig;
 use crate::anatomy::{Body, HEAD, Limb, NECK, PELVIS, SEGMENTS, SPINE, Segment, Side, parent};
 use crate::motion::{Motion, Pose};
-use crate::surface::{narrow, narrow_one};
+use crate::surface::narrow;
 
 /// Definition of a rig's joint.
 struct Entry {
@@ -96,9 +97,8 @@ impl Joints {
     /// Returns the clip of a motion: rotation tracks of all joints, and the root's translation.
     pub(crate) fn tracks(&self, body: &Body, motion: &Motion) -> ClipSource {
         let last = motion.poses.len() - 1;
-        let times: Vec<f32> = (0..=last)
-            .map(|key| narrow_one(motion.duration_secs * key as f64 / last as f64))
-            .collect();
+        let times: Vec<f32> =
+            (0..=last).map(|key| single(motion.duration_secs * key as f64 / last as f64)).collect();
         let mut tracks = Vec::with_capacity(self.entries.len() + 1);
         tracks.push(Track {
             joint: self.entries[0].name.clone(),
@@ -146,7 +146,7 @@ impl Joints {
 
 /// Returns `[x, y, z, w]` in single precision.
 fn quat(q: DQuat) -> [f32; 4] {
-    q.to_array().map(narrow_one)
+    q.to_array().map(single)
 }
 
 const FINGER_NAMES: [&str; 5] = ["Thumb", "Index", "Middle", "Ring", "Little"];

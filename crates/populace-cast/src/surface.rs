@@ -12,7 +12,7 @@ use glam::DVec3;
 
 use crate::anatomy::{Body, Segment};
 
-pub(crate) use parts::{narrow, narrow_one, parts};
+pub(crate) use parts::{narrow, parts};
 
 /// Region of the surface; each region has its own material.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! The command line of the program.
 
+#[cfg(feature = "bench")]
+mod bench;
 mod values;
 
 use std::path::PathBuf;
@@ -8,12 +10,13 @@ use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 
 use crate::aim::{Point, ReachArg};
-use crate::bench::{Load, Method};
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
+#[cfg(feature = "bench")]
+pub(crate) use bench::BenchArgs;
 pub(crate) use values::{Size, VertexId, View};
-use values::{frame_rate, height, percent};
+use values::{frame_rate, height};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -95,7 +98,12 @@ pub(crate) enum Command {
     /// memory, and `bytes_per_member_beyond_palettes` the device memory per further member, from
     /// crowds of 2,000 and 4,000. `baked` compares the size of baked palette tables with that of
     /// the clips.
+    #[cfg(feature = "bench")]
     Bench(BenchArgs),
+    /// Says how to get `populace bench`.
+    #[cfg(not(feature = "bench"))]
+    #[command(hide = true, disable_help_flag = true)]
+    Bench(AbsentArgs),
 }
 
 /// The choice of devices.
@@ -321,87 +329,12 @@ pub(crate) struct DevicesArgs {
     pub(crate) json: bool,
 }
 
+/// The arguments of a command that this program was built without; all are taken.
+#[cfg(not(feature = "bench"))]
 #[derive(Args, Debug)]
-pub(crate) struct BenchArgs {
-    /// Members of the crowd; a list of sizes, or repeated
-    #[arg(
-        long,
-        value_name = "N,...",
-        default_value = "10000",
-        value_delimiter = ',',
-        allow_hyphen_values = true,
-        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
-    )]
-    pub(crate) members: Vec<u32>,
-    /// Give all members one skeleton with this many joints [default: four skeletons of 24 to 128
-    /// joints]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000))]
-    pub(crate) joints: Option<u32>,
-    /// Clips that each member blends
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 2,
-        value_parser = clap::value_parser!(u32).range(1..=8)
-    )]
-    pub(crate) slots: u32,
-    /// Frames to measure
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 25,
-        value_parser = clap::value_parser!(u32).range(1..=10_000)
-    )]
-    pub(crate) frames: u32,
-    /// Device to measure, or several joined by + that share the crowd; can be repeated [default:
-    /// native and every OpenCL device]
-    #[arg(long, value_name = "DEVICE[+DEVICE]")]
-    pub(crate) device: Vec<Devices>,
-    /// Distribution of members over several devices: measured balances them by their times; shares
-    /// such as 60,40 are fixed
-    #[arg(
-        long,
-        value_name = "measured|SHARE,SHARE",
-        default_value_t = Split::Measured,
-        allow_hyphen_values = true
-    )]
-    pub(crate) split: Split,
-    /// Schedule to measure; can be repeated. `baked` looks up precomputed palettes of one clip, on
-    /// the native device only [default: staged, fused and baked]
-    #[arg(long, value_name = "staged|fused|fused-wide|fused-grouped|baked")]
-    pub(crate) schedule: Vec<Method>,
-    /// Additional load to measure besides plain: with constraints, every member looks at a target
-    /// and plants both feet; full adds a masked and an additive layer with a slot in each. A list,
-    /// or repeated
-    #[arg(long, value_name = "plain|constraints|full", value_delimiter = ',')]
-    pub(crate) load: Vec<Load>,
-    /// Also measure with clips of other skeletons, whose joints have the same names in another
-    /// order and additional joints between them
-    #[arg(long)]
-    pub(crate) retarget: bool,
-    /// Also measure while this percentage of the members, in turn, crossfades to another clip in
-    /// each frame
-    #[arg(long, value_name = "PERCENT", value_parser = percent)]
-    pub(crate) changing: Option<f32>,
-    /// Also write a chart of nanoseconds per joint over members as an SVG
-    #[arg(long, value_name = "FILE")]
-    pub(crate) chart: Option<PathBuf>,
-    /// Show the results of an earlier run with --json instead of measuring
-    #[arg(
-        long,
-        value_name = "FILE",
-        conflicts_with_all = [
-            "members", "joints", "slots", "frames", "device", "split", "schedule", "load",
-            "retarget", "changing", "seed",
-        ]
-    )]
-    pub(crate) from: Option<PathBuf>,
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// Print one JSON document
-    #[arg(long)]
-    pub(crate) json: bool,
+pub(crate) struct AbsentArgs {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+    all: Vec<std::ffi::OsString>,
 }
 
 #[cfg(test)]
@@ -411,5 +344,15 @@ mod tests {
     #[test]
     fn command_line_is_consistent() {
         command().debug_assert();
+    }
+
+    #[cfg(not(feature = "bench"))]
+    #[test]
+    fn bench_takes_any_arguments_without_its_feature() {
+        for args in
+            [&["populace", "bench"][..], &["populace", "bench", "--help", "--members=5", "x"]]
+        {
+            assert!(matches!(Cli::parse_from(args).command, Command::Bench(_)), "{args:?}");
+        }
     }
 }

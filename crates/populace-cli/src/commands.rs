@@ -1,5 +1,6 @@
 //! The commands, one module each: they check arguments and call the library.
 
+#[cfg(feature = "bench")]
 pub(crate) mod bench;
 pub(crate) mod demo;
 pub(crate) mod devices;

@@ -7,7 +7,6 @@ use populace::Crowd;
 use populace_render::{Camera, Renderer, encode_png};
 use serde_json::json;
 
-use crate::bench::{median, ms_since};
 use crate::cli::{PictureArgs, View, build};
 use crate::crowd_renderer::{CrowdRenderer, DrawStats, builder_for, devices_and_shares};
 use crate::failure::Failure;
@@ -41,6 +40,19 @@ struct FrameTimes {
     total: Vec<f64>,
     animate: Vec<f64>,
     draw: Vec<f64>,
+}
+
+/// Returns the milliseconds since `start`.
+fn ms_since(start: Instant) -> f64 {
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+/// Returns the median, the upper of the two middle values if their number is even; `None` if there
+/// are no values.
+fn median(ms: &[f64]) -> Option<f64> {
+    let mut sorted = ms.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied()
 }
 
 impl FrameTimes {

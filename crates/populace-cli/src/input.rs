@@ -1,16 +1,12 @@
 //! Input files, and the limits on what they refer to and how much memory they take.
 
 use std::cell::Cell;
-use std::io::Read;
 use std::path::Path;
 
 use clap::Args;
 use populace_assets::{Imported, LoadOptions};
 
 use crate::failure::Failure;
-
-/// The largest text file that is read.
-const TEXT_BYTES: u64 = 64 << 20;
 
 /// Limits for input files.
 #[derive(Args, Clone, Debug)]
@@ -45,20 +41,4 @@ impl InputArgs {
         }
         Ok(populace_assets::load_from_reader(std::io::stdin().lock(), "standard input", &options)?)
     }
-}
-
-/// Reads a text file. Refuses files that are not regular or too long.
-pub(crate) fn read_text(file: &Path) -> Result<String, String> {
-    let failed = |e: std::io::Error| e.to_string();
-    // Checked first, because opening a pipe would block.
-    if !std::fs::metadata(file).map_err(failed)?.is_file() {
-        return Err("it is not a regular file".into());
-    }
-    let mut text = String::new();
-    let opened = std::fs::File::open(file).map_err(failed)?;
-    opened.take(TEXT_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
-    if text.len() as u64 > TEXT_BYTES {
-        return Err(format!("it is longer than {} MiB", TEXT_BYTES >> 20));
-    }
-    Ok(text)
 }

@@ -7,7 +7,6 @@
 #[cfg(unix)]
 mod aborts;
 mod aim;
-mod bench;
 mod cli;
 mod commands;
 mod crowd_renderer;
@@ -50,6 +49,12 @@ fn run(command: Command) -> Result<(), Failure> {
         Command::Inspect(args) => commands::inspect::run(&args),
         Command::Pose(args) => commands::pose::run(&args),
         Command::Devices(args) => commands::devices::run(&args),
+        #[cfg(feature = "bench")]
         Command::Bench(args) => commands::bench::run(&args),
+        #[cfg(not(feature = "bench"))]
+        Command::Bench(_) => Err(Failure::usage(
+            "this program was built without the command bench; \
+             `cargo build --release -p populace-cli` builds one that has it",
+        )),
     }
 }

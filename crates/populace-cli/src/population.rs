@@ -2,9 +2,10 @@
 
 use populace::clip::RootMotion;
 use populace::{ClipPlayback, Crowd, Placement};
+use populace_testkit::Rng;
 
 use crate::failure::Failure;
-use crate::placement::{Random, positions};
+use crate::placement::positions;
 use crate::progress::Progress;
 use crate::roles::CrowdRole;
 use crate::skin::skinned;
@@ -53,7 +54,7 @@ impl Population {
         roles: &[CrowdRole],
         settings: &PopulationSettings,
     ) -> Result<Self, Failure> {
-        let mut random = Random::new(settings.seed);
+        let mut random = Rng::from_state(settings.seed);
         let height = roles.iter().map(|r| r.character.height_m() * r.scale).fold(0.0, f32::max);
         let mut spacing: f32 = 0.0;
         for role in roles {

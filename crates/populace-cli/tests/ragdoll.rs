@@ -6,8 +6,16 @@ use std::process::{Command, Output};
 
 /// Builds and runs the example.
 fn run(file: &Path, frames: &str) -> Output {
-    let cargo =
-        ["run", "--quiet", "--offline", "--package", "populace-cli", "--example", "ragdoll", "--"];
+    let cargo = [
+        "run",
+        "--quiet",
+        "--offline",
+        "--package",
+        "populace-physics",
+        "--example",
+        "ragdoll",
+        "--",
+    ];
     Command::new(env!("CARGO")).args(cargo).arg(file).arg(frames).output().expect("cargo runs")
 }
 

@@ -5,8 +5,8 @@ use populace_device::{
     Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
     PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark,
 };
+use populace_model::convert::single;
 
-use crate::single;
 use crate::tolerance::{COARSE, LOCAL_CAP, MODEL_CAP, ROUNDING_CAP};
 
 /// The error of a [`Broken`] backend: one wrong number of the last member.

@@ -37,9 +37,3 @@ pub use crowd::TestCrowd;
 pub use plan::{Inertialization, LayerPlan, MemberPlan, Play};
 pub use reading::MemberReading;
 pub use rng::Rng;
-
-/// Rounds to the nearest single-precision number.
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
-pub(crate) fn single(x: f64) -> f32 {
-    x as f32
-}

@@ -1,8 +1,10 @@
-//! A small deterministic random number generator for test data.
+//! The random number generator of tests, benchmarks and pictures.
 
 use glam::{DQuat, DVec3};
 
-/// A random stream that is the same on every machine (SplitMix64).
+/// A random stream that is the same on every machine and in every version: SplitMix64 (Steele, Lea
+/// and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014) with the mixing
+/// function of Java's `SplittableRandom`.
 #[derive(Clone, Debug)]
 pub struct Rng(u64);
 
@@ -11,6 +13,18 @@ impl Rng {
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
+    }
+
+    /// Continues the stream that has this state.
+    #[must_use]
+    pub const fn from_state(state: u64) -> Self {
+        Self(state)
+    }
+
+    /// Starts the stream number `number` of a seed.
+    #[must_use]
+    pub fn one_of(seed: u64, number: usize) -> Self {
+        Self(Self(seed ^ (number as u64).rotate_left(32)).bits())
     }
 
     /// Returns the next 64 bits.
@@ -24,6 +38,16 @@ impl Rng {
     /// Returns a uniformly distributed number in `low..high`.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / 9_007_199_254_740_992.0)
+    }
+
+    /// Returns a uniformly distributed multiple of 2^-24 in `0..1`.
+    pub fn unit(&mut self) -> f32 {
+        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    /// Returns a uniformly distributed multiple of 2^-23 in `-1..1`.
+    pub fn signed(&mut self) -> f32 {
+        self.unit() * 2.0 - 1.0
     }
 
     /// Returns a whole number below `count`.
@@ -70,6 +94,30 @@ impl Rng {
     pub fn shuffle<T>(&mut self, list: &mut [T]) {
         for end in (1..list.len()).rev() {
             list.swap(end, self.below(end + 1));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pictures and random scenes depend on the exact numbers.
+    #[test]
+    fn streams_stay_as_they_are() {
+        let mut zero = Rng::from_state(0);
+        assert_eq!([zero.bits(), zero.bits()], [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4]);
+        let streams = [Rng::new(1), Rng::one_of(1, 2), Rng::one_of(2, 1)];
+        let first = streams.map(|mut rng| rng.bits());
+        assert_eq!(first, [0x1dfd_cec4_ec04_f63f, 0x34e4_55ca_854b_4973, 0x55d7_b0f4_33ae_a643]);
+    }
+
+    #[test]
+    fn numbers_stay_in_their_ranges() {
+        let mut rng = Rng::new(3);
+        for _ in 0..1000 {
+            assert!((0.0..1.0).contains(&rng.unit()) && (-1.0..1.0).contains(&rng.signed()));
+            assert!(rng.below(7) < 7 && (2.0..5.0).contains(&rng.between(2.0, 5.0)));
         }
     }
 }

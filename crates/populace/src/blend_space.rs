@@ -2,6 +2,8 @@
 
 mod plane;
 
+use populace_model::convert::single;
+
 use crate::error::bounded;
 use crate::{ClipId, Error};
 use plane::Plane;
@@ -206,12 +208,4 @@ fn check_count(count: usize) -> Result<(), Error> {
 
 pub(crate) fn bad(reason: &str) -> Error {
     Error::BadBlendSpace { reason: reason.to_owned() }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-pub(crate) fn single(number: f64) -> f32 {
-    number as f32
 }

@@ -13,16 +13,7 @@ use populace::{
     Trs,
 };
 use populace_device::layout::Float4;
-
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, below: usize) -> usize {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        usize::try_from(self.0 >> 33).unwrap() % below
-    }
-}
+use populace_testkit::Rng;
 
 /// A chain of joints, and a clip that lifts each by its index in metres.
 fn chain(joint_count: u16) -> Arc<Character> {
@@ -59,7 +50,7 @@ struct Scene {
     crowd: Crowd,
     characters: Vec<CharacterId>,
     members: Vec<MemberId>,
-    random: Random,
+    random: Rng,
 }
 
 impl Scene {
@@ -68,7 +59,7 @@ impl Scene {
         let mut crowd = builder.capacity(5000).build().unwrap();
         let characters =
             [1, 5, 40].map(|joints| crowd.add_character(chain(joints)).unwrap()).to_vec();
-        Self { crowd, characters, members: Vec::new(), random: Random(11) }
+        Self { crowd, characters, members: Vec::new(), random: Rng::new(11) }
     }
 
     fn step(&mut self) {
@@ -144,7 +135,7 @@ impl Scene {
 fn assert_equals_one_device(devices: &Devices, schedule: Schedule) {
     let mut scene = Scene::new(devices, schedule, Split::Measured);
     let mut twin = Scene::new(&Device::native().into(), schedule, Split::Measured);
-    let (count, mut random) = (devices.as_slice().len(), Random(3));
+    let (count, mut random) = (devices.as_slice().len(), Rng::new(3));
     for step in 0..60 {
         let mut parts: Vec<f64> =
             (0..count).map(|_| f64::from(u16::try_from(random.below(4)).unwrap())).collect();

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::DVec3;
 use populace_character::{Influences, Material, Mesh, Part};
+use populace_model::convert::single;
 
 use super::{Region, Surface};
 use crate::{Colors, rig::Joints};
@@ -104,18 +105,12 @@ fn influences(surface: &Surface, joints: &Joints, corner: usize) -> [(u16, f32);
     let sum: f64 = strongest.iter().map(|(_, w)| w).sum();
     let mut four = [(strongest[0].0, 0.0); WIDTH];
     for (slot, (joint, weight)) in four.iter_mut().zip(strongest) {
-        *slot = (joint, narrow_one(weight / sum));
+        *slot = (joint, single(weight / sum));
     }
     four
 }
 
 /// Rounds a vector to single precision.
 pub(crate) fn narrow(v: DVec3) -> [f32; 3] {
-    v.to_array().map(narrow_one)
-}
-
-/// Rounds to single precision.
-#[expect(clippy::cast_possible_truncation, reason = "the function rounds to the nearest f32")]
-pub(crate) fn narrow_one(v: f64) -> f32 {
-    v as f32
+    v.to_array().map(single)
 }

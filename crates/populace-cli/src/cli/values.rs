@@ -34,14 +34,6 @@ pub(super) fn height(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Parses a percentage above 0.
-pub(super) fn percent(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
-        Ok(percent) if percent > 0.0 && percent <= 100.0 => Ok(percent),
-        _ => Err("write a number above 0 and up to 100".into()),
-    }
-}
-
 /// The camera of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum View {

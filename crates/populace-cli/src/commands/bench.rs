@@ -1,18 +1,24 @@
 //! `populace bench`
 
+use std::io::Read;
 use std::path::Path;
 
-use populace::{Devices, Schedule, Split};
+use populace::{Crowd, Devices, Schedule, Split};
+use populace_bench::{
+    DeviceSetup, Document, Load, Measurement, Method, Observer, Scene, SceneSettings, Subject,
+    machine, measure,
+};
 use serde_json::Value;
 
-use crate::bench::{
-    DeviceSetup, Document, Load, Measurement, Method, Scene, SceneSettings, Subject, as_svg,
-    as_table, measure,
-};
 use crate::cli::BenchArgs;
+use crate::crowd_renderer::devices_and_shares;
 use crate::failure::Failure;
 use crate::output::{self, check_inputs, check_kind, check_writable};
+use crate::progress::Progress;
 use crate::report;
+
+/// The largest document that is read.
+const TEXT_BYTES: u64 = 64 << 20;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if let Some(chart) = &args.chart {
@@ -25,21 +31,37 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         None => Document { machine: machine(), runs: measure_all(args)? },
     };
     if let Some(chart) = &args.chart {
-        output::write(chart, as_svg(&document).as_bytes())?;
+        output::write(chart, document.as_svg().as_bytes())?;
     }
     if args.json {
         report::json(&document.as_json())?;
     } else {
-        report::text(&as_table(&document))?;
+        report::text(&document.as_table())?;
     }
     document.runs.iter().try_for_each(check)
 }
 
 fn read(file: &Path) -> Result<Document, Failure> {
     let wrong = |reason: String| Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()));
-    let text = crate::input::read_text(file).map_err(wrong)?;
+    let text = read_text(file).map_err(wrong)?;
     let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
     Document::from_json(&json).map_err(wrong)
+}
+
+/// Reads a text file. Refuses files that are not regular or too long.
+fn read_text(file: &Path) -> Result<String, String> {
+    let failed = |e: std::io::Error| e.to_string();
+    // Checked first, because opening a pipe would block.
+    if !std::fs::metadata(file).map_err(failed)?.is_file() {
+        return Err("it is not a regular file".into());
+    }
+    let mut text = String::new();
+    let opened = std::fs::File::open(file).map_err(failed)?;
+    opened.take(TEXT_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
+    if text.len() as u64 > TEXT_BYTES {
+        return Err(format!("it is longer than {} MiB", TEXT_BYTES >> 20));
+    }
+    Ok(text)
 }
 
 fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
@@ -48,18 +70,20 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
     let scenes = loads(args).into_iter().map(|load| Scene::new(settings, load));
     let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
     let setups = setups(args)?;
-    let mut runs = Vec::new();
+    let defaults = [Method::Crowd(Schedule::Staged), Method::Crowd(Schedule::Fused), Method::Baked];
+    let methods = if args.schedule.is_empty() { &defaults[..] } else { &args.schedule };
+    let (mut runs, mut report) = (Vec::new(), Report::default());
     for &members in &args.members {
         let scenes: Vec<_> =
             scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
-        let subjects = subjects(&scenes, &setups, args);
+        let subjects = Subject::all(&scenes, &setups, methods);
         if subjects.is_empty() {
             return Err(Failure::usage(
                 "baked is measured on the native device only; add --device native",
             ));
         }
         report::message!("{members} members, {} subjects to measure", subjects.len());
-        runs.extend(measure(subjects, args.frames)?);
+        runs.extend(measure(subjects, args.frames, &mut report)?);
     }
     if runs.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
@@ -70,17 +94,40 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
 }
 
 fn check(run: &Measurement) -> Result<(), Failure> {
-    match (run.error_m, run.allowed_m) {
-        (Some(error), Some(allowed)) if error.is_nan() || error > allowed => {
-            Err(Failure::Run(anyhow::anyhow!(
-                "{} ({}, {}) is wrong: a joint is {error:.6} m away from the oracle's result, and \
-                 {allowed:.6} m are allowed",
-                run.device,
-                run.schedule,
-                run.load
-            )))
+    run.fault().map_or(Ok(()), |fault| Err(Failure::Run(anyhow::anyhow!(fault))))
+}
+
+/// Shows a benchmark's progress and messages on the terminal.
+#[derive(Default)]
+struct Report(Option<Progress>);
+
+impl Observer for Report {
+    fn drivers_started(&mut self) {
+        #[cfg(unix)]
+        crate::aborts::exit_on_abort();
+    }
+
+    fn work_started(&mut self, label: &'static str, steps: usize) {
+        self.0 = Some(Progress::new(label, steps));
+    }
+
+    fn step_done(&mut self) {
+        self.0.iter_mut().for_each(Progress::step);
+    }
+
+    fn work_done(&mut self) {
+        self.0 = None;
+    }
+
+    fn skipped(&mut self, subject: &str, reason: &str) {
+        report::message!("skipped: {subject}: {reason}");
+    }
+
+    fn crowd_measured(&mut self, crowd: &Crowd) {
+        if crowd.device_info().devices.as_slice().len() > 1 {
+            let (shares, schedule) = (devices_and_shares(crowd), crowd.device_info().schedule);
+            report::message!("final shares: {shares} ({schedule})");
         }
-        _ => Ok(()),
     }
 }
 
@@ -92,28 +139,6 @@ fn loads(args: &BenchArgs) -> Vec<Load> {
     loads.extend(args.load.iter().copied().filter(|load| *load != Load::Plain));
     loads.dedup();
     loads
-}
-
-/// Returns all subjects, with the loads of each schedule side by side.
-fn subjects<'a>(
-    scenes: &'a [Scene],
-    setups: &'a [DeviceSetup],
-    args: &BenchArgs,
-) -> Vec<Subject<'a>> {
-    let defaults = [Method::Crowd(Schedule::Staged), Method::Crowd(Schedule::Fused), Method::Baked];
-    let methods = if args.schedule.is_empty() { &defaults[..] } else { &args.schedule };
-    let mut subjects = Vec::new();
-    for on in setups {
-        for &method in methods {
-            let measured = |scene: &&Scene| match method {
-                Method::Crowd(_) => true,
-                Method::Baked => scene.load == Load::Plain && on.is_native() && !on.is_shared(),
-            };
-            let scenes = scenes.iter().filter(measured);
-            subjects.extend(scenes.map(|scene| Subject { scene, on, method }));
-        }
-    }
-    subjects
 }
 
 /// Returns the devices to measure on, and how several share a crowd.
@@ -134,13 +159,4 @@ fn setups(args: &BenchArgs) -> Result<Vec<DeviceSetup>, Failure> {
 
 fn all_devices() -> Vec<Devices> {
     populace::devices().into_iter().filter_map(|report| report.device.map(Devices::from)).collect()
-}
-
-/// Describes the processor by its name, if the system reports it, and its threads.
-fn machine() -> String {
-    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
-    let cpuinfo = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpuinfo.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    let model = model.map_or("unknown processor", |(_, name)| name.trim());
-    format!("{model}, {threads} threads, {} {}", std::env::consts::OS, std::env::consts::ARCH)
 }

@@ -2,12 +2,13 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::Backend;
+use populace_model::convert::single;
 
 use super::plans;
 use crate::compare::Judge;
 use crate::scenes::{Scene, body, clip};
 use crate::tolerance::LOCAL_CAP;
-use crate::{MemberPlan, Play, Rng, single};
+use crate::{MemberPlan, Play, Rng};
 
 /// A time at which all random plays have started.
 const LATER_SECS: f64 = 6.125;

@@ -2,11 +2,12 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::{Backend, LayerMode};
+use populace_model::convert::single;
 
 use super::plans;
 use crate::compare::Judge;
 use crate::scenes::Scene;
-use crate::{Inertialization, MemberPlan, Play, Rng, single};
+use crate::{Inertialization, MemberPlan, Play, Rng};
 
 /// The clock when the last transitions start.
 const START_SECS: f64 = 6.0;

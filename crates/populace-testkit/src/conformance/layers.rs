@@ -2,11 +2,12 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::{Backend, LayerMode};
+use populace_model::convert::single;
 
 use super::plans;
 use crate::compare::Judge;
 use crate::scenes::{Scene, body, clip};
-use crate::{LayerPlan, MemberPlan, Play, Rng, single};
+use crate::{LayerPlan, MemberPlan, Play, Rng};
 
 /// Checks override layers: weights, masks, totals below and above 1, and layers without slots. The
 /// settings of layer 0 are ignored.

@@ -2,10 +2,11 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::LayerMode;
+use populace_model::convert::single;
 
 use crate::oracle::{Timing, Weighting};
 use crate::scenes::Scene;
-use crate::{LayerPlan, MemberPlan, Play, Rng, TestCrowd, single};
+use crate::{LayerPlan, MemberPlan, Play, Rng, TestCrowd};
 
 /// Plays a random clip of `clips`, started before 5 s.
 pub(super) fn play(rng: &mut Rng, clips: &[usize]) -> Play {

@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 use populace_device::Backend;
+use populace_model::convert::single;
 
 use super::plans;
 use crate::compare::{Judge, joint_name};
 use crate::expected::Expected;
 use crate::scenes::{Scene, SceneClip, body};
-use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd, single};
+use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd};
 
 /// Checks every clip exactly at keys (a STEP key holds from its own time on), before the first key,
 /// after the last key, and one unit in the last place before a key, on its own and on other bodies.

@@ -4,6 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Float4;
 use populace_device::{Backend, Stage, StageBuffer};
+use populace_model::convert::single;
 
 use super::plans;
 use crate::compare::Judge;
@@ -11,7 +12,7 @@ use crate::expected::Expected;
 use crate::oracle::{Gain, Local, OraclePose, model_from_joints, palettes};
 use crate::scenes::Scene;
 use crate::tolerance::{AffineBound, LocalBound, model_bounds, palette_bounds};
-use crate::{MemberPlan, Rng, TestCrowd, single};
+use crate::{MemberPlan, Rng, TestCrowd};
 
 /// Creates two members of each body, with different neighbours.
 pub(super) fn two_of_each(scene: &Scene) -> TestCrowd<'_> {

@@ -16,7 +16,7 @@ fn about_z(degrees: f64) -> DQuat {
 }
 
 fn four(q: DQuat) -> [f32; 4] {
-    q.to_array().map(crate::single)
+    q.to_array().map(populace_model::convert::single)
 }
 
 fn track(property: Property, interpolation: Interpolation, times: &[f32], values: &[f32]) -> Track {

@@ -1,11 +1,12 @@
 //! Skeletons and palette entries.
 
 use populace_character::PaletteEntry;
+use populace_model::convert::single;
 use populace_model::{Affine, JointSource, Skeleton, Trs};
 
 use super::SceneBody;
+use crate::Rng;
 use crate::oracle::OracleBody;
-use crate::{Rng, single};
 
 pub(super) fn all() -> Vec<SceneBody> {
     let plans = [

@@ -3,12 +3,13 @@
 use std::collections::HashMap;
 
 use glam::{DQuat, DVec3};
+use populace_model::convert::single;
 use populace_model::{ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Trs};
 
 use super::motion::{even_times, swing, uneven_times, wave};
 use super::{Scene, SceneClip, bodies};
+use crate::Rng;
 use crate::oracle::OracleRetarget;
-use crate::{Rng, single};
 
 /// A planned joint: its name, its parent's name, its rest position in model space, and its role.
 type Planned = (String, Option<String>, DVec3, Option<Role>);

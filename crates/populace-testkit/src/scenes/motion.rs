@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
+use populace_model::convert::single;
 use populace_model::{Interpolation, JointSource, Property, Track};
 
-use crate::{Rng, single};
+use crate::Rng;
 
 fn track(joint: &str, property: Property, interpolation: Interpolation, times: &[f32]) -> Track {
     Track {

@@ -1,6 +1,8 @@
 //! Points of a plane joined to triangles, and the weights of their corners.
 
-use super::{MOST, Weights, single};
+use populace_model::convert::single;
+
+use super::{MOST, Weights};
 
 type Point = [f64; 2];
 
@@ -23,6 +25,9 @@ fn area(a: Point, b: Point, c: Point) -> f64 {
 
 /// Areas below this are taken for none; coordinates are from 0 to 1 or so.
 const FLAT: f64 = 1e-9;
+/// Points of single precision that are meant for one line leave it by less than this, in units of
+/// the largest coordinate.
+const NOISE: f64 = 1e-6;
 
 /// Above 0 where `d` lies within the circle through a counter-clockwise triangle.
 fn in_circle([a, b, c]: [Point; 3], d: Point) -> f64 {
@@ -58,8 +63,21 @@ impl Plane {
         plane
     }
 
+    /// Whether all points stand on the line from the first to the last, but for rounding.
+    fn is_line(&self, order: &[usize]) -> bool {
+        let largest = self.points.iter().flatten().fold(1.0, |most: f64, c| most.max(c.abs()));
+        let [first, .., last] = order else { return true };
+        let off = |&at: &usize| area(self.points[*first], self.points[*last], self.points[at]);
+        order.iter().all(|at| off(at).abs() <= NOISE * largest)
+    }
+
     fn sweep(&mut self, order: &[usize]) {
-        // The border in order, counter-clockwise; a chain until some point leaves its line.
+        if self.is_line(order) {
+            let links = order.windows(2).map(|pair| [pair[0], pair[1]]);
+            self.border = links.chain((order.len() == 1).then(|| [order[0]; 2])).collect();
+            return;
+        }
+        // The border in order, counter-clockwise; at first the points before one leaves their line.
         let mut chain: Vec<usize> = Vec::new();
         let mut rest = order.iter().copied();
         let mut apex = None;
@@ -74,11 +92,7 @@ impl Plane {
             }
             chain.push(next);
         }
-        let Some((apex, off)) = apex else {
-            let links = chain.windows(2).map(|pair| [pair[0], pair[1]]);
-            self.border = links.chain((chain.len() == 1).then(|| [chain[0]; 2])).collect();
-            return;
-        };
+        let Some((apex, off)) = apex else { return };
         if off < 0.0 {
             chain.reverse();
         }

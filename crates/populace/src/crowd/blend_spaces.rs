@@ -43,6 +43,12 @@ impl ActiveSpace {
         let rate = Slot::in_phase(0, 0, 0, self.cycles_per_sec).phase_rate;
         self.phase.wrapping_add(tick.wrapping_sub(self.start_tick).wrapping_mul(rate))
     }
+
+    /// Returns whether another slot of the layer fades out for the blend space. What started before
+    /// it does, even if the slot holds its weight while others are evicted.
+    fn replaces(&self, slot: &Slot, started: Started) -> bool {
+        slot.end_weight <= 0.0 || started.serial < self.serial
+    }
 }
 
 fn live_in_space(name: &str) -> Error {
@@ -240,7 +246,9 @@ impl Player {
             match started.sample.filter(|_| own) {
                 Some(sample) if weight_of(&all, sample) > 0.0 => Plan::Stays,
                 Some(_) => Plan::Leaves,
-                None if slot.layer() as usize == layer && slot.end_weight <= 0.0 => Plan::Leaves,
+                None if slot.layer() as usize == layer && active_space.replaces(slot, started) => {
+                    Plan::Leaves
+                }
                 None => Plan::Apart,
             }
         };
@@ -307,7 +315,7 @@ impl Player {
                     phase_rate: paced.phase_rate,
                     ..slot
                 };
-            } else if slot.end_weight > 0.0 {
+            } else if !active_space.replaces(&slot, started) {
                 continue;
             }
             let weight =

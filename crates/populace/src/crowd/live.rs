@@ -6,6 +6,7 @@ use std::sync::Arc;
 use populace_clip::{Clip, LiveRing, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::{LiveNewest, Tables};
 use populace_model::Trs;
+use populace_model::convert::single;
 
 use super::ClipId;
 use super::base::Base;
@@ -285,12 +286,4 @@ fn mix(a: &Trs, b: &Trs, between: f64) -> Trs {
         rotation: turned.map(|c| single(c / length)),
         scale: three(a.scale, b.scale),
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "rounding to the nearest f32 is what is wanted"
-)]
-fn single(x: f64) -> f32 {
-    x as f32
 }

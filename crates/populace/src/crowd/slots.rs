@@ -103,12 +103,12 @@ impl Player {
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> Result<Option<u64>, Error> {
         let shares = self.slot_shares(base, member_index, tick);
-        let count = base.slots(member_index).len();
-        let missing = needed.saturating_sub((0..count).filter(|i| shares[*i].is_none()).count());
+        let plans = self.plans(base, member_index, plan);
+        let free = count_free(base.slots(member_index), &shares, &plans, tick);
+        let missing = needed.saturating_sub(free);
         if missing == 0 {
             return Ok(None);
         }
-        let plans = self.plans(base, member_index, plan);
         let (mut evicted, others) = self.by_strength(base, member_index, &shares, &plans);
         let smoothly = evicted.len() >= missing;
         evicted.extend(others);
@@ -135,12 +135,9 @@ impl Player {
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> usize {
         let shares = self.slot_shares(base, member_index, tick);
-        let free =
-            (0..base.slots(member_index).len()).filter(|index| shares[*index].is_none()).count();
-        free + self
-            .by_strength(base, member_index, &shares, &self.plans(base, member_index, plan))
-            .0
-            .len()
+        let plans = self.plans(base, member_index, plan);
+        let free = count_free(base.slots(member_index), &shares, &plans, tick);
+        free + self.by_strength(base, member_index, &shares, &plans).0.len()
     }
 
     fn plans(
@@ -371,4 +368,19 @@ impl Player {
         self.started[range.start + index] = started;
         Ok(())
     }
+}
+
+/// Returns the number of free slots. One of negligible weight that the start keeps is not free: its
+/// weight rises again.
+fn count_free(
+    slots: &[Slot],
+    shares: &[Option<f32>; MAX_SLOTS],
+    plans: &[Plan],
+    tick: u64,
+) -> usize {
+    let all = slots.iter().zip(shares).zip(plans);
+    let is_free = |slot: &Slot, share: &Option<f32>, plan: Plan| {
+        share.is_none() && (plan != Plan::Stays || faded_out(slot, tick))
+    };
+    all.filter(|((slot, share), plan)| is_free(slot, share, **plan)).count()
 }

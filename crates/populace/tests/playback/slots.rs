@@ -2,6 +2,7 @@
 
 use glam::Quat;
 use populace::{ClipId, ClipPlayback, Crowd, CrowdBuilder, MemberId};
+use populace_testkit::Rng;
 
 use crate::fixture::{Motion, one_member, rotations, step_rad};
 use crate::on_every_device;
@@ -138,17 +139,11 @@ fn random_starts_of_all_kinds_never_jump(builder: &CrowdBuilder) {
         crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut steps = Steps::new(&mut crowd, member);
-        let mut state = seed;
-        let mut random = |below: u64| {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            (state >> 33) % below
-        };
+        let mut rng = Rng::new(seed);
         for frame in 0..80 {
-            let clip = clips[random(6) as usize];
+            let clip = clips[rng.below(6)];
             let play = ClipPlayback::looping().fade_in_secs(FADE_SECS);
-            match random(6) {
+            match rng.below(6) {
                 0 => drop(crowd.member_mut(member).unwrap().play(clip, play).unwrap()),
                 1 => drop(
                     crowd.member_mut(member).unwrap().play(clip, play.after_secs(0.02)).unwrap(),

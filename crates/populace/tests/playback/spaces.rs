@@ -4,6 +4,7 @@ use populace::{
     BlendSpace, BlendSpaceId, BlendSpacePlayback, ClipId, ClipPlayback, Crowd, CrowdBuilder,
     Device, Error, MemberId, Placement,
 };
+use populace_testkit::Rng;
 
 use crate::fixture::{Motion, one_member, rotations, step_rad};
 use crate::on_every_device;
@@ -68,6 +69,7 @@ fn lengths(crowd: &Crowd, member: MemberId) -> Vec<(ClipId, f32)> {
     crowd
         .character(character)
         .unwrap()
+        .asset()
         .clips()
         .into_iter()
         .map(|(id, clip)| (id, clip.duration_secs()))
@@ -155,17 +157,17 @@ fn position_changes_never_jump(builder: &CrowdBuilder) {
     // across the whole width of the space.
     let (own, wide) =
         (2.5 * 0.1 * std::f32::consts::TAU / 0.5 * STEP_SECS, 2.5 * 0.6 * STEP_SECS / OVER_SECS);
-    for slots in [3, 4, 6, 8] {
+    // In these streams clips come back while their weight is negligible, and a clip from before the
+    // blend space holds its weight while others make room.
+    let seeds = [30, 45, 52, 115, 169];
+    for (seed, slots) in seeds.into_iter().flat_map(|seed| [3, 4, 6, 8].map(|n| (seed, n))) {
         let (mut crowd, clips, member, space) = on_grid(builder, slots);
         crowd.member_mut(member).unwrap().play(clips[8], ClipPlayback::looping()).unwrap();
         crowd.update(0.1).unwrap();
         let mut before = rotations(&mut crowd, member);
-        let mut state = slots as u64;
+        let mut rng = Rng::new(seed);
         for frame in 0..240 {
-            state = state
-                .wrapping_mul(6_364_136_223_846_793_005)
-                .wrapping_add(1_442_695_040_888_963_407);
-            let at = [(state >> 33) % 257, (state >> 41) % 257].map(|n| n as f32 / 128.0);
+            let at = [2.0, 2.0].map(|most| rng.unit() * most);
             match frame {
                 0 => crowd
                     .member_mut(member)
@@ -198,7 +200,7 @@ fn position_changes_never_jump(builder: &CrowdBuilder) {
             let step = step_rad(&before, &now);
             assert!(
                 step < own + wide,
-                "{slots} slots, frame {frame}: {step} rad per frame, {} allowed",
+                "seed {seed}, {slots} slots, frame {frame}: {step} rad per frame, {} allowed",
                 own + wide
             );
             before = now;

@@ -154,6 +154,26 @@ fn triangulation_is_delaunay() {
 }
 
 #[test]
+fn points_of_a_slanted_line_mix_with_their_neighbours_alone() {
+    // Tenths are no numbers of single precision, so these points leave their line by rounding.
+    let line: Vec<[f32; 2]> =
+        (0..7_u8).map(|i| [0.1 * f32::from(i), 0.37 + 0.3 * f32::from(i)]).collect();
+    for offset in [0.0, 5.0] {
+        let line: Vec<_> = line.iter().map(|[x, y]| [x + offset, *y]).collect();
+        let plane = Plane::new(&line);
+        for (nth, pair) in line.windows(2).enumerate() {
+            for beside in [-1e-3, -1e-7, 0.0, 1e-7, 1e-3] {
+                let middle =
+                    [0, 1].map(|axis| f64::from(f32::midpoint(pair[0][axis], pair[1][axis])));
+                let weights = plane.weights([middle[0] + beside, middle[1]]);
+                let found = [nth, nth + 1].map(|sample| weight(&weights, sample));
+                assert!(found.iter().all(|w| (w - 0.5).abs() < 0.01), "{weights:?} after {nth}");
+            }
+        }
+    }
+}
+
+#[test]
 fn points_outside_take_the_nearest_point_of_the_hull() {
     let plane = Plane::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0], [2.0, 2.0]]);
     let weights = plane.weights([1.0, -5.0]);

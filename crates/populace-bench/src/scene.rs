@@ -8,9 +8,10 @@ use populace::character::Character;
 use populace::{
     ClipId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
 };
+use populace_testkit::Rng;
 
-use super::{constraints, rigs};
-use crate::placement::Random;
+use crate::observer::Observer;
+use crate::{constraints, rigs};
 
 /// Joint counts of the four default skeletons.
 const JOINT_COUNTS: [usize; 4] = [24, 54, 67, 128];
@@ -21,14 +22,17 @@ pub(crate) const FADE_SECS: f32 = 0.31;
 
 /// The load of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Load {
+pub enum Load {
     /// Blended clips only.
     Plain,
     /// Clips come from other skeletons, with the same joint names in another order and additional
     /// joints between them.
     Retargeted,
     /// Each frame, a percentage of the members crossfades to another clip.
-    Changing { percent: f32 },
+    Changing {
+        /// Percentage of the members, above 0 and up to 100.
+        percent: f32,
+    },
     /// Every member looks at a target of its own and plants both feet.
     Constraints,
     /// Constraints and two more layers, one masked and one additive, with a slot in each.
@@ -71,17 +75,18 @@ impl std::str::FromStr for Load {
 
 /// Settings of a scene.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct SceneSettings {
-    /// Joints of the one skeleton; several default skeletons if `None`.
-    pub(crate) joints: Option<u32>,
-    /// Slots of each member in layer 0.
-    pub(crate) slots: usize,
-    pub(crate) seed: u64,
+pub struct SceneSettings {
+    /// Joints of the one skeleton, at least 1; several default skeletons if `None`.
+    pub joints: Option<u32>,
+    /// Slots of each member in layer 0, from 1 to 8.
+    pub slots: usize,
+    /// Seed of skeletons, clips, phases and weights.
+    pub seed: u64,
 }
 
 /// A scene, the same on every device.
 #[derive(Clone)]
-pub(crate) struct Scene {
+pub struct Scene {
     pub(crate) load: Load,
     pub(crate) characters: Vec<Arc<Character>>,
     pub(crate) member_count: usize,
@@ -108,27 +113,35 @@ pub(crate) struct Staging {
 
 /// The devices of a crowd, and how several share it.
 #[derive(Clone, Debug)]
-pub(crate) struct DeviceSetup {
-    pub(crate) devices: Devices,
-    pub(crate) split: Split,
+pub struct DeviceSetup {
+    /// The devices; several share the crowd.
+    pub devices: Devices,
+    /// How several devices share it.
+    pub split: Split,
 }
 
 impl DeviceSetup {
     /// Returns whether all devices are native, so that crowds stay in host memory.
-    pub(crate) fn is_native(&self) -> bool {
+    #[must_use]
+    pub fn is_native(&self) -> bool {
         self.devices.as_slice().iter().all(|device| matches!(device, Device::Native { .. }))
     }
 
     /// Returns whether several devices share a crowd.
-    pub(crate) fn is_shared(&self) -> bool {
+    #[must_use]
+    pub fn is_shared(&self) -> bool {
         self.devices.as_slice().len() > 1
     }
 }
 
 impl Scene {
     /// Creates a scene without members.
-    pub(crate) fn new(settings: SceneSettings, load: Load) -> Result<Self, Error> {
-        let mut random = Random::new(settings.seed);
+    ///
+    /// # Errors
+    ///
+    /// If skeletons or clips cannot be made, for example without joints.
+    pub fn new(settings: SceneSettings, load: Load) -> Result<Self, Error> {
+        let mut random = Rng::from_state(settings.seed);
         let counts = settings.joints.map_or(JOINT_COUNTS.to_vec(), |n| vec![n as usize]);
         let clips_each = CLIP_COUNT / counts.len();
         let retargeted = load == Load::Retargeted;
@@ -141,7 +154,8 @@ impl Scene {
     }
 
     /// Copies the scene with another number of members.
-    pub(crate) fn with_members(&self, members: usize) -> Self {
+    #[must_use]
+    pub fn with_members(&self, members: usize) -> Self {
         Self { member_count: members, ..self.clone() }
     }
 
@@ -169,7 +183,7 @@ impl Scene {
     /// Returns the slots of a member at the start.
     pub(crate) fn initial_slots(&self, member: usize) -> impl Iterator<Item = InitialSlot> + use<> {
         let clips = self.characters[self.character_index(member)].clips.len();
-        let mut random = Random::one_of(self.seed, member);
+        let mut random = Rng::one_of(self.seed, member);
         let lower = self.slot_count - self.load.upper_slots();
         (0..self.slot_count).map(move |slot| InitialSlot {
             clip: random.below(clips),
@@ -181,7 +195,7 @@ impl Scene {
 
     /// Returns a member's look-at target in its model space.
     pub(crate) fn target(&self, member: usize) -> [f32; 3] {
-        let mut random = Random::one_of(!self.seed, member);
+        let mut random = Rng::one_of(!self.seed, member);
         [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
@@ -196,13 +210,18 @@ impl Scene {
         (0..count).map(move |index| {
             let member = (index * members / count + frame as usize) % members;
             let clips = self.characters[self.character_index(member)].clips.len();
-            let mut random = Random::one_of(self.seed ^ (u64::from(frame) + 1), member);
+            let mut random = Rng::one_of(self.seed ^ (u64::from(frame) + 1), member);
             (member, random.below(clips))
         })
     }
 
     /// Builds the crowd and uploads it to the device.
-    pub(crate) fn set_up(&self, on: &DeviceSetup, schedule: Schedule) -> Result<Staging, Error> {
+    pub(crate) fn set_up(
+        &self,
+        on: &DeviceSetup,
+        schedule: Schedule,
+        observer: &mut dyn Observer,
+    ) -> Result<Staging, Error> {
         let builder = Crowd::builder()
             .devices(on.devices.clone())
             .split(on.split.clone())
@@ -210,8 +229,7 @@ impl Scene {
             .capacity(self.member_count)
             .slots_per_member(self.slot_count);
         let mut crowd = builder.build()?;
-        #[cfg(unix)]
-        crate::aborts::exit_on_abort();
+        observer.drivers_started();
         let (mut ids, mut clips) = (Vec::new(), Vec::<Vec<ClipId>>::new());
         for character in &self.characters {
             let id = crowd.add_character(Arc::clone(character))?;
@@ -286,7 +304,7 @@ mod tests {
         let scene = |members, percent| Scene {
             load: Load::Changing { percent },
             characters: vec![Arc::new(
-                rigs::character(3, 2, false, &mut Random::new(1)).expect("valid"),
+                rigs::character(3, 2, false, &mut Rng::from_state(1)).expect("valid"),
             )],
             member_count: members,
             slot_count: 2,

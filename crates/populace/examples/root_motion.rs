@@ -28,6 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let clip = crowd.clip(id, name)?;
             let (_, plain) = crowd
                 .character(id)?
+                .asset()
                 .clips()
                 .into_iter()
                 .find(|(known, _)| *known == clip)

@@ -1,17 +1,15 @@
 //! Tests of the examples: they run without a window, print results and draw a picture with people.
 
-use std::path::Path;
 use std::process::Command;
 
 #[track_caller]
 fn runs_and_draws(name: &str, words: &[&str]) {
     // `cargo test` builds the examples. `cargo test --test examples` alone needs
     // `cargo build --examples` first.
-    let program = Path::new(env!("CARGO_BIN_EXE_populace"));
-    let example = program
-        .with_file_name("examples")
-        .join(name)
-        .with_extension(std::env::consts::EXE_EXTENSION);
+    let test = std::env::current_exe().expect("a path");
+    let built = test.ancestors().nth(2).expect("tests lie in a folder of their own");
+    let example = built.join("examples").join(name);
+    let example = example.with_extension(std::env::consts::EXE_EXTENSION);
     let folder = tempfile::TempDir::new().expect("a temporary folder");
     let picture = folder.path().join("picture.png");
     let output = Command::new(&example).arg(&picture).current_dir(folder.path()).output();

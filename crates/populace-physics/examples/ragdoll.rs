@@ -1,6 +1,6 @@
 //! A row of people walks to the camera. Some are pushed over, and one has a limp arm.
 //!
-//! `cargo run --example ragdoll [picture.png [frames]]`
+//! `cargo run --example ragdoll [PICTURE.png [FRAMES]]`
 
 use std::sync::Arc;
 

@@ -5,9 +5,10 @@
 
 use populace::model::Affine;
 use populace::{ClipPlayback, Crowd, Device, Error, Placement, Schedule};
+use populace_model::convert::single;
 use rayon::prelude::*;
 
-use super::scene::Scene;
+use crate::scene::Scene;
 
 /// Rows per second of clip time.
 const ROWS_PER_SEC: f64 = 30.0;
@@ -32,12 +33,13 @@ struct Table {
 
 /// Sizes of baked tables, and of the same clips as rows.
 #[derive(Clone, Copy)]
-pub(crate) struct TableSizes {
-    pub(crate) clips: usize,
+pub struct TableSizes {
+    /// Number of tables: of pairs of a character and a clip.
+    pub clips: usize,
     /// Bytes of all tables. Each pair of character and clip has its own.
-    pub(crate) bytes: usize,
+    pub bytes: usize,
     /// Bytes of the same clips as rows, which any character can play.
-    pub(crate) row_bytes: usize,
+    pub row_bytes: usize,
 }
 
 /// A member's table and starting phase.
@@ -123,11 +125,7 @@ impl Table {
             reason = "a row index, not negative"
         )]
         let row = (at as usize).min(last - 1);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "rounding to the nearest f32 is intended"
-        )]
-        let share = (at - row as f64) as f32;
+        let share = single(at - row as f64);
         let (from, to) = self.rows[row * self.entries..][..2 * self.entries].split_at(self.entries);
         for ((out, from), to) in palette.iter_mut().zip(from).zip(to) {
             let (from, to) = (from.rows.as_flattened(), to.rows.as_flattened());

@@ -2,23 +2,31 @@
 
 use serde_json::{Value, json};
 
-use super::baked::TableSizes;
-use super::spec::Measurement;
+use crate::baked::TableSizes;
+use crate::spec::Measurement;
 
 /// All measurements of a benchmark, and the machine they were made on.
-pub(crate) struct Document {
-    pub(crate) machine: String,
-    pub(crate) runs: Vec<Measurement>,
+pub struct Document {
+    /// The processor, its threads and the system.
+    pub machine: String,
+    /// The measurements, in the order of the table's lines.
+    pub runs: Vec<Measurement>,
 }
 
 impl Document {
-    pub(crate) fn as_json(&self) -> Value {
+    /// Returns the document as JSON of schema 1.
+    #[must_use]
+    pub fn as_json(&self) -> Value {
         let runs: Vec<_> = self.runs.iter().map(run_as_json).collect();
         json!({"schema": 1, "machine": self.machine, "runs": runs})
     }
 
-    /// Reads a document written by [`as_json`](Self::as_json). Errors name the missing field.
-    pub(crate) fn from_json(document: &Value) -> Result<Self, String> {
+    /// Reads a document written by [`as_json`](Self::as_json).
+    ///
+    /// # Errors
+    ///
+    /// If the document has another schema or no runs, or lacks a field, which the text names.
+    pub fn from_json(document: &Value) -> Result<Self, String> {
         if document["schema"] != 1 {
             return Err("it is not a document of schema 1".into());
         }

@@ -4,10 +4,10 @@ use populace::Schedule;
 use populace::Stage;
 use populace_device::layout::{LAYERS_PER_MEMBER, Layer, Member, Slot, SlotSample};
 
-use super::baked::TableSizes;
-use super::memory::{ENTRY_BYTES, palette_bytes};
-use super::scene::Load;
-use super::spec::{Measurement, Method, Subject};
+use crate::baked::TableSizes;
+use crate::memory::{ENTRY_BYTES, palette_bytes};
+use crate::scene::Load;
+use crate::spec::{Measurement, Method, Subject};
 
 /// Times of each frame in milliseconds, by the device's clock unless stated otherwise.
 #[derive(Clone, Default)]

@@ -8,7 +8,8 @@ use populace_device::layout::{
     JOINT_BLOCK, LAYERS_PER_MEMBER, Layer, Member, PALETTE_BLOCK, Slot, SlotSample,
 };
 
-use super::scene::{DeviceSetup, Scene};
+use crate::observer::Observer;
+use crate::scene::{DeviceSetup, Scene};
 
 /// A palette entry: one 3x4 float matrix.
 pub(crate) const ENTRY_BYTES: usize = size_of::<Affine>();
@@ -70,12 +71,13 @@ pub(crate) fn bytes_per_member(
     scene: &Scene,
     on: &DeviceSetup,
     schedule: Schedule,
+    observer: &mut dyn Observer,
 ) -> Result<Option<f64>, Error> {
     if on.is_native() || on.is_shared() {
         return Ok(None);
     }
-    let bytes = |members: usize| {
-        let crowd = scene.with_members(members).set_up(on, schedule)?.crowd;
+    let mut bytes = |members: usize| {
+        let crowd = scene.with_members(members).set_up(on, schedule, observer)?.crowd;
         let entries: usize = crowd.page_lengths().iter().sum();
         Ok::<_, Error>(crowd.device_info().memory_bytes as f64 - (entries * ENTRY_BYTES) as f64)
     };

@@ -2,15 +2,16 @@
 
 use populace::character::Character;
 use populace::clip::ticks_from_secs;
+use populace_model::convert::single;
 use populace_testkit::oracle::{OracleSlot, Timing, Weighting};
 
-use super::scene::{FADE_SECS, InitialSlot};
+use crate::scene::{FADE_SECS, InitialSlot};
 
 /// A slot that is fading out and has less than this share of the total weight is free.
 const NEGLIGIBLE: f64 = 1e-3;
 
 /// The state of a slot, for the oracle.
-pub(super) struct SlotState {
+pub(crate) struct SlotState {
     clip: usize,
     timing: Timing,
     weighting: Weighting,
@@ -28,7 +29,7 @@ impl SlotState {
         }
     }
 
-    pub(super) fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
+    pub(crate) fn at<'a>(&self, tick: u64, character: &'a Character) -> OracleSlot<'a> {
         let clip = &character.clips[self.clip];
         OracleSlot {
             retarget: None,
@@ -55,29 +56,25 @@ impl SlotState {
     }
 
     fn ramp(&mut self, tick: u64, to: f64, secs: f64) {
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "rounding to the nearest f32 is intended"
-        )]
-        let [from, to, secs] = [self.weighting.weight(tick), to, secs].map(|number| number as f32);
+        let [from, to, secs] = [self.weighting.weight(tick), to, secs].map(single);
         self.weighting = Weighting::Ramp { tick, from, to, secs };
     }
 }
 
 /// A member's slots, and the clip scheduled to start.
-pub(super) struct ChangingSlots {
-    pub(super) slots: Vec<SlotState>,
+pub(crate) struct ChangingSlots {
+    pub(crate) slots: Vec<SlotState>,
     /// Index of the clip and the tick of its start.
     scheduled: Option<(usize, u64)>,
 }
 
 impl ChangingSlots {
-    pub(super) fn new(slots: impl Iterator<Item = InitialSlot>) -> Self {
+    pub(crate) fn new(slots: impl Iterator<Item = InitialSlot>) -> Self {
         Self { slots: slots.map(SlotState::new).collect(), scheduled: None }
     }
 
     /// Starts the scheduled clip if it is due at `tick`.
-    pub(super) fn advance_to(&mut self, tick: u64) {
+    pub(crate) fn advance_to(&mut self, tick: u64) {
         while let Some((clip, due)) = self.scheduled.filter(|(_, due)| *due <= tick) {
             self.crossfade(clip, due);
         }
@@ -86,7 +83,7 @@ impl ChangingSlots {
     /// Crossfades to a clip. All slots fade out, and the new clip takes a free slot. If no slot is
     /// free, the weakest fades out first, for its share of the fade time, and its weight goes to
     /// the strongest; the clip is then scheduled.
-    pub(super) fn crossfade(&mut self, clip: usize, tick: u64) {
+    pub(crate) fn crossfade(&mut self, clip: usize, tick: u64) {
         self.scheduled = None;
         let weights: Vec<f64> = self.slots.iter().map(|slot| slot.weighting.weight(tick)).collect();
         let total: f64 = weights.iter().sum();

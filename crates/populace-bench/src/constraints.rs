@@ -9,7 +9,7 @@ use populace::{
 };
 use populace_testkit::oracle::{OracleLayer, OraclePose};
 
-use super::rigs::{LEGS, TRUNK};
+use crate::rigs::{LEGS, TRUNK};
 
 /// The largest height of a foot above rest at which it is fully planted, in leg lengths, less a
 /// margin.
@@ -25,12 +25,12 @@ fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
 }
 
 /// Returns a mask of the upper body.
-pub(super) fn mask(skeleton: &Skeleton) -> Result<Mask, Error> {
+pub(crate) fn mask(skeleton: &Skeleton) -> Result<Mask, Error> {
     Ok(Mask::subtree(skeleton, joint(skeleton, TRUNK[0])?))
 }
 
 /// Sets a masked override layer and an additive layer.
-pub(super) fn set_layers(crowd: &mut Crowd, member: MemberId, mask: MaskId) -> Result<(), Error> {
+pub(crate) fn set_layers(crowd: &mut Crowd, member: MemberId, mask: MaskId) -> Result<(), Error> {
     let masked = LayerSettings { mode: LayerMode::Override, weight: 0.7 };
     crowd.member_mut(member)?.set_layer(1, masked, Some(mask))?;
     crowd.member_mut(member).and_then(|mut m| {
@@ -39,7 +39,7 @@ pub(super) fn set_layers(crowd: &mut Crowd, member: MemberId, mask: MaskId) -> R
 }
 
 /// Returns the same layers for the oracle.
-pub(super) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, Error> {
+pub(crate) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, Error> {
     let mask = mask(&character.skeleton)?;
     let skeleton = &character.skeleton;
     let by_source = (0..skeleton.joint_count()).map(|source| {
@@ -56,7 +56,7 @@ pub(super) fn oracle_layers(character: &Character) -> Result<Vec<OracleLayer>, E
 }
 
 /// Makes a member look at a point in its model space and plant both feet.
-pub(super) fn constrain(
+pub(crate) fn constrain(
     crowd: &mut Crowd,
     member: MemberId,
     skeleton: &Skeleton,
@@ -90,7 +90,7 @@ pub(super) fn constrain(
 /// Joints without a constraint keep the transform to their parent that the clips give them. A point
 /// `probe` metres in front of the head lies in the direction of the target. Planted feet are at
 /// rest height.
-pub(super) fn worst_error_m(
+pub(crate) fn worst_error_m(
     character: &Character,
     found: &[DAffine3],
     clips: &OraclePose,

@@ -7,14 +7,13 @@ use populace::Stage;
 use populace::clip::TICKS_PER_SEC;
 use populace::{BackendError, Error};
 
-use super::baked::Baked;
-use super::check::{OracleCheck, allowed_m, at_page_boundaries, sample};
-use super::measurements::{Samples, SubjectResult, measurements};
-use super::memory;
-use super::scene::{Scene, Staging};
-use super::spec::{FRAME_SECS, FRAME_TICKS, Measurement, Method, Subject};
-use crate::crowd_renderer::devices_and_shares;
-use crate::progress::Progress;
+use crate::baked::Baked;
+use crate::check::{OracleCheck, allowed_m, at_page_boundaries, sample};
+use crate::measurements::{Samples, SubjectResult, measurements};
+use crate::memory;
+use crate::observer::Observer;
+use crate::scene::{Scene, Staging};
+use crate::spec::{FRAME_SECS, FRAME_TICKS, Measurement, Method, Subject};
 
 /// Number of frames before the first measured frame.
 const WARM_UP_FRAMES: u32 = 3;
@@ -37,18 +36,31 @@ enum Evaluator {
 /// Measures `frames` frames of each subject, and compares the last frame with the oracle.
 ///
 /// As many subjects as fit in memory take turns frame by frame, so that noise of the machine
-/// affects all of them. Subjects that do not fit in memory are skipped and reported.
-pub(crate) fn measure(subjects: Vec<Subject>, frames: u32) -> Result<Vec<Measurement>, Error> {
+/// affects all of them. Subjects that do not fit in memory are skipped, and `observer` hears of
+/// them.
+///
+/// # Errors
+///
+/// If a crowd cannot be built or updated for another reason than memory.
+pub fn measure(
+    subjects: Vec<Subject>,
+    frames: u32,
+    observer: &mut dyn Observer,
+) -> Result<Vec<Measurement>, Error> {
     let mut pending = VecDeque::from(subjects);
     let mut results = Vec::new();
     while !pending.is_empty() {
-        results.extend(measure_group(next_group(&mut pending), frames)?);
+        let group = next_group(&mut pending, observer);
+        results.extend(measure_group(group, frames, observer)?);
     }
     Ok(measurements(&results))
 }
 
 /// Removes and returns the next subjects that fit in memory together.
-fn next_group<'a>(pending: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
+fn next_group<'a>(
+    pending: &mut VecDeque<Subject<'a>>,
+    observer: &mut dyn Observer,
+) -> Vec<Subject<'a>> {
     let (mut group, mut free) = (Vec::new(), memory::free_bytes());
     while let Some(subject) = pending.front() {
         let bytes = subject.bytes();
@@ -56,11 +68,9 @@ fn next_group<'a>(pending: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
             free -= bytes;
             group.extend(pending.pop_front());
         } else if group.is_empty() {
-            subject.report_skipped(&format!(
-                "it needs about {} MiB, {} are free",
-                bytes >> 20,
-                free >> 20
-            ));
+            let (needed, free) = (bytes >> 20, free >> 20);
+            let reason = format!("it needs about {needed} MiB, {free} are free");
+            observer.skipped(&subject.to_string(), &reason);
             pending.pop_front();
         } else {
             break;
@@ -72,34 +82,35 @@ fn next_group<'a>(pending: &mut VecDeque<Subject<'a>>) -> Vec<Subject<'a>> {
 fn measure_group<'a>(
     group: Vec<Subject<'a>>,
     frames: u32,
+    observer: &mut dyn Observer,
 ) -> Result<Vec<SubjectResult<'a>>, Error> {
     let mut sessions = Vec::new();
-    let mut progress = Progress::new("crowds", group.len());
+    observer.work_started("crowds", group.len());
     for subject in group {
-        match subject.set_up() {
+        match subject.set_up(observer) {
             Ok(evaluator) => {
                 sessions.push(Session { subject, evaluator, samples: Samples::default() });
             }
             Err(Error::Backend(error @ BackendError::OutOfMemory { .. })) => {
-                subject.report_skipped(&error.to_string());
+                observer.skipped(&subject.to_string(), &error.to_string());
             }
             Err(error) => return Err(error),
         }
-        progress.step();
+        observer.step_done();
     }
-    drop(progress);
-    let mut progress = Progress::new("frames", (WARM_UP_FRAMES + frames) as usize * sessions.len());
+    observer.work_started("frames", (WARM_UP_FRAMES + frames) as usize * sessions.len());
     for frame in 0..WARM_UP_FRAMES + frames {
         for session in &mut sessions {
             if frame == WARM_UP_FRAMES {
                 session.samples = Samples::default();
             }
             session.frame(frame)?;
-            progress.step();
+            observer.step_done();
         }
     }
-    drop(progress);
-    sessions.into_iter().map(|session| session.finish(WARM_UP_FRAMES + frames)).collect()
+    observer.work_done();
+    let results = sessions.into_iter();
+    results.map(|session| session.finish(WARM_UP_FRAMES + frames, observer)).collect()
 }
 
 impl Subject<'_> {
@@ -110,19 +121,10 @@ impl Subject<'_> {
         }
     }
 
-    fn report_skipped(&self, reason: &str) {
-        crate::report::message!(
-            "skipped: {} of {} members on {}: {reason}",
-            self.method,
-            self.scene.member_count,
-            self.on.devices
-        );
-    }
-
-    fn set_up(&self) -> Result<Evaluator, Error> {
+    fn set_up(&self, observer: &mut dyn Observer) -> Result<Evaluator, Error> {
         Ok(match self.method {
             Method::Crowd(schedule) => {
-                let mut staging = self.scene.set_up(self.on, schedule)?;
+                let mut staging = self.scene.set_up(self.on, schedule, observer)?;
                 for _ in 0..if self.on.is_shared() { BALANCING_FRAMES } else { 0 } {
                     staging.crowd.update(0.0)?;
                     staging.crowd.finish()?;
@@ -152,7 +154,7 @@ impl<'a> Session<'a> {
     }
 
     /// Compares the last frame with the oracle and returns the result.
-    fn finish(self, frames: u32) -> Result<SubjectResult<'a>, Error> {
+    fn finish(self, frames: u32, observer: &mut dyn Observer) -> Result<SubjectResult<'a>, Error> {
         let Subject { scene, on, .. } = self.subject;
         let check = |members, slots| OracleCheck { scene, frames, members, slots };
         let (subject, samples) = (self.subject, self.samples);
@@ -162,21 +164,16 @@ impl<'a> Session<'a> {
                 let error_m = check(members, scene.slot_count).worst_error_m(|member| {
                     staging.crowd.member_mut(staging.members[member]).and_then(|mut m| m.palette())
                 })?;
-                let (memory_bytes, schedule) = (
-                    staging.crowd.device_info().memory_bytes,
-                    staging.crowd.device_info().schedule,
-                );
-                if on.is_shared() {
-                    let shares = devices_and_shares(&staging.crowd);
-                    crate::report::message!("final shares: {shares} ({schedule})");
-                }
+                let info = staging.crowd.device_info();
+                let (memory_bytes, schedule) = (info.memory_bytes, info.schedule);
+                observer.crowd_measured(&staging.crowd);
                 drop(staging);
                 Ok(SubjectResult {
                     subject,
                     samples,
                     memory_bytes,
                     tables: None,
-                    bytes_per_member: memory::bytes_per_member(scene, on, schedule)?,
+                    bytes_per_member: memory::bytes_per_member(scene, on, schedule, observer)?,
                     error_m,
                     allowed_m: Some(allowed_m(scene)),
                 })
@@ -223,6 +220,6 @@ fn crowd_frame(
 }
 
 /// Returns the milliseconds since `start`.
-pub(crate) fn ms_since(start: Instant) -> f64 {
+fn ms_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
 }

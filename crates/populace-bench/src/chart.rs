@@ -2,8 +2,8 @@
 
 use populace::{Device, Devices};
 
-use super::document::Document;
-use super::spec::Measurement;
+use crate::document::Document;
+use crate::spec::Measurement;
 
 const WIDTH: f64 = 1000.0;
 const HEIGHT: f64 = 540.0;
@@ -31,9 +31,16 @@ struct Axis {
     end: f64,
 }
 
-/// Draws a line of whole-frame times for each device, schedule and load. Floors are dashed; points
-/// of the native device are hollow.
-pub(crate) fn as_svg(document: &Document) -> String {
+impl Document {
+    /// Draws a line of whole-frame times for each device, schedule and load, as SVG. Floors are
+    /// dashed; points of the native device are hollow.
+    #[must_use]
+    pub fn as_svg(&self) -> String {
+        as_svg(self)
+    }
+}
+
+fn as_svg(document: &Document) -> String {
     let Document { machine, runs } = document;
     let series = series(runs);
     let points = || series.iter().flat_map(|s| &s.points);
@@ -91,6 +98,7 @@ impl Axis {
         let all = (-3..9).flat_map(|power| multiples.iter().map(move |m| m * 10f64.powi(power)));
         let all: Vec<f64> = all.collect();
         let first = all.iter().rposition(|tick| *tick <= low * 1.000_001).unwrap_or(0);
+        let first = first.min(all.len() - 2);
         let last =
             all.iter().position(|tick| *tick >= high).unwrap_or(all.len() - 1).max(first + 1);
         Self { ticks: all[first..=last].to_vec(), start, end }
@@ -200,6 +208,8 @@ mod tests {
         assert_eq!(Axis::new([1000.0].into_iter(), &[1.0], [0.0, 1.0]).ticks, [1e3, 1e4]);
         let axis = Axis::new([0.7, 31.0].into_iter(), &[1.0, 2.0, 5.0], [0.0, 1.0]);
         assert_eq!((axis.ticks[0], axis.ticks[axis.ticks.len() - 1]), (0.5, 50.0));
+        let beyond = Axis::new([1e300].into_iter(), &[1.0], [0.0, 1.0]);
+        assert_eq!(beyond.ticks, [1e7, 1e8], "values beyond all ticks take the last ones");
         for value in [0.7, 31.0] {
             assert!((0.0..=1.0).contains(&axis.coordinate(value)));
         }

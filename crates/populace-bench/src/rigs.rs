@@ -10,8 +10,8 @@ use populace::clip::Clip;
 use populace::model::{
     Affine, ClipSource, Interpolation, JointSource, Property, Skeleton, Track, Trs,
 };
-
-use crate::placement::Random;
+use populace_model::convert::single;
+use populace_testkit::Rng;
 
 const KEYS_PER_SEC: f32 = 30.0;
 /// Depth of the skeletons, about that of fingers on a long spine.
@@ -25,7 +25,7 @@ pub(crate) fn character(
     joint_count: usize,
     clip_count: usize,
     retargeted: bool,
-    random: &mut Random,
+    random: &mut Rng,
 ) -> Result<Character, Error> {
     let joints = joints(joint_count, random);
     let skeleton = Skeleton::new(&joints)?;
@@ -35,7 +35,8 @@ pub(crate) fn character(
         .map(|joint| PaletteEntry { joint, joint_from_bind: bind(random) })
         .collect();
     let clips: Result<Vec<_>, _> = if retargeted {
-        let (source_joints, extras) = source_joints(&joints, &mut Random::new(joint_count as u64));
+        let (source_joints, extras) =
+            source_joints(&joints, &mut Rng::from_state(joint_count as u64));
         let source_skeleton = Skeleton::new(&source_joints)?;
         let clip = |source| Clip::new(with_extras(source, &extras), &source_skeleton);
         sources.into_iter().map(clip).collect()
@@ -77,7 +78,7 @@ pub(crate) const LEGS: [[usize; 3]; 2] = [[5, 6, 7], [8, 9, 10]];
 /// Height of the root in all clips.
 const PELVIS_M: f32 = 0.9;
 
-fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
+fn joints(joint_count: usize, random: &mut Rng) -> Vec<JointSource> {
     let mut joints: Vec<JointSource> = Vec::with_capacity(joint_count);
     let mut depths: Vec<usize> = Vec::with_capacity(joint_count);
     for (index, &(parent, bone)) in CORE.iter().enumerate().take(joint_count) {
@@ -107,7 +108,7 @@ fn joints(joint_count: usize, random: &mut Random) -> Vec<JointSource> {
 
 /// Returns shuffled joints with the same names and rest transforms, with additional joints between
 /// them and their parents, and the names of the additional joints.
-fn source_joints(joints: &[JointSource], random: &mut Random) -> (Vec<JointSource>, Vec<String>) {
+fn source_joints(joints: &[JointSource], random: &mut Rng) -> (Vec<JointSource>, Vec<String>) {
     let (mut shuffled, mut extras): (Vec<JointSource>, Vec<String>) = (Vec::new(), Vec::new());
     let mut new_indices = vec![None; joints.len()];
     let mut remaining: Vec<usize> = (0..joints.len()).collect();
@@ -145,7 +146,7 @@ fn with_extras(mut source: ClipSource, extras: &[String]) -> ClipSource {
 
 /// Creates a clip in which all joints rotate in slow waves, the root moves, and every eighth joint
 /// scales.
-fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
+fn clip(index: usize, skeleton: &Skeleton, random: &mut Rng) -> ClipSource {
     let duration_secs = 1.0 + random.unit() * 2.0;
     #[expect(
         clippy::cast_possible_truncation,
@@ -169,24 +170,24 @@ fn clip(index: usize, skeleton: &Skeleton, random: &mut Random) -> ClipSource {
         add(
             Property::Rotation,
             (0..key_count)
-                .flat_map(|k| quat_from_axis_angle(axis, swing * narrow(wave(k))))
+                .flat_map(|k| quat_from_axis_angle(axis, swing * single(wave(k))))
                 .collect(),
         );
         if skeleton.parent(joint).is_none() {
             let sway = |k: usize| {
-                [narrow(wave(k)) * 0.1, PELVIS_M, narrow(f64::from(angle(k)).cos()) * 0.1]
+                [single(wave(k)) * 0.1, PELVIS_M, single(f64::from(angle(k)).cos()) * 0.1]
             };
             add(Property::Translation, (0..key_count).flat_map(sway).collect());
         }
         if joint.index() % 8 == 3 {
-            let swell = |k: usize| [1.0 + narrow(wave(k)) * 0.1, 1.0, 1.0 - narrow(wave(k)) * 0.05];
+            let swell = |k: usize| [1.0 + single(wave(k)) * 0.1, 1.0, 1.0 - single(wave(k)) * 0.05];
             add(Property::Scale, (0..key_count).flat_map(swell).collect());
         }
     }
     ClipSource { name: format!("clip {index}"), tracks }
 }
 
-fn bind(random: &mut Random) -> Affine {
+fn bind(random: &mut Rng) -> Affine {
     let translation = [random.signed(), random.signed(), random.signed()];
     let scale = [0.5 + random.unit(), 0.5 + random.unit(), 0.5 + random.unit()];
     Affine::from_trs(&Trs {
@@ -196,7 +197,7 @@ fn bind(random: &mut Random) -> Affine {
     })
 }
 
-fn random_axis(random: &mut Random) -> [f32; 3] {
+fn random_axis(random: &mut Rng) -> [f32; 3] {
     let [x, y, z] = [random.signed(), random.signed(), random.signed() + 1e-3];
     let length = x.hypot(y).hypot(z);
     [x / length, y / length, z / length]
@@ -204,11 +205,6 @@ fn random_axis(random: &mut Random) -> [f32; 3] {
 
 fn quat_from_axis_angle([x, y, z]: [f32; 3], angle_rad: f32) -> [f32; 4] {
     let (sin, cos) = f64::from(angle_rad / 2.0).sin_cos();
-    let sin = narrow(sin);
-    [x * sin, y * sin, z * sin, narrow(cos)]
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
-fn narrow(x: f64) -> f32 {
-    x as f32
+    let sin = single(sin);
+    [x * sin, y * sin, z * sin, single(cos)]
 }

@@ -1,7 +1,7 @@
 //! Formats measurements as a Markdown table.
 
-use super::document::Document;
-use super::spec::Measurement;
+use crate::document::Document;
+use crate::spec::Measurement;
 
 const HEAD: &str = "\
 | members | device | schedule | stage | load | ms, median | ms, least | ns per joint | ms, waited \
@@ -9,9 +9,16 @@ const HEAD: &str = "\
 |--:|---|---|---|---|--:|--:|--:|--:|--:|--:|--:|--:|
 ";
 
-/// Formats a table and notes that compare its lines. Single stages are left out if there are
-/// several crowd sizes.
-pub(crate) fn as_table(document: &Document) -> String {
+impl Document {
+    /// Formats a Markdown table and notes that compare its lines. Single stages are left out if
+    /// there are several crowd sizes.
+    #[must_use]
+    pub fn as_table(&self) -> String {
+        as_table(self)
+    }
+}
+
+fn as_table(document: &Document) -> String {
     let runs = &document.runs;
     let stages = runs.iter().all(|run| run.members == runs[0].members);
     let shown: Vec<&Measurement> = runs.iter().filter(|run| stages || run.stage == "all").collect();
