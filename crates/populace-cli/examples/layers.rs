@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let one_arm = Mask::of_subtrees(skeleton, ["r_shoulder"])?.with_falloff(skeleton, 2)?;
 
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(woman.clone())?;
+    let id = crowd.add_character(woman)?;
     let (wave, bow) = (crowd.add_clip(id, &wave.into())?, crowd.add_clip(id, &bow.into())?);
     let (walk, one_arm) = (crowd.clip(id, "Walk")?, crowd.add_mask(id, &one_arm)?);
     let added = LayerMode::Additive;
@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     crowd.update(0.6)?;
     let path = shared::output("layers.png");
-    shared::draw(&mut crowd, &[&woman], &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
+    shared::draw(&mut crowd, &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
     println!("all four on {}, drawn to {path}", crowd.device_name());
     Ok(())
 }

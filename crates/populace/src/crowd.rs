@@ -54,7 +54,6 @@ use constraints::{MemberControls, Watches};
 pub use events::{Event, EventKind};
 pub use machines::MachineId;
 pub use member::{MemberMut, MemberRef, MemberView};
-pub use members::Instance;
 pub use stages::StageId;
 pub use watches::{JointReadback, Watch};
 

@@ -1,27 +1,10 @@
 //! Spawning, despawning and drawing of members.
 
-use populace_model::Affine;
+use populace_device::Instance;
 
 use super::slots::Started;
 use super::{CharacterId, Crowd, MemberId, MemberState};
 use crate::{Error, Placement};
-
-/// The data that a renderer needs to draw one member.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instance {
-    /// The member.
-    pub member: MemberId,
-    /// Its character.
-    pub character: CharacterId,
-    /// The member's placement.
-    pub world_from_model: Affine,
-    /// The root-motion offset from the placement, in metres in world space, as known when palettes
-    /// were last acquired. The palette includes it.
-    pub moved: [f32; 3],
-    /// The first palette entry: page times
-    /// [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES) plus the offset in the page.
-    pub palette_first: u32,
-}
 
 impl Crowd {
     /// Adds a member. It shows the rest pose until a clip plays.
@@ -92,17 +75,31 @@ impl Crowd {
         self.place_children(member)
     }
 
-    /// Iterates over the instances to draw, in order of the members' indices.
-    pub fn instances(&self) -> impl Iterator<Item = Instance> + '_ {
-        let members = self.members.iter().zip(self.tables.members().as_slice());
-        members.zip(0u32..).filter_map(|((state, member), place)| {
-            Some(Instance {
-                member: MemberId { crowd: self.number, index: place, generation: state.generation },
-                character: state.character?,
-                world_from_model: state.placement.world_from_model(),
-                moved: self.shift_of(place),
-                palette_first: member.palette_first,
-            })
-        })
+    /// Returns what a renderer needs to draw a member, without a tint. The root-motion offset is
+    /// the one that was known when palettes were last acquired.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::StaleMember`], or [`Error::UnknownId`] for a member of another crowd.
+    pub fn instance(&self, member: MemberId) -> Result<Instance<'_>, Error> {
+        let character = self.check(member)?;
+        Ok(self.instance_at(member.index, character))
+    }
+
+    /// Iterates over the [`instance`](Self::instance)s of all members, in the order of
+    /// [`members`](Self::members).
+    pub fn instances(&self) -> impl Iterator<Item = Instance<'_>> {
+        let members = (0u32..).zip(&self.members);
+        members.filter_map(|(place, state)| Some(self.instance_at(place, state.character?)))
+    }
+
+    fn instance_at(&self, place: u32, character: CharacterId) -> Instance<'_> {
+        Instance {
+            character: &self.characters[character.index()].character,
+            world_from_model: self.members[place as usize].placement.world_from_model(),
+            moved: self.shift_of(place),
+            palette_first: self.tables.members().as_slice()[place as usize].palette_first,
+            tint: [1.0; 3],
+        }
     }
 }
