@@ -1,11 +1,13 @@
-//! `POPULACE_SKIP=opencl` shows the tests that need a device as ignored; without it a missing
-//! device fails them.
+//! `POPULACE_SKIP=opencl,gl` shows the tests that need an OpenCL device or OpenGL as ignored; without
+//! it they fail if it is missing.
 
 fn main() {
-    println!("cargo:rustc-check-cfg=cfg(skip_opencl)");
     println!("cargo:rerun-if-env-changed=POPULACE_SKIP");
     let skipped = std::env::var("POPULACE_SKIP").unwrap_or_default();
-    if skipped.split(',').any(|word| word.trim() == "opencl") {
-        println!("cargo:rustc-cfg=skip_opencl");
+    for requirement in ["opencl", "gl"] {
+        println!("cargo:rustc-check-cfg=cfg(skip_{requirement})");
+        if skipped.split(',').any(|word| word.trim() == requirement) {
+            println!("cargo:rustc-cfg=skip_{requirement}");
+        }
     }
 }

@@ -93,12 +93,6 @@ impl Renderer {
         self.gl.driver()
     }
 
-    /// Returns the width and height of the picture in pixels.
-    #[must_use]
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
     /// Uploads a character's meshes and textures, without the parts for which `hide` returns true.
     /// It is drawn that way until it is uploaded again.
     ///
