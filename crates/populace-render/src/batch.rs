@@ -5,8 +5,17 @@ use populace_device::Instance;
 use populace_device::layout::PAGE_ENTRIES;
 use populace_model::Affine;
 
+use crate::Error;
 use crate::layout::InstanceData;
-use crate::{Drawn, Error};
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drawn {
+    /// Number of instances.
+    pub instances: usize,
+    /// Number of triangles of all instances, without hidden parts.
+    pub triangles: usize,
+}
 
 /// Properties of a model that batching needs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

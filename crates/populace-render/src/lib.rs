@@ -37,9 +37,10 @@ mod renderer;
 mod scene;
 mod sun;
 
+pub use batch::Drawn;
 pub use camera::Camera;
 pub use error::Error;
 pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
-pub use renderer::{Drawn, Renderer};
+pub use renderer::Renderer;
 pub use scene::{Ambient, Ground, Highlights, Scene, Sky, Sun};

@@ -8,7 +8,7 @@ use populace_character::{Character, Image, Part};
 use populace_device::layout::Float4;
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource};
 
-use crate::batch::{Batches, ModelInfo, Run};
+use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, Cull, DrawRange, DrawState, Gl, PictureTarget, ShadowTarget, VertexArray,
 };
@@ -42,15 +42,6 @@ pub struct Renderer {
     instances: Buffer<InstanceData>,
     frame: Buffer<Frame>,
     gl: Rc<Gl>,
-}
-
-/// What a picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Drawn {
-    /// Number of instances.
-    pub instances: usize,
-    /// Number of triangles of all instances, without hidden parts.
-    pub triangles: usize,
 }
 
 /// A pass over the members.

@@ -10,8 +10,8 @@ const SURFACELESS: egl::Enum = 0x31dd;
 
 /// Creates an OpenGL context without a window and makes it current.
 pub(crate) fn context() -> Result<glow::Context> {
-    // SAFETY: libEGL is a system library that follows the specification. It is never unloaded, since
-    // its instance is leaked. The surfaceless platform takes the default display.
+    // SAFETY: libEGL is a system library that follows the specification. It is never unloaded,
+    // since its instance is leaked. The surfaceless platform takes the default display.
     unsafe {
         let egl = Box::leak(Box::new(egl::DynamicInstance::<egl::EGL1_5>::load_required()?));
         let display =

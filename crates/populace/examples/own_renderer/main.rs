@@ -86,7 +86,7 @@ struct Engine {
 impl Engine {
     fn new(gl: glow::Context, character: &Character) -> Result<Self> {
         let [width, height] = SIZE.map(|side| 2 * i32::from(side));
-        // SAFETY: the context is current, and so are all objects, which come from it.
+        // SAFETY: the context is current, and all objects come from it.
         unsafe {
             gl.bind_framebuffer(glow::FRAMEBUFFER, Some(gl.create_framebuffer()?));
             for (attachment, format) in [
@@ -168,8 +168,8 @@ impl Engine {
     /// Draws all members of the page that was filled in, or their shadows.
     fn draw_page(&self, member_count: i32, shadow: bool) {
         let gl = &self.gl;
-        // SAFETY: the context is current, and all objects come from it. Indices are below the number
-        // of vertices, and entries within the page, since characters and crowds are checked.
+        // SAFETY: the context is current, and all objects come from it. Indices are below the
+        // number of vertices, and entries within the page, since characters and crowds are checked.
         unsafe {
             gl.depth_mask(!shadow);
             gl.uniform_1_i32(Some(&SHADOW), i32::from(shadow));
