@@ -3,27 +3,17 @@
 use populace::character::{Image, Part};
 use populace::hand_over::PaletteTransport;
 use populace::{Crowd, CrowdBuilder};
-use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
+use populace_render::{Camera, Drawn, Renderer, Scene};
 
 use crate::failure::Failure;
 use crate::roles::CrowdRole;
 
-/// A renderer with a crowd's characters loaded.
+/// A renderer that is connected to a crowd.
 pub(crate) struct CrowdRenderer {
     renderer: Renderer,
-    handles: Vec<CharacterHandle>,
-    /// Number of visible triangles of each character.
-    triangles: Vec<usize>,
-    scene: Scene,
-    hand_over: PaletteInterop,
-    stats: DrawStats,
-}
-
-/// Statistics of a picture.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct DrawStats {
-    pub(crate) members: usize,
-    pub(crate) triangles: usize,
+    camera: Camera,
+    transport: PaletteTransport,
+    drawn: Drawn,
 }
 
 impl CrowdRenderer {
@@ -36,17 +26,12 @@ impl CrowdRenderer {
         hide: &[String],
         camera: Camera,
     ) -> Result<Self, Failure> {
-        let hand_over = renderer.connect_palettes(crowd)?;
+        let transport = renderer.connect_palettes(crowd)?.transport;
         let hidden = |part: &Part| hide.contains(&part.node_name);
-        let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
-        let handles = handles.collect::<Result<_, _>>()?;
-        let triangles = |role: &CrowdRole| {
-            let shown = role.character.parts.iter().filter(|part| !hidden(part));
-            shown.map(|part| part.mesh.indices.len() / 3).sum()
-        };
-        let triangles = roles.iter().map(triangles).collect();
-        let scene = Scene { camera, ..Scene::default() };
-        Ok(Self { renderer, handles, triangles, scene, hand_over, stats: DrawStats::default() })
+        for role in roles {
+            renderer.upload_character(&role.character, &hidden)?;
+        }
+        Ok(Self { renderer, camera, transport, drawn: Drawn::default() })
     }
 
     /// Returns the name of the OpenGL driver.
@@ -56,30 +41,17 @@ impl CrowdRenderer {
 
     /// Returns the transport of palettes to OpenGL.
     pub(crate) fn palette_transport(&self) -> PaletteTransport {
-        self.hand_over.transport
+        self.transport
     }
 
-    /// Returns statistics of the last picture.
-    pub(crate) fn stats(&self) -> DrawStats {
-        self.stats
+    /// Returns what the last picture shows.
+    pub(crate) fn drawn(&self) -> Drawn {
+        self.drawn
     }
 
     /// Draws the crowd in the state of its last update.
     pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
-        self.renderer.acquire_palettes(crowd)?;
-        let instances: Vec<_> = crowd
-            .instances()
-            .map(|i| Instance {
-                character: self.handles[i.character.index()],
-                world_from_model: i.world_from_model,
-                moved: i.moved,
-                palette_first: i.palette_first,
-                tint: [1.0; 3],
-            })
-            .collect();
-        let triangles = crowd.instances().map(|i| self.triangles[i.character.index()]).sum();
-        self.stats = DrawStats { members: instances.len(), triangles };
-        self.renderer.draw(&self.scene, &instances)?;
+        self.drawn = self.renderer.draw(crowd, &self.camera, &Scene::default())?;
         Ok(self.renderer.read_image()?)
     }
 }

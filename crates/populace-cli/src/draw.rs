@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use populace::Crowd;
-use populace_render::{Camera, Renderer, encode_png};
+use populace_render::{Camera, Drawn, Renderer, encode_png};
 use serde_json::json;
 
 use crate::cli::{PictureArgs, View, build};
-use crate::crowd_renderer::{CrowdRenderer, DrawStats, builder_for, devices_and_shares};
+use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
 use crate::names::hint;
 use crate::output::{self, Pictures, check_inputs, check_writable};
@@ -140,7 +140,7 @@ impl DrawJob<'_> {
             progress.step();
         }
         drop(progress);
-        self.report(crowd, renderer.stats(), &times, pictures)
+        self.report(crowd, renderer.drawn(), &times, pictures)
     }
 
     /// Evaluates the frames up to the first picture, and returns the time of the last of them. The
@@ -161,7 +161,7 @@ impl DrawJob<'_> {
     fn report(
         &self,
         crowd: &Crowd,
-        drawn: DrawStats,
+        drawn: Drawn,
         times: &FrameTimes,
         pictures: &Pictures,
     ) -> Result<(), Failure> {
@@ -169,7 +169,7 @@ impl DrawJob<'_> {
         let [total, animate, draw] = times.medians();
         message!(
             "{} drawn, {}",
-            counted(drawn.members, "member"),
+            counted(drawn.instances, "member"),
             counted(drawn.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };
@@ -183,7 +183,7 @@ impl DrawJob<'_> {
                 "members": crowd.member_count(),
                 "frames": count,
                 "ms_median": {"total": total, "animate": animate, "draw": draw},
-                "drawn_members": drawn.members,
+                "drawn_members": drawn.instances,
                 "triangles": drawn.triangles,
                 "out": out.to_string_lossy(),
             }));

@@ -1,6 +1,7 @@
 //! The data that devices evaluate and the contracts they keep: struct layouts shared with kernels
 //! ([`layout`]), [`Tables`] of members, slots, layers and controls, the trait of every device
-//! ([`Backend`]), and buffer interop of palettes with OpenGL ([`PaletteSource`], [`SharedPage`]).
+//! ([`Backend`]), buffer interop of palettes with OpenGL ([`PaletteSource`], [`SharedPage`]),
+//! and what is drawn with them ([`DrawSource`]).
 //!
 //! Slots are closed-form: what a member plays at any tick of the clock follows from its
 //! [`Slot`](layout::Slot)s alone, on the host and on every device.
@@ -10,6 +11,7 @@ mod backend_error;
 mod control;
 mod error;
 mod hand_over;
+mod instance;
 pub mod layout;
 mod place;
 mod playback;
@@ -27,6 +29,7 @@ pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
     PaletteTransport, SharedPage, TargetMark,
 };
+pub use instance::{DrawSource, Instance};
 pub use place::Place;
 pub use playback::{
     LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, SampledState, far_row, row_before,

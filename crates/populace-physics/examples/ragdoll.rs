@@ -8,7 +8,7 @@ use anyhow::{Context, Result};
 use populace::character::Image;
 use populace::{ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement};
 use populace_physics::{RagdollPlan, Ragdolls, State};
-use populace_render::{Camera, CharacterHandle, Instance, Renderer, Scene, write_png};
+use populace_render::{Camera, Renderer, Scene, write_png};
 
 const DT_SECS: f32 = 1.0 / 60.0;
 /// Pushes at the chest: index of the person, frame, and the change of the body's velocity in m/s.
@@ -29,10 +29,8 @@ fn main() -> Result<()> {
 
     let mut renderer = Renderer::headless([1280, 720])?;
     let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build()?;
-    let mut handles: Vec<CharacterHandle> = Vec::new();
     let mut people: Vec<(MemberId, Arc<RagdollPlan>)> = Vec::new();
     for (number, person) in populace_cast::cast()?.into_iter().cycle().take(8).enumerate() {
-        handles.push(renderer.add_character(&person, &|_| false)?);
         let plan = Arc::new(RagdollPlan::from_skeleton(&person.skeleton));
         let character = crowd.add_character(person)?;
         let member = crowd.spawn(character, place(number, 0))?;
@@ -64,27 +62,14 @@ fn main() -> Result<()> {
         crowd.update(DT_SECS)?;
     }
     let front = place(0, frames).position()[2];
-    Ok(write_png(&file, &draw(&mut renderer, &mut crowd, &handles, front)?)?)
+    Ok(write_png(&file, &draw(&mut renderer, &mut crowd, front)?)?)
 }
 
-fn draw(
-    renderer: &mut Renderer,
-    crowd: &mut Crowd,
-    known: &[CharacterHandle],
-    front: f32,
-) -> Result<Image> {
-    renderer.acquire_palettes(crowd)?;
-    let drawn = crowd.instances().map(|i| Instance {
-        character: known[i.character.index()],
-        world_from_model: i.world_from_model,
-        moved: i.moved,
-        palette_first: i.palette_first,
-        tint: [1.0; 3],
-    });
+fn draw(renderer: &mut Renderer, crowd: &mut Crowd, front: f32) -> Result<Image> {
     let framing = Camera::framing([[-4.3, 0.0, 0.0], [4.3, 1.8, front]], 16.0 / 9.0);
     let camera =
         Camera { eye: [1.0, 3.2, front + 7.2], target: [0.0, 0.4, 0.5 * front], ..framing };
-    renderer.draw(&Scene { camera, ..Scene::default() }, &drawn.collect::<Vec<_>>())?;
+    renderer.draw(crowd, &camera, &Scene::default())?;
     Ok(renderer.read_image()?)
 }
 

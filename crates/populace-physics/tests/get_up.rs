@@ -16,7 +16,8 @@ fn getting_up_ends_bitwise_at_the_clip_and_keeps_buffers() {
     let mut scene = Scene::walking_man();
     let mut twin = Scene::walking_man();
     let buffers = |scene: &Scene| {
-        scene.crowd.instances().map(|i| (i.member, i.palette_first)).collect::<Vec<_>>()
+        let members = scene.crowd.members().map(|m| m.id());
+        members.zip(scene.crowd.instances().map(|i| i.palette_first)).collect::<Vec<_>>()
     };
     let initial_buffers = buffers(&scene);
     scene.go_limp();

@@ -1,26 +1,38 @@
-//! Sorting of instances into draws: one per run of equal character, page and handedness.
+//! Sorting of instances into draws: one per run of equal model, page and handedness.
 
 use glam::Vec3;
+use populace_device::Instance;
 use populace_device::layout::PAGE_ENTRIES;
 use populace_model::Affine;
 
+use crate::Error;
 use crate::layout::InstanceData;
-use crate::{Error, Instance};
 
-/// Properties of a character that batching needs.
+/// What a picture shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct CharacterInfo {
+pub struct Drawn {
+    /// Number of instances.
+    pub instances: usize,
+    /// Number of triangles of all instances, without hidden parts.
+    pub triangles: usize,
+}
+
+/// Properties of a model that batching needs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct ModelInfo {
     /// Number of palette entries.
     pub(crate) entry_count: usize,
+    pub(crate) triangles: usize,
     /// True if any part is alpha-blended.
     pub(crate) blended: bool,
 }
 
-/// Consecutive instances of one character with palettes in one page.
+/// Consecutive instances of one model with palettes in one page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
     pub(crate) page: usize,
-    pub(crate) character: usize,
+    /// Index of the model.
+    pub(crate) model: usize,
     /// True if `world_from_model` mirrors, which reverses the winding of triangles.
     pub(crate) mirrored: bool,
     /// Index of the first instance in [`Batches::instances`].
@@ -41,7 +53,7 @@ pub(crate) struct Batches {
 /// Sort key of one instance.
 struct DrawKey {
     page: usize,
-    character: usize,
+    model: usize,
     mirrored: bool,
     /// Squared distance from the eye.
     distance: f32,
@@ -51,22 +63,20 @@ struct DrawKey {
 
 impl Batches {
     /// Checks the instances and sorts them by their distance from `eye`. Instances with a
-    /// non-finite transform or tint are skipped. `page_len` returns the number of palette entries
-    /// of a page.
+    /// non-finite transform or tint are skipped. `models` has the index in `infos` of each
+    /// instance's model. `page_len` returns the number of palette entries of a page.
     pub(crate) fn new(
-        instances: &[Instance],
-        characters: &[CharacterInfo],
+        instances: &[Instance<'_>],
+        models: &[usize],
+        infos: &[ModelInfo],
         page_len: &dyn Fn(usize) -> usize,
         eye: Vec3,
     ) -> Result<Self, Error> {
         let mut keys = Vec::with_capacity(instances.len());
-        for (index, instance) in instances.iter().enumerate() {
-            let Some(info) = characters.get(instance.character.0) else {
-                return Err(Error::UnknownCharacter { instance: index, count: characters.len() });
-            };
+        for (index, (instance, &model)) in instances.iter().zip(models).enumerate() {
             let page = (instance.palette_first / PAGE_ENTRIES) as usize;
             let first = (instance.palette_first % PAGE_ENTRIES) as usize;
-            let (count, available) = (info.entry_count, page_len(page));
+            let (count, available) = (infos[model].entry_count, page_len(page));
             if first + count > available {
                 return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
@@ -76,7 +86,7 @@ impl Batches {
                 let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
                 keys.push(DrawKey {
                     page,
-                    character: instance.character.0,
+                    model,
                     mirrored: determinant(&instance.world_from_model) < 0.0,
                     distance: position.distance_squared(eye),
                     index,
@@ -85,30 +95,37 @@ impl Batches {
         }
         let mut batches = Self::default();
         keys.sort_unstable_by(|a, b| {
-            let group = |k: &DrawKey| (k.page, k.character, k.mirrored);
+            let group = |k: &DrawKey| (k.page, k.model, k.mirrored);
             let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
             order.then(a.index.cmp(&b.index))
         });
         batches.opaque = batches.append(instances, &keys);
-        keys.retain(|key| characters[key.character].blended);
+        keys.retain(|key| infos[key.model].blended);
         keys.sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
         batches.blended = batches.append(instances, &keys);
         Ok(batches)
     }
 
+    /// Returns the numbers of instances and triangles that are drawn.
+    pub(crate) fn drawn(&self, infos: &[ModelInfo]) -> Drawn {
+        let count = |run: &Run| run.count as usize;
+        let instances = self.opaque.iter().map(count).sum();
+        let triangles = self.opaque.iter().map(|run| count(run) * infos[run.model].triangles).sum();
+        Drawn { instances, triangles }
+    }
+
     /// Appends the instances in the order of `keys` and returns their runs.
-    fn append(&mut self, instances: &[Instance], keys: &[DrawKey]) -> Vec<Run> {
+    fn append(&mut self, instances: &[Instance<'_>], keys: &[DrawKey]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for key in keys {
-            let DrawKey { page, character, mirrored, index, .. } = *key;
+            let DrawKey { page, model, mirrored, index, .. } = *key;
             let last = runs.last_mut();
-            match last.filter(|r| (r.page, r.character, r.mirrored) == (page, character, mirrored))
-            {
+            match last.filter(|r| (r.page, r.model, r.mirrored) == (page, model, mirrored)) {
                 Some(run) => run.count += 1,
                 None => {
                     // Saturation is out of reach: 2^32 instances would take 256 GiB.
                     let first = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
-                    runs.push(Run { page, character, mirrored, first, count: 1 });
+                    runs.push(Run { page, model, mirrored, first, count: 1 });
                 }
             }
             let instance = &instances[index];
@@ -133,45 +150,62 @@ pub(crate) fn determinant(m: &Affine) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
+    use populace_character::{Character, CharacterSource};
+    use populace_model::{JointSource, Skeleton, Trs};
+
     use super::*;
-    use crate::CharacterHandle;
 
-    const OPAQUE: CharacterInfo = CharacterInfo { entry_count: 3, blended: false };
-    const BLENDED: CharacterInfo = CharacterInfo { entry_count: 3, blended: true };
+    const OPAQUE: ModelInfo = ModelInfo { entry_count: 3, triangles: 1, blended: false };
+    const BLENDED: ModelInfo = ModelInfo { entry_count: 3, triangles: 1, blended: true };
 
-    fn instance(character: usize, palette_first: u32, z: f32) -> Instance {
-        let mut world_from_model = Affine::IDENTITY;
-        world_from_model.rows[2][3] = z;
-        let (moved, tint) = ([0.0; 3], [1.0; 3]);
-        Instance {
-            character: CharacterHandle(character),
-            world_from_model,
-            moved,
-            palette_first,
-            tint,
-        }
+    /// A model's index, a first palette entry, and a position on the z axis.
+    type Placed = (usize, u32, f32);
+
+    fn nobody() -> Arc<Character> {
+        let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
+        let source = CharacterSource {
+            name: "nobody".into(),
+            skeleton: Skeleton::new(&[joint]).unwrap(),
+            palette: Vec::new(),
+            parts: Vec::new(),
+            materials: Vec::new(),
+            images: Vec::new(),
+            skins: Vec::new(),
+            clips: Vec::new(),
+        };
+        Arc::new(Character::new(source).unwrap())
     }
 
-    fn batches(instances: &[Instance], characters: &[CharacterInfo]) -> Result<Batches, Error> {
-        Batches::new(
-            instances,
-            characters,
-            &|page| if page < 2 { 100 } else { 0 },
-            Vec3::new(0.0, 0.0, 10.0),
-        )
+    fn batches(placed: &[Placed], infos: &[ModelInfo]) -> Result<Batches, Error> {
+        batches_with(placed, infos, |_| ())
+    }
+
+    fn batches_with(
+        placed: &[Placed],
+        infos: &[ModelInfo],
+        change: impl Fn(&mut [Instance<'_>]),
+    ) -> Result<Batches, Error> {
+        let character = nobody();
+        let instance = |&(_, palette_first, z): &Placed| {
+            let mut world_from_model = Affine::IDENTITY;
+            world_from_model.rows[2][3] = z;
+            let (moved, tint) = ([0.0; 3], [1.0; 3]);
+            Instance { character: &character, world_from_model, moved, palette_first, tint }
+        };
+        let mut instances: Vec<_> = placed.iter().map(instance).collect();
+        change(&mut instances);
+        let models: Vec<usize> = placed.iter().map(|placed| placed.0).collect();
+        let page_len = |page| if page < 2 { 100 } else { 0 };
+        Batches::new(&instances, &models, infos, &page_len, Vec3::new(0.0, 0.0, 10.0))
     }
 
     #[test]
-    fn each_character_and_page_is_one_run() {
-        let list = [
-            instance(0, 0, 0.0),
-            instance(1, 8, 0.0),
-            instance(0, PAGE_ENTRIES + 4, 0.0),
-            instance(0, 16, 5.0),
-        ];
+    fn each_model_and_page_is_one_run() {
+        let list = [(0, 0, 0.0), (1, 8, 0.0), (0, PAGE_ENTRIES + 4, 0.0), (0, 16, 5.0)];
         let sorted = batches(&list, &[OPAQUE, OPAQUE]).unwrap();
-        let run =
-            |page, character, first, count| Run { page, character, mirrored: false, first, count };
+        let run = |page, model, first, count| Run { page, model, mirrored: false, first, count };
         assert_eq!(sorted.opaque, [run(0, 0, 0, 2), run(0, 1, 2, 1), run(1, 0, 3, 1)]);
         let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
         assert_eq!(firsts, [16, 0, 8, 4], "near instances first; entries relative to the page");
@@ -180,29 +214,29 @@ mod tests {
 
     #[test]
     fn blended_runs_are_sorted_back_to_front() {
-        let list =
-            [instance(0, 0, 0.0), instance(1, 0, -5.0), instance(0, 0, -9.0), instance(2, 0, -7.0)];
+        let list = [(0, 0, 0.0), (1, 0, -5.0), (0, 0, -9.0), (2, 0, -7.0)];
         let sorted = batches(&list, &[BLENDED, BLENDED, OPAQUE]).unwrap();
         let order: Vec<_> = sorted
             .blended
             .iter()
-            .map(|r| (r.character, sorted.instances[r.first as usize].world_row2[3]))
+            .map(|r| (r.model, sorted.instances[r.first as usize].world_row2[3]))
             .collect();
         assert_eq!(order, [(0, -9.0), (1, -5.0), (0, 0.0)]);
     }
 
     #[test]
     fn mirrored_instances_get_their_own_run() {
-        let mut mirrored = instance(0, 0, 0.0);
-        mirrored.world_from_model.rows[0][0] = -1.0;
-        let sorted = batches(&[mirrored, instance(0, 0, 0.0)], &[OPAQUE]).unwrap();
+        let mirror = |instances: &mut [Instance<'_>]| {
+            instances[0].world_from_model.rows[0][0] = -1.0;
+        };
+        let sorted = batches_with(&[(0, 0, 0.0); 2], &[OPAQUE], mirror).unwrap();
         assert_eq!(sorted.opaque.iter().map(|r| r.mirrored).collect::<Vec<_>>(), [false, true]);
     }
 
     #[test]
     fn palette_past_the_end_of_its_page_is_rejected() {
-        assert!(batches(&[instance(0, 97, 0.0)], &[OPAQUE]).is_ok());
-        let error = batches(&[instance(0, 0, 0.0), instance(0, 98, 0.0)], &[OPAQUE]).unwrap_err();
+        assert!(batches(&[(0, 97, 0.0)], &[OPAQUE]).is_ok());
+        let error = batches(&[(0, 0, 0.0), (0, 98, 0.0)], &[OPAQUE]).unwrap_err();
         assert!(
             matches!(
                 error,
@@ -210,18 +244,12 @@ mod tests {
             ),
             "{error}"
         );
-        assert!(batches(&[instance(0, 2 * PAGE_ENTRIES, 0.0)], &[OPAQUE]).is_err());
-    }
-
-    #[test]
-    fn unknown_characters_are_rejected() {
-        let error = batches(&[instance(1, 0, 0.0)], &[OPAQUE]).unwrap_err();
-        assert!(matches!(error, Error::UnknownCharacter { instance: 0, count: 1 }), "{error}");
+        assert!(batches(&[(0, 2 * PAGE_ENTRIES, 0.0)], &[OPAQUE]).is_err());
     }
 
     #[test]
     fn non_finite_instances_are_skipped() {
-        let sorted = batches(&[instance(0, 0, f32::NAN), instance(0, 4, 0.0)], &[OPAQUE]).unwrap();
+        let sorted = batches(&[(0, 0, f32::NAN), (0, 4, 0.0)], &[OPAQUE]).unwrap();
         assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
     }
 }

@@ -75,21 +75,10 @@ pub enum Error {
         /// Name of the setting.
         what: &'static str,
     },
-    /// An instance uses a character that this renderer does not have.
-    #[error(
-        "instance {instance} has a character handle of another renderer; this one has {count} \
-         characters: use the handles that its add_character() returned"
-    )]
-    UnknownCharacter {
-        /// Index of the instance.
-        instance: usize,
-        /// Number of characters of this renderer.
-        count: usize,
-    },
     /// The palette of an instance lies past the end of its page.
     #[error(
         "instance {instance} needs {count} palette entries from entry {first} of page {page}, \
-         which holds {available}; upload or acquire the palettes before drawing"
+         which holds {available}; acquire the palettes of its crowd before drawing"
     )]
     NoPalette {
         /// Index of the instance.

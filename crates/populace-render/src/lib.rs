@@ -2,33 +2,23 @@
 //! shader from the matrix palettes that a compute device wrote.
 //!
 //! Spaces and units are those of [`populace_model`]. Pictures are sRGB, top row first. Colours in
-//! [`Scene`] and [`Instance`] are linear.
+//! [`Scene`] and [`Instance`](populace_device::Instance) are linear.
 //!
 //! ```no_run
-//! use populace_device::layout::Float4;
-//! use populace_character::Character;
-//! use populace_model::Affine;
-//! use populace_render::{Camera, Instance, Renderer, Scene, write_png};
+//! use populace_device::DrawSource;
+//! use populace_render::{Camera, Error, Renderer, Scene, write_png};
 //!
-//! # fn picture(character: &Character, palette: &[Float4]) -> Result<(), populace_render::Error> {
-//! let mut renderer = Renderer::headless([1280, 720])?;
-//! let knight = renderer.add_character(character, &|part| part.node_name == "Helmet")?;
-//! renderer.upload_page(0, palette)?;
-//! let instance = Instance {
-//!     character: knight,
-//!     world_from_model: Affine::IDENTITY,
-//!     palette_first: 0,
-//!     moved: [0.0; 3],
-//!     tint: [1.0; 3],
-//! };
-//! let camera = Camera::framing([[-1.0, 0.0, -1.0], [1.0, 1.8, 1.0]], 1280.0 / 720.0);
-//! renderer.draw(&Scene { camera, ..Scene::default() }, &[instance])?;
-//! write_png("knight.png", &renderer.read_image()?)
-//! # }
+//! fn picture(crowd: &mut dyn DrawSource) -> Result<(), Error> {
+//!     let mut renderer = Renderer::headless([1280, 720])?;
+//!     let camera = Camera::framing([[-4.0, 0.0, -9.0], [4.0, 1.8, 0.0]], 1280.0 / 720.0);
+//!     renderer.draw(crowd, &camera, &Scene::default())?;
+//!     write_png("crowd.png", &renderer.read_image()?)
+//! }
 //! ```
 //!
-//! The palettes of a crowd are not copied where the driver allows it:
-//! [`Renderer::acquire_palettes`] has the crowd's device write into OpenGL buffers.
+//! [`Renderer::draw`] does all that a picture needs. Callers who choose or tint instances call
+//! [`Renderer::acquire_palettes`] and [`Renderer::draw_instances`] instead. The palettes of a crowd
+//! are not copied where the driver allows it: the crowd's device writes them into OpenGL buffers.
 //!
 //! The host computes nothing per vertex. A page of palettes is one storage buffer. All instances of
 //! a character in one page are drawn with one call for each of its parts.
@@ -39,6 +29,7 @@ mod error;
 mod gl;
 mod layout;
 mod model;
+mod models;
 mod palettes;
 mod picture;
 mod programs;
@@ -46,9 +37,10 @@ mod renderer;
 mod scene;
 mod sun;
 
+pub use batch::Drawn;
 pub use camera::Camera;
 pub use error::Error;
 pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
-pub use scene::{Ambient, CharacterHandle, Ground, Highlights, Instance, Scene, Sky, Sun};
+pub use scene::{Ambient, Ground, Highlights, Scene, Sky, Sun};

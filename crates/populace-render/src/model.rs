@@ -7,7 +7,7 @@ use populace_character::{AlphaMode, Character, Image, Influences, Material, Mesh
 use populace_model::Affine;
 
 use crate::Error;
-use crate::batch::{CharacterInfo, determinant};
+use crate::batch::{ModelInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
 use crate::layout::{Influences4, Influences8, Surface, Vertex};
 use populace_device::layout::Float4;
@@ -55,7 +55,7 @@ impl ModelPart {
 /// A character on the graphics device.
 pub(crate) struct Model {
     pub(crate) parts: Vec<ModelPart>,
-    pub(crate) info: CharacterInfo,
+    pub(crate) info: ModelInfo,
     /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
     pub(crate) sphere: (Vec3, f32),
 }
@@ -69,7 +69,7 @@ impl Model {
     ) -> Result<Self, Error> {
         let mut textures = Textures::new(gl)?;
         let mirrored = mirrored_entries(character);
-        let mut parts = Vec::new();
+        let (mut parts, mut triangles) = (Vec::new(), 0);
         for part in &character.parts {
             if part.mesh.indices.is_empty() || hide(part) {
                 continue;
@@ -77,6 +77,7 @@ impl Model {
             let material =
                 part.material.map_or_else(Material::default, |m| character.materials[m].clone());
             let texture = textures.get(&material, &character.images)?;
+            triangles += part.mesh.indices.len() / 3;
             parts.push(upload_part(
                 gl,
                 &part.mesh,
@@ -92,7 +93,7 @@ impl Model {
         });
         Ok(Self {
             parts,
-            info: CharacterInfo { entry_count: character.palette.len(), blended },
+            info: ModelInfo { entry_count: character.palette.len(), triangles, blended },
             sphere,
         })
     }

@@ -1,4 +1,4 @@
-//! Pages of palettes to draw from: uploaded, or written by a device into OpenGL buffers.
+//! Pages of palettes to draw from: copied, or written by a device into OpenGL buffers.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -17,6 +17,7 @@ use crate::gl::{Buffer, BufferUse, Fence, Gl, Page};
 const ENTRY_ELEMENTS: usize = 3;
 /// Number of pages that a 32-bit `palette_first` can address.
 const PAGE_LIMIT: usize = (u32::MAX / PAGE_ENTRIES) as usize + 1;
+const COPY_PAGE: &str = "upload a page of palettes";
 /// Smallest capacity of an interop page in palette entries.
 const MIN_PAGE_ENTRIES: usize = 1024;
 
@@ -42,17 +43,19 @@ impl fmt::Display for PaletteInterop {
 /// The pages to draw from, and the interop pages of all connected sources.
 #[derive(Default)]
 pub(crate) struct Palettes {
+    /// The pages in use, and buffers of copies that were in use before.
     pages: Vec<PageSource>,
+    /// Number of pages in use.
+    used: usize,
     connections: Vec<Connection>,
-    /// The set that `pages` refer to, if they were acquired without a copy.
-    acquired: Option<Rc<PageSet>>,
+    /// The sets that `pages` refer to, of sources whose palettes are not copied.
+    acquired: Vec<Rc<PageSet>>,
 }
 
 /// Origin of one page.
 enum PageSource {
-    Missing,
-    Uploaded(Buffer<Float4>),
-    Acquired { set: Rc<PageSet>, page: usize, entries: usize },
+    Copied(Buffer<Float4>),
+    Written { set: Rc<PageSet>, page: usize, entries: usize },
 }
 
 /// Interop pages that one source writes.
@@ -73,42 +76,32 @@ struct PageSet {
 impl Palettes {
     /// Returns the number of palette entries of a page, 0 for a missing page.
     pub(crate) fn entries(&self, page: usize) -> usize {
-        match self.pages.get(page) {
-            Some(PageSource::Uploaded(buffer)) => buffer.len() / ENTRY_ELEMENTS,
-            Some(PageSource::Acquired { entries, .. }) => *entries,
-            Some(PageSource::Missing) | None => 0,
+        match self.pages[..self.used].get(page) {
+            Some(PageSource::Copied(buffer)) => buffer.len() / ENTRY_ELEMENTS,
+            Some(PageSource::Written { entries, .. }) => *entries,
+            None => 0,
         }
     }
 
-    /// Binds a page to a storage buffer binding point.
+    /// Binds a page in use to a storage buffer binding point.
     pub(crate) fn bind(&self, page: usize, binding: u32) {
-        match self.pages.get(page) {
-            Some(PageSource::Uploaded(buffer)) => buffer.bind_storage(binding),
-            Some(PageSource::Acquired { set, page, .. }) => set.pages[*page].bind_storage(binding),
-            Some(PageSource::Missing) | None => {}
+        match &self.pages[page] {
+            PageSource::Copied(buffer) => buffer.bind_storage(binding),
+            PageSource::Written { set, page, .. } => set.pages[*page].bind_storage(binding),
         }
     }
 
     /// Places a fence after the draws so far. [`Self::acquire`] waits for it before the source
     /// writes the same set again.
     pub(crate) fn fence_draws(&self, gl: &Rc<Gl>) -> Result<(), Error> {
-        if let Some(set) = &self.acquired {
+        for set in &self.acquired {
             set.last_draw.replace(Some(Fence::new(gl)?));
         }
         Ok(())
     }
 
-    /// Replaces the contents of a page: three elements for each palette entry.
-    pub(crate) fn upload(
-        &mut self,
-        gl: &Rc<Gl>,
-        page: usize,
-        palette: &[Float4],
-    ) -> Result<(), Error> {
-        if page >= PAGE_LIMIT {
-            let (size, limit) = (page as u64, PAGE_LIMIT as u64 - 1);
-            return Err(Error::TooLarge { what: "the number of a page", size, limit });
-        }
+    /// Copies a page: three elements for each palette entry.
+    fn copy(&mut self, gl: &Rc<Gl>, page: usize, palette: &[Float4]) -> Result<(), Error> {
         let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
         let (size, limit) =
             (size_of_val(palette) as u64, page_bytes.min(gl.limits().storage_bytes));
@@ -118,15 +111,19 @@ impl Palettes {
         if !palette.len().is_multiple_of(ENTRY_ELEMENTS) {
             return Err(Error::PartialMatrix { len: palette.len() });
         }
-        if self.pages.len() <= page {
-            self.pages.resize_with(page + 1, || PageSource::Missing);
+        if let Some(PageSource::Copied(buffer)) = self.pages.get_mut(page) {
+            return buffer.fill(palette, COPY_PAGE);
         }
-        if !matches!(self.pages[page], PageSource::Uploaded(_)) {
-            self.pages[page] = PageSource::Uploaded(Buffer::new(gl, BufferUse::Stream)?);
-        }
-        match &mut self.pages[page] {
-            PageSource::Uploaded(buffer) => buffer.fill(palette, "upload a page of palettes"),
-            PageSource::Missing | PageSource::Acquired { .. } => Ok(()),
+        let buffer = Buffer::with(gl, BufferUse::Stream, palette, COPY_PAGE)?;
+        self.put(page, PageSource::Copied(buffer));
+        Ok(())
+    }
+
+    /// Sets a page that is in `pages` or just past its end.
+    fn put(&mut self, page: usize, source: PageSource) {
+        match self.pages.get_mut(page) {
+            Some(place) => *place = source,
+            None => self.pages.push(source),
         }
     }
 
@@ -178,13 +175,21 @@ impl Palettes {
         Ok(())
     }
 
-    /// Replaces all pages by the palettes of the source's last frame. Waits until the source has
-    /// written them and may write its next frame.
+    /// Lets go of all pages. Buffers of copies are kept for the next ones.
+    pub(crate) fn clear(&mut self) {
+        self.pages.truncate(self.used);
+        self.pages.retain(|page| matches!(page, PageSource::Copied(_)));
+        self.used = 0;
+        self.acquired.clear();
+    }
+
+    /// Appends the pages of the source's last frame, and returns the palette entry at which they
+    /// begin. Waits until the source has written them and may write its next frame.
     pub(crate) fn acquire(
         &mut self,
         gl: &Rc<Gl>,
         source: &mut dyn PaletteSource,
-    ) -> Result<(), Error> {
+    ) -> Result<u32, Error> {
         self.connections.retain(|connection| connection.mark.is_held_elsewhere());
         let (connection, set) = match self.written_set(source)? {
             Some(found) => found,
@@ -195,33 +200,46 @@ impl Palettes {
                 })?
             }
         };
-        let lengths = source.page_lengths();
+        let (first, lengths) = (self.used, source.page_lengths());
+        if lengths.len() > PAGE_LIMIT - first {
+            let (size, limit) = ((first + lengths.len()) as u64, PAGE_LIMIT as u64);
+            return Err(Error::TooLarge { what: "the number of pages", size, limit });
+        }
         match set {
-            Some(set) => {
-                let sets = &self.connections[connection].sets;
-                if let Some(fence) = sets[(set + 1) % PAGE_SETS].last_draw.take() {
-                    fence.wait()?;
-                }
-                let set = &sets[set];
-                let acquired =
-                    |(page, entries)| PageSource::Acquired { set: Rc::clone(set), page, entries };
-                self.pages.clear();
-                self.pages
-                    .extend(lengths.into_iter().enumerate().take(set.pages.len()).map(acquired));
-                self.acquired = Some(Rc::clone(set));
-            }
+            Some(set) => self.take_written(connection, set, &lengths)?,
             None => {
-                self.acquired = None;
-                self.pages.truncate(lengths.len());
                 for page in 0..lengths.len() {
                     let mut result = Ok(());
                     source.with_page(page, &mut |palettes| {
-                        result = self.upload(gl, page, palettes)
+                        result = self.copy(gl, first + page, palettes)
                     })?;
                     result?;
                 }
+                self.used = first + lengths.len();
             }
         }
+        // It saturates only where a source without pages follows a full set of them.
+        Ok(u32::try_from(first).unwrap_or(u32::MAX).saturating_mul(PAGE_ENTRIES))
+    }
+
+    /// Appends the pages of a set that its source has written. Waits until OpenGL has drawn from
+    /// the other set, which the source writes next.
+    fn take_written(
+        &mut self,
+        connection: usize,
+        set: usize,
+        lengths: &[usize],
+    ) -> Result<(), Error> {
+        let sets = &self.connections[connection].sets;
+        if let Some(fence) = sets[(set + 1) % PAGE_SETS].last_draw.take() {
+            fence.wait()?;
+        }
+        let set = Rc::clone(&sets[set]);
+        for (page, &entries) in lengths.iter().enumerate().take(set.pages.len()) {
+            self.put(self.used, PageSource::Written { set: Rc::clone(&set), page, entries });
+            self.used += 1;
+        }
+        self.acquired.push(set);
         Ok(())
     }
 

@@ -6,18 +6,19 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 use populace_character::{Character, Image, Part};
 use populace_device::layout::Float4;
-use populace_device::{GlContext, PaletteSource};
+use populace_device::{DrawSource, GlContext, Instance, PaletteSource};
 
-use crate::batch::{Batches, CharacterInfo, Run};
+use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, Cull, DrawRange, DrawState, Gl, PictureTarget, ShadowTarget, VertexArray,
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::model::{Alpha, Model, ModelPart, Skin};
+use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
 use crate::programs::{Kind, Programs};
 use crate::sun::{Sphere, SunView};
-use crate::{CharacterHandle, Error, Ground, Instance, Scene};
+use crate::{Camera, Error, Ground, Scene};
 
 /// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
@@ -37,7 +38,7 @@ pub struct Renderer {
     skin8: VertexArray,
     no_attributes: VertexArray,
     palettes: Palettes,
-    models: Vec<Model>,
+    models: Models,
     instances: Buffer<InstanceData>,
     frame: Buffer<Frame>,
     gl: Rc<Gl>,
@@ -70,7 +71,7 @@ impl Renderer {
             skin8: VertexArray::skinned::<Influences8>(&gl)?,
             no_attributes: VertexArray::empty(&gl)?,
             palettes: Palettes::default(),
-            models: Vec::new(),
+            models: Models::default(),
             instances: Buffer::new(&gl, BufferUse::Stream)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
             gl,
@@ -83,26 +84,23 @@ impl Renderer {
         self.gl.driver()
     }
 
-    /// Returns the width and height of the picture in pixels.
-    #[must_use]
-    pub fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
     /// Uploads a character's meshes and textures, without the parts for which `hide` returns true.
+    /// It is drawn that way until it is uploaded again.
+    ///
+    /// A character that is drawn without this call is uploaded whole when it is first seen. Its
+    /// memory is released once nothing holds the character any more.
     ///
     /// # Errors
     ///
     /// [`Error::TooLarge`] for a texture or mesh above the driver's limits;
     /// [`Error::OutOfMemory`] or [`Error::GlError`] if the driver fails.
-    pub fn add_character(
+    pub fn upload_character(
         &mut self,
-        character: &Character,
+        character: &Arc<Character>,
         hide: &dyn Fn(&Part) -> bool,
-    ) -> Result<CharacterHandle, Error> {
+    ) -> Result<(), Error> {
         self.gl.make_current()?;
-        self.models.push(Model::new(&self.gl, character, hide)?);
-        Ok(CharacterHandle(self.models.len() - 1))
+        self.models.upload(&self.gl, character, hide).map(|_| ())
     }
 
     /// Returns the OpenGL context. A device created for it can write OpenGL buffers: see
@@ -116,8 +114,8 @@ impl Renderer {
     /// writes its palettes into OpenGL buffers, or they are copied each frame. Returns the
     /// transport, and the reasons against better ones.
     ///
-    /// [`acquire_palettes`](Self::acquire_palettes) connects a crowd that is not connected. Calling
-    /// this function before the crowd's first frame saves one copy.
+    /// [`draw`](Self::draw) connects a crowd that is not connected. Calling this function before
+    /// the crowd's first frame saves one copy.
     ///
     /// Crowd and renderer can be dropped in any order. A crowd is connected to one renderer at a
     /// time, the last one that called this function.
@@ -134,8 +132,56 @@ impl Renderer {
         self.palettes.connect(&self.gl, source)
     }
 
-    /// Acquires the palettes of a crowd's last frame for the following draws. They replace all
-    /// other pages.
+    /// Draws a crowd in the state of its last update into the picture. Does not wait for the
+    /// result.
+    ///
+    /// Characters that were not drawn before are uploaded. The crowd's palettes are acquired, as
+    /// [`acquire_palettes`](Self::acquire_palettes) says, and all of its instances are drawn.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`upload_character`](Self::upload_character),
+    /// [`acquire_palettes`](Self::acquire_palettes) and
+    /// [`draw_instances`](Self::draw_instances).
+    pub fn draw(
+        &mut self,
+        crowd: &mut dyn DrawSource,
+        camera: &Camera,
+        scene: &Scene,
+    ) -> Result<Drawn, Error> {
+        self.draw_crowds(&mut [crowd], camera, scene)
+    }
+
+    /// Draws several crowds into one picture, each as [`draw`](Self::draw) does.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`draw`](Self::draw). [`Error::TooLarge`] if the crowds have more pages of palettes
+    /// together than 32 bits can count entries of.
+    pub fn draw_crowds(
+        &mut self,
+        crowds: &mut [&mut dyn DrawSource],
+        camera: &Camera,
+        scene: &Scene,
+    ) -> Result<Drawn, Error> {
+        self.gl.make_current()?;
+        self.palettes.clear();
+        let mut first_entries = Vec::with_capacity(crowds.len());
+        for crowd in crowds.iter_mut() {
+            first_entries.push(self.palettes.acquire(&self.gl, &mut **crowd)?);
+        }
+        let mut instances = Vec::new();
+        for (crowd, first) in crowds.iter().zip(first_entries) {
+            for mut instance in crowd.instances() {
+                instance.palette_first = instance.palette_first.saturating_add(first);
+                instances.push(instance);
+            }
+        }
+        self.draw_instances(&instances, camera, scene)
+    }
+
+    /// Acquires the palettes of a crowd's last frame for the following calls of
+    /// [`draw_instances`](Self::draw_instances). They replace all others.
     ///
     /// Waits until the device has written the palettes. Also waits for the draws from the previous
     /// frame's palettes, since the crowd writes its next frame into the same buffers. Copies the
@@ -143,46 +189,50 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] for pages above the driver's limits, and errors of the device or driver.
+    /// [`Error::TooLarge`] for pages above the limits of [`layout`](populace_device::layout) or of
+    /// the driver, [`Error::PartialMatrix`] if a page ends inside a matrix, and errors of the
+    /// device or driver.
     pub fn acquire_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<(), Error> {
         self.gl.make_current()?;
-        self.palettes.acquire(&self.gl, source)
+        self.palettes.clear();
+        self.palettes.acquire(&self.gl, source).map(|_| ())
     }
 
-    /// Replaces the contents of a page of palettes. `palette` has three elements for each palette
-    /// entry, starting at the first entry of the page, as in [`PaletteSource::with_page`].
-    ///
-    /// # Errors
-    ///
-    /// [`Error::TooLarge`] above the limits of [`layout`](populace_device::layout) or of the
-    /// driver, [`Error::PartialMatrix`] if the last entry is incomplete, [`Error::OutOfMemory`] or
-    /// [`Error::GlError`] if the driver fails.
-    pub fn upload_page(&mut self, page: usize, palette: &[Float4]) -> Result<(), Error> {
-        self.gl.make_current()?;
-        self.palettes.upload(&self.gl, page, palette)
-    }
-
-    /// Draws the scene with `instances` into the picture. Does not wait for the result.
+    /// Draws `instances` from the palettes that were last acquired, for callers who choose, place
+    /// or tint instances themselves. Does not wait for the result.
     ///
     /// Instances with a non-finite transform or tint are skipped.
     ///
     /// # Errors
     ///
-    /// [`Error::BadCamera`] or [`Error::BadScene`] for invalid settings,
-    /// [`Error::UnknownCharacter`] or [`Error::NoPalette`] for an invalid instance,
-    /// [`Error::Shader`] if the driver rejects a shader, and other errors if the driver fails.
-    pub fn draw(&mut self, scene: &Scene, instances: &[Instance]) -> Result<(), Error> {
+    /// [`Error::BadCamera`] or [`Error::BadScene`] for invalid settings, [`Error::NoPalette`] for
+    /// an instance without palette, those of [`upload_character`](Self::upload_character) for a
+    /// character that was not drawn before, [`Error::Shader`] if the driver rejects a shader, and
+    /// other errors if the driver fails.
+    pub fn draw_instances(
+        &mut self,
+        instances: &[Instance<'_>],
+        camera: &Camera,
+        scene: &Scene,
+    ) -> Result<Drawn, Error> {
         scene.check()?;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
         let aspect = self.size[0] as f32 / self.size[1] as f32;
-        let clip_from_world = scene.camera.clip_from_world(aspect)?;
-        let infos: Vec<CharacterInfo> = self.models.iter().map(|model| model.info).collect();
-        let page_len = |page: usize| self.palettes.entries(page);
-        let batches = Batches::new(instances, &infos, &page_len, Vec3::from(scene.camera.eye))?;
+        let clip_from_world = camera.clip_from_world(aspect)?;
         self.gl.make_current()?;
+        let models = self.models_of(instances)?;
+        let infos: Vec<ModelInfo> = self.models.as_slice().iter().map(|m| m.info).collect();
+        let page_len = |page: usize| self.palettes.entries(page);
+        let batches = Batches::new(instances, &models, &infos, &page_len, Vec3::from(camera.eye))?;
         self.instances.fill(&batches.instances, "upload the instances")?;
-        let sun = self.sun_view(scene, instances, clip_from_world)?;
-        self.frame.fill(&[frame(scene, clip_from_world, sun)], "upload the scene")?;
+        let spheres = || {
+            let placed = instances.iter().zip(&models);
+            placed.filter_map(|(i, &model)| bounding_sphere(&self.models.as_slice()[model], i))
+        };
+        let spheres: Vec<Sphere> =
+            if scene.sun.casts_shadows { spheres().collect() } else { Vec::new() };
+        let sun = self.sun_view(scene, &spheres, camera, clip_from_world)?;
+        self.frame.fill(&[frame(camera, scene, clip_from_world, sun)], "upload the scene")?;
         self.frame.bind_uniform();
         if let (Some(_), Some(shadow)) = (sun, &self.shadow) {
             shadow.begin();
@@ -196,7 +246,8 @@ impl Renderer {
         self.draw_surroundings(scene.ground)?;
         self.draw_runs(&batches.blended, Pass::Blended)?;
         self.palettes.fence_draws(&self.gl)?;
-        self.gl.check("draw the crowd")
+        self.gl.check("draw the crowd")?;
+        Ok(batches.drawn(&infos))
     }
 
     /// Reads back the last picture: sRGB, top row first. Waits until it is drawn.
@@ -209,12 +260,20 @@ impl Renderer {
         self.picture.read()
     }
 
+    /// Returns the index of each instance's model, uploads characters that are new, and releases
+    /// those that are gone.
+    fn models_of(&mut self, instances: &[Instance<'_>]) -> Result<Vec<usize>, Error> {
+        self.models.release_unused();
+        instances.iter().map(|i| self.models.index_of(&self.gl, i.character)).collect()
+    }
+
     /// Creates the shadow map on first use and returns its projection. Returns `None` if the sun
     /// casts no shadows, or none that could reach the picture.
     fn sun_view(
         &mut self,
         scene: &Scene,
-        instances: &[Instance],
+        spheres: &[Sphere],
+        camera: &Camera,
         clip_from_world: Mat4,
     ) -> Result<Option<SunView>, Error> {
         if !scene.sun.casts_shadows {
@@ -224,17 +283,15 @@ impl Renderer {
             Some(shadow) => shadow,
             empty => empty.insert(ShadowTarget::new(&self.gl, shadow_size(self.size))?),
         };
-        let spheres: Vec<Sphere> =
-            instances.iter().filter_map(|i| bounding_sphere(&self.models, i)).collect();
         let to_sun = Vec3::from(scene.sun.to_sun).normalize();
-        let eye = Vec3::from(scene.camera.eye);
-        Ok(SunView::over(&spheres, eye, clip_from_world, to_sun, shadow.size()))
+        let eye = Vec3::from(camera.eye);
+        Ok(SunView::over(spheres, eye, clip_from_world, to_sun, shadow.size()))
     }
 
     fn draw_runs(&mut self, runs: &[Run], pass: Pass) -> Result<(), Error> {
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
-            for part in &self.models[run.character].parts {
+            for part in &self.models.as_slice()[run.model].parts {
                 let eight_influences = matches!(part.skin, Skin::Eight(_));
                 let alpha = part.alpha;
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
@@ -309,8 +366,8 @@ fn state(pass: Pass, cull: Cull) -> DrawState {
 }
 
 /// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
-fn bounding_sphere(models: &[Model], instance: &Instance) -> Option<Sphere> {
-    let (center, radius) = models.get(instance.character.0)?.sphere;
+fn bounding_sphere(model: &Model, instance: &Instance<'_>) -> Option<Sphere> {
+    let (center, radius) = model.sphere;
     let world = &instance.world_from_model;
     let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
     let radius = radius * column(0).max(column(1)).max(column(2));
@@ -318,7 +375,7 @@ fn bounding_sphere(models: &[Model], instance: &Instance) -> Option<Sphere> {
     (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius })
 }
 
-fn frame(scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {
+fn frame(camera: &Camera, scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {
     let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 1.0]);
     let with = |[x, y, z]: [f32; 3], w| Float4([x, y, z, w]);
     let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
@@ -326,7 +383,7 @@ fn frame(scene: &Scene, clip_from_world: Mat4, sun: Option<SunView>) -> Frame {
         clip_from_world: clip_from_world.into(),
         world_from_clip: clip_from_world.inverse().into(),
         shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
-        eye: with(scene.camera.eye, scene.camera.far),
+        eye: with(camera.eye, camera.far),
         to_sun: with(to_sun, sun.map_or(0.0, |s| s.texel_m)),
         sun_color: with(scene.sun.color, scene.highlights.knee()),
         sky_light: color(scene.ambient.sky),

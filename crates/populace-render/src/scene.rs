@@ -1,29 +1,6 @@
-//! Instances, lights and surroundings of a picture.
+//! Lights and surroundings of a picture.
 
-use populace_model::Affine;
-
-use crate::{Camera, Error};
-
-/// Handle of a character that was uploaded to one [`Renderer`](crate::Renderer).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct CharacterHandle(pub(crate) usize);
-
-/// One instance of a character.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instance {
-    /// Character to draw.
-    pub character: CharacterHandle,
-    /// Transform of the instance.
-    pub world_from_model: Affine,
-    /// Root-motion offset that the palette contains, in metres in world space. It moves the
-    /// bounding sphere from which the extent of the shadow map is computed.
-    pub moved: [f32; 3],
-    /// First palette entry: page times [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES) plus
-    /// the index within the page, as in [`Member`](populace_device::layout::Member).
-    pub palette_first: u32,
-    /// Linear colour by which all materials are multiplied.
-    pub tint: [f32; 3],
-}
+use crate::Error;
 
 /// Directional light of the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,11 +60,9 @@ impl Highlights {
     }
 }
 
-/// Camera, lights and surroundings.
+/// Lights, surroundings and tone mapping.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scene {
-    /// The camera.
-    pub camera: Camera,
     /// Directional light.
     pub sun: Sun,
     /// Ambient light.
@@ -104,7 +79,6 @@ impl Default for Scene {
     /// Returns a clear afternoon on paved ground.
     fn default() -> Self {
         Self {
-            camera: Camera::default(),
             sun: Sun { to_sun: [0.55, 1.0, 0.6], color: [0.86, 0.81, 0.72], casts_shadows: true },
             ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
             ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),

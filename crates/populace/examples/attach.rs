@@ -101,8 +101,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let mut crowd = Crowd::builder().build()?;
     let mut ids = Vec::new();
-    for character in &characters {
-        ids.push(crowd.add_character(character.clone())?);
+    for character in characters {
+        ids.push(crowd.add_character(character)?);
     }
     let props = [ids[0], ids[1], ids[2]];
     let mut walkers = Vec::new();
@@ -123,8 +123,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     let path = shared::output("attach.png");
-    let drawn: Vec<&Character> = characters.iter().collect();
-    shared::draw(&mut crowd, &drawn, &[[-3.2, -0.2, 0.9], [3.2, 2.2, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-3.2, -0.2, 0.9], [3.2, 2.2, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

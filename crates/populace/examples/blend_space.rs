@@ -17,7 +17,7 @@ use populace_cast::{Look, person};
 fn main() -> Result<(), Box<dyn Error>> {
     let man = person(&Look::man())?;
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(man.clone())?;
+    let id = crowd.add_character(man)?;
     // Each clip is a sample at its own ground speed.
     let mut samples = Vec::new();
     for (clip, motion) in crowd.character(id)?.clips() {
@@ -52,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{:.1} m/s: {}", f32::from(nth) * 0.5, shares.join(", "));
     }
     let path = shared::output("blend_space.png");
-    shared::draw(&mut crowd, &[&man], &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-4.2, 0.0, 0.0], [4.2, 1.9, 0.0]], &path)?;
     println!("drawn to {path}");
     Ok(())
 }

@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let woman = person(&Look::woman())?;
     let head = woman.skeleton.find("head").ok_or("no joint head")?;
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(woman.clone())?;
+    let id = crowd.add_character(woman)?;
     let (idle, walk) = (crowd.clip(id, "Idle")?, crowd.clip(id, "Walk")?);
 
     let passer =
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{nth}: the head is turned by {:.0} degrees", x.atan2(z).to_degrees());
     }
     let path = shared::output("gaze.png");
-    shared::draw(&mut crowd, &[&woman], &[[-3.2, -0.3, 1.6], [3.2, 1.9, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-3.2, -0.3, 1.6], [3.2, 1.9, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

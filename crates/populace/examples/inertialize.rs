@@ -68,14 +68,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [swing, up] = clips(skeleton)?;
 
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(woman.clone())?;
+    let id = crowd.add_character(woman)?;
     let (swing, up) = (
         crowd.character_mut(id)?.add_clip(&swing.into())?,
         crowd.character_mut(id)?.add_clip(&up.into())?,
     );
     let before = bead::bead("before", 0.016, [0.05, 0.05, 0.08, 1.0])?;
     let after = bead::bead("after", 0.016, [0.75, 0.05, 0.04, 1.0])?;
-    let marks = [crowd.add_character(before.clone())?, crowd.add_character(after.clone())?];
+    let marks = [crowd.add_character(before)?, crowd.add_character(after)?];
     let kinds = [
         ("cut", ClipPlayback::looping()),
         ("crossfaded", ClipPlayback::looping().fade_in_secs(SECS)),
@@ -108,12 +108,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     crowd.update(0.0)?;
     let path = shared::output("inertialize.png");
-    shared::draw(
-        &mut crowd,
-        &[&woman, &before, &after],
-        &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]],
-        &path,
-    )?;
+    shared::draw(&mut crowd, &[[-2.6, -0.1, 0.4], [2.6, 2.2, 0.4]], &path)?;
     println!("all three on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

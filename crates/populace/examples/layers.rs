@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let one_arm = Mask::of_subtrees(skeleton, ["r_shoulder"])?.with_falloff(skeleton, 2)?;
 
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(woman.clone())?;
+    let id = crowd.add_character(woman)?;
     let (wave, bow) = (
         crowd.character_mut(id)?.add_clip(&wave.into())?,
         crowd.character_mut(id)?.add_clip(&bow.into())?,
@@ -87,7 +87,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     crowd.update(0.6)?;
     let path = shared::output("layers.png");
-    shared::draw(&mut crowd, &[&woman], &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
+    shared::draw(&mut crowd, &[[-2.4, -0.1, 0.4], [2.4, 2.1, 0.4]], &path)?;
     println!("all four on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

@@ -79,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{nth}: shows {shown:.2} s of the stream, {:.2} s ago", now - shown);
     }
     let path = shared::output("live_clip.png");
-    shared::draw(&mut crowd, &[&woman], &[[-2.9, -0.1, 0.4], [2.9, 2.2, 0.4]], &path)?;
+    shared::draw(&mut crowd, &[[-2.9, -0.1, 0.4], [2.9, 2.2, 0.4]], &path)?;
     println!("{poses} poses in {now:.1} s on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

@@ -83,11 +83,10 @@ fn gait([idle, walk, run]: [ClipId; 3], [walking, running]: [f32; 2]) -> StateMa
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let people: Vec<_> = Look::presets().iter().map(person).collect::<Result<_, _>>()?;
     let mut crowd = Crowd::builder().build()?;
     let mut ids = Vec::new();
-    for one in &people {
-        ids.push(crowd.add_character(one.clone())?);
+    for look in &Look::presets() {
+        ids.push(crowd.add_character(person(look)?)?);
     }
     // All people play the clips of the first.
     let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(ids[0], name));
@@ -126,8 +125,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     let path = shared::output("machine.png");
-    let drawn: Vec<_> = people.iter().collect();
-    shared::draw(&mut crowd, &drawn, &[[-3.3, -0.1, 0.3], [3.3, 1.9, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-3.3, -0.1, 0.3], [3.3, 1.9, 0.0]], &path)?;
     println!("all on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

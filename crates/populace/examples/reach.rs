@@ -25,11 +25,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let joint = |name: &str| man.skeleton.find(name).ok_or(format!("no joint {name}"));
     let (hand, shoulder) = (joint("LeftHand")?, joint("LeftUpperArm")?);
     let mut crowd = Crowd::builder().build()?;
-    let id = crowd.add_character(man.clone())?;
+    let id = crowd.add_character(man)?;
     let idle = crowd.clip(id, "Idle")?;
     // The ground plane for the feet, and a ramp that shows it.
     let ramp = ramp::ramp(RISE)?;
-    let drawn = crowd.add_character(ramp.clone())?;
+    let drawn = crowd.add_character(ramp)?;
     crowd.spawn(drawn, Placement::at([0.0, HEIGHT, 0.0]))?;
     crowd.set_ground(&Ground::plane(HEIGHT, [RISE, 0.0])?)?;
 
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         );
     }
     let path = shared::output("reach.png");
-    shared::draw(&mut crowd, &[&man, &ramp], &[[-3.4, -0.2, 0.0], [3.4, 3.1, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-3.4, -0.2, 0.0], [3.4, 3.1, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

@@ -62,12 +62,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{}: roles found by {naming} names, hips {height:.2} m high", character.name);
     }
     let path = shared::output("retarget.png");
-    shared::draw(
-        &mut crowd,
-        &[&woman, &man, &man, &child],
-        &[[-2.4, -0.3, 0.4], [2.4, 2.2, 0.0]],
-        &path,
-    )?;
+    shared::draw(&mut crowd, &[[-2.4, -0.3, 0.4], [2.4, 2.2, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

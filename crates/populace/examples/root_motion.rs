@@ -21,14 +21,13 @@ const WALK_FRAMES: u16 = 150;
 fn main() -> Result<(), Box<dyn Error>> {
     let (woman, man) = (person(&Look::woman())?, person(&Look::man())?);
     let mut crowd = Crowd::builder().build()?;
-    let ids = [crowd.add_character(woman.clone())?, crowd.add_character(man.clone())?];
+    let ids = [crowd.add_character(woman)?, crowd.add_character(man)?];
     let mut people = Vec::new();
     for (&id, x) in ids.iter().zip([-4.5, -4.0]) {
         let mut moving = |name: &str| -> Result<_, Box<dyn Error>> {
             let clip = crowd.clip(id, name)?;
             let (_, plain) = crowd
                 .character(id)?
-                .asset()
                 .clips()
                 .into_iter()
                 .find(|(known, _)| *known == clip)
@@ -65,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let metres = (now[0] - from[0]).hypot(now[2] - from[2]);
     println!("the first was placed once, and has moved {metres:.2} m");
     let path = shared::output("root_motion.png");
-    shared::draw(&mut crowd, &[&woman, &man], &[[-5.2, -0.3, 1.5], [4.4, 2.0, 0.0]], &path)?;
+    shared::draw(&mut crowd, &[[-5.2, -0.3, 1.5], [4.4, 2.0, 0.0]], &path)?;
     println!("on {}, drawn to {path}", crowd.device_info().name);
     Ok(())
 }

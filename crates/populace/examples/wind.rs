@@ -97,7 +97,7 @@ fn stalk() -> Result<Character, populace::character::Error> {
 fn main() -> Result<(), Box<dyn Error>> {
     let stalk = stalk()?;
     let mut crowd = Crowd::builder().device(Device::native()).capacity(10_000).build()?;
-    let id = crowd.add_character(stalk.clone())?;
+    let id = crowd.add_character(stalk)?;
     let wind =
         crowd.add_stage(After::Transform, UserStage::new("wind").opencl_c(WIND).rust(wind))?;
     crowd.set_stage_parameters(wind, &[0.13, 3.5, 4.0])?;
@@ -115,7 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (device, secs) in [(Device::native(), 1.5), (Device::best(), 0.0)] {
         crowd.move_to(device)?;
         crowd.update(secs)?;
-        shared::draw(&mut crowd, &[&stalk], &points, &path)?;
+        shared::draw(&mut crowd, &points, &path)?;
         println!("10000 stalks in the wind on {}, drawn to {path}", crowd.device_info().name);
         pictures.push(std::fs::read(&path)?);
     }

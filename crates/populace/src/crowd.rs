@@ -51,7 +51,6 @@ pub use assets::{CharacterMut, CharacterRef, ClipMut};
 pub use builder::CrowdBuilder;
 pub use events::{Event, EventKind};
 pub use member::{MemberMut, MemberRef, MemberView};
-pub use members::Instance;
 pub use profile::{DeviceInfo, FrameTimes};
 pub use removal::AssetId;
 pub use snapshot::Snapshot;

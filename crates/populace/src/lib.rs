@@ -42,8 +42,9 @@ mod stage;
 
 pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
 pub use populace_device::{
-    After, BackendError, Error as TablesError, Feet, Foot, GazeLimits, Ground, JointOverride,
-    LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage, StageJoint, UserStage,
+    After, BackendError, Error as TablesError, Feet, Foot, GazeLimits, Ground, Instance,
+    JointOverride, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage,
+    StageJoint, UserStage,
 };
 pub use populace_model::{Affine, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};
@@ -52,8 +53,8 @@ pub use blend_space::{BlendSpace, SpacePoint};
 pub use control::{Gaze, Reach, Target, Weight};
 pub use crowd::{
     AssetId, CharacterMut, CharacterRef, ClipMut, Crowd, CrowdBuilder, DeviceInfo, Event,
-    EventKind, FrameTimes, History, Instance, JointReadback, MemberMut, MemberRef, MemberView,
-    SeekReport, Snapshot, StageId, Watch,
+    EventKind, FrameTimes, History, JointReadback, MemberMut, MemberRef, MemberView, SeekReport,
+    Snapshot, StageId, Watch,
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
@@ -106,8 +107,8 @@ pub mod retarget {
 pub mod hand_over {
     pub use populace_device::layout::{Float4, PAGE_ENTRIES};
     pub use populace_device::{
-        EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-        PaletteTransport, SharedPage, TargetMark,
+        DrawSource, EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource,
+        PaletteTarget, PaletteTransport, SharedPage, TargetMark,
     };
 }
 

@@ -77,7 +77,6 @@ fn footsteps_are_reported_once_whatever_the_frame_length() {
         .crowd
         .character(scene.body)
         .expect("a character")
-        .asset()
         .clips()
         .into_iter()
         .find(|(id, _)| *id == clip);

@@ -94,35 +94,29 @@ impl Scene {
         }
         let firsts: Vec<u32> = self.crowd.instances().map(|i| i.palette_first).collect();
         assert_eq!(firsts, twin.crowd.instances().map(|i| i.palette_first).collect::<Vec<_>>());
-        let pairs: Vec<_> = self.crowd.instances().zip(twin.crowd.instances()).collect();
-        for (nth, (ours, theirs)) in pairs.into_iter().enumerate() {
-            let palette = twin.crowd.member_mut(theirs.member).unwrap().palette().unwrap();
+        let ids = |crowd: &Crowd| crowd.members().map(|m| m.id()).collect::<Vec<_>>();
+        let pairs = ids(&self.crowd).into_iter().zip(ids(&twin.crowd));
+        for (nth, ((ours, theirs), first)) in pairs.zip(firsts).enumerate() {
+            let palette = twin.crowd.member_mut(theirs).unwrap().palette().unwrap();
             assert!(
-                self.crowd.member_mut(ours.member).unwrap().palette().unwrap() == palette,
+                self.crowd.member_mut(ours).unwrap().palette().unwrap() == palette,
                 "{when}: member {nth}"
             );
-            let first = ours.palette_first as usize * 3;
+            let first = first as usize * 3;
             for (entry, matrix) in palette.iter().enumerate() {
                 let at = first + entry * 3;
                 let rows = [0, 1, 2].map(|row| pages[0][0][at + row].0);
                 assert!(rows == matrix.rows, "{when}: entry {entry} of member {nth} in its page");
             }
             if nth % 7 == 0 {
-                let joints =
-                    self.crowd.member_mut(ours.member).unwrap().model_from_joints().unwrap();
+                let joints = self.crowd.member_mut(ours).unwrap().model_from_joints().unwrap();
                 assert!(
-                    joints
-                        == twin
-                            .crowd
-                            .member_mut(theirs.member)
-                            .unwrap()
-                            .model_from_joints()
-                            .unwrap(),
+                    joints == twin.crowd.member_mut(theirs).unwrap().model_from_joints().unwrap(),
                     "{when}: member {nth}"
                 );
-                let pose = self.crowd.member_mut(ours.member).unwrap().local_pose().unwrap();
+                let pose = self.crowd.member_mut(ours).unwrap().local_pose().unwrap();
                 assert!(
-                    pose == twin.crowd.member_mut(theirs.member).unwrap().local_pose().unwrap(),
+                    pose == twin.crowd.member_mut(theirs).unwrap().local_pose().unwrap(),
                     "{when}: member {nth}"
                 );
             }

@@ -4,12 +4,12 @@ use std::sync::{Arc, OnceLock};
 
 use populace::BackendError;
 use populace::character::{Character, Image};
-use populace::hand_over::Float4;
 use populace::hand_over::{
-    GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
+    DrawSource, Float4, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport,
+    TargetMark,
 };
-use populace::{CharacterId, ClipPlayback, Crowd, Devices, Placement};
-use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
+use populace::{Affine, CharacterId, ClipPlayback, Crowd, Devices, Instance, Placement};
+use populace_render::{Camera, PaletteInterop, Renderer, Scene};
 
 pub(crate) const FRAME_SECS: f32 = 0.11;
 
@@ -39,6 +39,12 @@ impl PaletteSource for ByCopy<'_> {
         reader: &mut dyn FnMut(&[Float4]),
     ) -> Result<(), BackendError> {
         PaletteSource::with_page(self.0, page, reader)
+    }
+}
+
+impl DrawSource for ByCopy<'_> {
+    fn instances(&self) -> Vec<Instance<'_>> {
+        self.0.instances().collect()
     }
 }
 
@@ -94,25 +100,17 @@ impl PeopleCrowd {
     }
 }
 
-/// A renderer with the people loaded.
+/// A renderer and its camera.
 pub(crate) struct RenderSession {
     pub(crate) renderer: Renderer,
-    handles: Vec<CharacterHandle>,
-    scene: Scene,
+    camera: Camera,
 }
 
 impl RenderSession {
     pub(crate) fn new() -> Self {
-        Self::with(&people())
-    }
-
-    pub(crate) fn with(characters: &[Arc<Character>]) -> Self {
-        let mut renderer = Renderer::headless([160, 90]).unwrap();
-        let handles =
-            characters.iter().map(|c| renderer.add_character(c, &|_| false).unwrap()).collect();
+        let renderer = Renderer::headless([160, 90]).unwrap();
         let corners = [[-4.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 1.9, 0.0], [0.0, 0.0, -6.0]];
-        let camera = Camera::framing(corners, 160.0 / 90.0);
-        Self { renderer, handles, scene: Scene { camera, ..Scene::default() } }
+        Self { renderer, camera: Camera::framing(corners, 160.0 / 90.0) }
     }
 
     /// Connects a crowd's palettes. Fails if they would be copied.
@@ -122,38 +120,47 @@ impl RenderSession {
         hand_over
     }
 
-    /// Returns the instances of a crowd.
-    pub(crate) fn instances(&self, crowd: &Crowd) -> Vec<Instance> {
-        let instance = |i: populace::Instance| Instance {
-            character: self.handles[i.character.index()],
-            world_from_model: i.world_from_model,
-            moved: i.moved,
-            palette_first: i.palette_first,
-            tint: [1.0; 3],
-        };
-        crowd.instances().map(instance).collect()
+    pub(crate) fn draw(&mut self, instances: &[Instance<'_>]) {
+        self.renderer.draw_instances(instances, &self.camera, &Scene::default()).unwrap();
     }
 
-    pub(crate) fn draw(&mut self, instances: &[Instance]) {
-        self.renderer.draw(&self.scene, instances).unwrap();
-    }
-
-    pub(crate) fn picture(&mut self, instances: &[Instance]) -> Image {
+    pub(crate) fn picture(&mut self, instances: &[Instance<'_>]) -> Image {
         self.draw(instances);
         self.renderer.read_image().unwrap()
     }
 
-    /// Acquires a crowd's palettes and draws it.
-    pub(crate) fn draw_crowd(&mut self, crowd: &mut Crowd) -> Image {
-        self.renderer.acquire_palettes(crowd).unwrap();
-        let instances = self.instances(crowd);
-        self.picture(&instances)
+    pub(crate) fn draw_crowd(&mut self, crowd: &mut dyn DrawSource) -> Image {
+        self.renderer.draw(crowd, &self.camera, &Scene::default()).unwrap();
+        self.renderer.read_image().unwrap()
+    }
+}
+
+/// The instances of a crowd at one time. They can be drawn while the crowd changes, and once it is
+/// gone.
+pub(crate) struct Kept {
+    characters: Vec<Arc<Character>>,
+    placements: Vec<(Affine, u32)>,
+}
+
+impl Kept {
+    pub(crate) fn of(crowd: &Crowd) -> Self {
+        let instances: Vec<_> = crowd.instances().collect();
+        Self {
+            characters: instances.iter().map(|i| Arc::clone(i.character)).collect(),
+            placements: instances.iter().map(|i| (i.world_from_model, i.palette_first)).collect(),
+        }
     }
 
-    pub(crate) fn draw_crowd_by_copy(&mut self, people: &mut PeopleCrowd) -> Image {
-        self.renderer.acquire_palettes(&mut people.by_copy()).unwrap();
-        let instances = self.instances(&people.crowd);
-        self.picture(&instances)
+    pub(crate) fn instances(&self) -> Vec<Instance<'_>> {
+        let kept = self.characters.iter().zip(self.placements.iter().copied());
+        let instance = |(character, (world_from_model, palette_first))| Instance {
+            character,
+            world_from_model,
+            moved: [0.0; 3],
+            palette_first,
+            tint: [1.0; 3],
+        };
+        kept.map(instance).collect()
     }
 }
 
@@ -163,7 +170,7 @@ pub(crate) fn pictures_by_copy(device: &Devices, members: u16, frames: usize) ->
     let mut people = PeopleCrowd::new(device, members, &session);
     let draw_crowd = |_| {
         people.update();
-        session.draw_crowd_by_copy(&mut people)
+        session.draw_crowd(&mut people.by_copy())
     };
     let pictures: Vec<_> = (0..frames).map(draw_crowd).collect();
     assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]), "the crowd must move");

@@ -13,7 +13,7 @@ use populace::model::{
 use populace::{ClipPlayback, Crowd, Device, Devices, Placement};
 
 use crate::assert_same;
-use crate::fixture::{ByCopy, PeopleCrowd, RenderSession, pictures_by_copy};
+use crate::fixture::{ByCopy, Kept, PeopleCrowd, RenderSession, pictures_by_copy};
 
 pub(crate) fn crowd_outlives_its_renderer(device: &Devices) {
     let pictures = pictures_by_copy(device, 30, 4);
@@ -38,10 +38,10 @@ pub(crate) fn renderer_outlives_a_running_crowd(device: &Devices) {
         session.link(&mut people.crowd);
         people.update();
         assert_same(&session.draw_crowd(&mut people.crowd), &pictures[0], "the first frame");
-        let instances = session.instances(&people.crowd);
+        let kept = Kept::of(&people.crowd);
         people.update();
         drop(people);
-        assert_same(&session.picture(&instances), &pictures[0], "after the crowd is gone");
+        assert_same(&session.picture(&kept.instances()), &pictures[0], "after the crowd is gone");
     }
 }
 
@@ -157,7 +157,7 @@ fn large() -> Character {
 pub(crate) fn second_page_is_drawn(device: &Devices) {
     let character = Arc::new(large());
     let pictures = |by_copy: bool| -> Vec<Image> {
-        let mut session = RenderSession::with(&[Arc::clone(&character)]);
+        let mut session = RenderSession::new();
         let mut crowd = Crowd::builder()
             .devices(device.clone())
             .for_gl(session.renderer.gl_context())
@@ -170,13 +170,10 @@ pub(crate) fn second_page_is_drawn(device: &Devices) {
             let member = crowd.spawn(id, Placement::at([x, 0.0, -4.0])).unwrap();
             crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
             crowd.update(0.2).unwrap();
-            if by_copy {
-                session.renderer.acquire_palettes(&mut ByCopy(&mut crowd)).unwrap();
-            } else {
-                session.renderer.acquire_palettes(&mut crowd).unwrap();
-            }
-            let instances = session.instances(&crowd);
-            frames.push(session.picture(&instances));
+            frames.push(match by_copy {
+                true => session.draw_crowd(&mut ByCopy(&mut crowd)),
+                false => session.draw_crowd(&mut crowd),
+            });
         }
         assert_eq!(crowd.instances().last().unwrap().palette_first, PAGE_ENTRIES);
         frames

@@ -10,7 +10,7 @@ use populace::character::Image;
 use populace::hand_over::PaletteTransport;
 use populace::{Device, Devices, Split};
 
-use fixture::{PeopleCrowd, RenderSession, pictures_by_copy};
+use fixture::{Kept, PeopleCrowd, RenderSession, pictures_by_copy};
 
 fn assert_same(found: &Image, wanted: &Image, what: &str) {
     let different = found.rgba.iter().zip(&wanted.rgba).filter(|(a, b)| a != b).count();
@@ -35,7 +35,7 @@ fn drawing_overlaps_with_the_next_update(device: &Devices) {
     let mut session = RenderSession::new();
     let mut people = PeopleCrowd::new(device, 300, &session);
     session.link(&mut people.crowd);
-    let instances = session.instances(&people.crowd);
+    let kept = Kept::of(&people.crowd);
     people.update();
     for (frame, wanted) in pictures.iter().enumerate() {
         session.renderer.acquire_palettes(&mut people.crowd).unwrap();
@@ -43,7 +43,7 @@ fn drawing_overlaps_with_the_next_update(device: &Devices) {
         if before {
             people.update();
         }
-        session.draw(&instances);
+        session.draw(&kept.instances());
         if !before {
             people.update();
         }
@@ -80,7 +80,7 @@ fn pages_grow_while_connected(device: &Devices) {
         let what = format!("{} members", people.crowd.member_count());
         assert_same(
             &session.draw_crowd(&mut people.crowd),
-            &by_copy.draw_crowd_by_copy(&mut twin),
+            &by_copy.draw_crowd(&mut twin.by_copy()),
             &what,
         );
     }
@@ -94,10 +94,10 @@ fn acquired_frame_survives_page_growth(device: &Devices) {
     session.link(&mut people.crowd);
     people.update();
     session.renderer.acquire_palettes(&mut people.crowd).unwrap();
-    let instances = session.instances(&people.crowd);
+    let kept = Kept::of(&people.crowd);
     people.spawn(500);
     people.update();
-    assert_same(&session.picture(&instances), &pictures[0], "20 members");
+    assert_same(&session.picture(&kept.instances()), &pictures[0], "20 members");
 }
 
 fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
@@ -109,7 +109,7 @@ fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
         people.crowd.with_page(0, &mut |page| pages = page.to_vec()).unwrap();
         twin.crowd.with_page(0, &mut |page| wanted = page.to_vec()).unwrap();
         let [a, b] =
-            [&*people, &*twin].map(|t| t.crowd.instances().map(|i| i.member).collect::<Vec<_>>());
+            [&*people, &*twin].map(|t| t.crowd.members().map(|m| m.id()).collect::<Vec<_>>());
         for (i, (a, b)) in a.into_iter().zip(b).enumerate() {
             let (a, b) = (
                 people.crowd.member_mut(a).unwrap().palette().unwrap(),
@@ -194,13 +194,13 @@ fn acquired_frame_is_unaffected_by_other_devices() {
     let mut people = PeopleCrowd::new(&[threads(1), threads(2)].into(), 40, &session);
     people.crowd.set_split(&Split::Fixed(vec![0.0, 1.0])).unwrap();
     session.link(&mut people.crowd);
-    let instances = session.instances(&people.crowd);
+    let kept = Kept::of(&people.crowd);
     people.update();
     for (frame, wanted) in pictures.iter().enumerate() {
         session.renderer.acquire_palettes(&mut people.crowd).unwrap();
         people.update();
         people.crowd.with_page(0, &mut |_| ()).unwrap();
-        assert_same(&session.picture(&instances), wanted, &format!("frame {frame}"));
+        assert_same(&session.picture(&kept.instances()), wanted, &format!("frame {frame}"));
     }
 }
 

@@ -95,7 +95,7 @@ pub(crate) fn page(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 }
 
 pub(crate) fn instances(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
-    let numbers = |i: Instance| i.world_from_model.rows.into_iter().flatten();
+    let numbers = |i: Instance<'_>| i.world_from_model.rows.into_iter().flatten();
     let numbers: Vec<f32> = world.crowd.instances().flat_map(numbers).collect();
     Some(Outcome::read(Ok(numbers)))
 }

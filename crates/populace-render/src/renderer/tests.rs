@@ -5,7 +5,6 @@ use populace_device::{BackendError, HandedOver, PaletteTarget, PaletteTransport,
 use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 use super::*;
-use crate::Camera;
 use crate::gl::Fence;
 
 /// A device with one member that never moves. Frames alternate between the two sets.
@@ -88,20 +87,19 @@ fn glass() -> Character {
 #[test]
 fn acquire_waits_for_draws_from_the_set_written_next() {
     let mut renderer = Renderer::headless([1024, 1024]).unwrap();
-    let character = renderer.add_character(&glass(), &|_| false).unwrap();
+    let character = Arc::new(glass());
     let mut device = Still::default();
     renderer.connect_palettes(&mut device).unwrap();
     let instance = Instance {
-        character,
+        character: &character,
         world_from_model: Affine::IDENTITY,
         moved: [0.0; 3],
         palette_first: 0,
         tint: [1.0; 3],
     };
     let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
-    let scene = Scene { camera, ..Scene::default() };
     renderer.acquire_palettes(&mut device).unwrap();
-    renderer.draw(&scene, &[instance; 30]).unwrap();
+    renderer.draw_instances(&[instance; 30], &camera, &Scene::default()).unwrap();
     let drawn = Fence::new(&renderer.gl).unwrap();
     device.set = 1;
     renderer.acquire_palettes(&mut device).unwrap();

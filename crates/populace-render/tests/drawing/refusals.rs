@@ -1,9 +1,11 @@
 //! Invalid input is rejected with an error, and the renderer stays usable.
 
+use std::sync::Arc;
+
 use populace_character::{Character, Image, Material, Texture, TextureFilter, Wrap};
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_model::Affine;
-use populace_render::{Error, Renderer, Scene};
+use populace_render::{Camera, Error, Renderer, Scene};
 
 use crate::fixture::{part, person, quad_mesh, source};
 use crate::rig::{Rig, instance};
@@ -21,7 +23,7 @@ fn picture_size_is_between_one_pixel_and_the_drivers_limit() {
     }
     for size in [[1, 1], [1, 7], [33, 1]] {
         let mut renderer = Renderer::headless(size).unwrap();
-        renderer.draw(&Scene::default(), &[]).unwrap();
+        renderer.draw_instances(&[], &Camera::default(), &Scene::default()).unwrap();
         let Image { width, height, rgba } = renderer.read_image().unwrap();
         assert_eq!(([width, height], rgba.len()), (size, 4 * (width * height) as usize));
         assert!(rgba.iter().skip(3).step_by(4).all(|alpha| *alpha == 255));
@@ -32,16 +34,15 @@ fn picture_size_is_between_one_pixel_and_the_drivers_limit() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn pages_are_complete_matrices_within_the_limits() {
     let mut rig = Rig::new();
-    let page =
-        |rig: &mut Rig, page, len| rig.renderer.upload_page(page, &vec![Float4::default(); len]);
-    let error = page(&mut rig, 0, 4).unwrap_err();
+    let page = |rig: &mut Rig, len| rig.upload_pages(vec![vec![Float4::default(); len]]);
+    let error = page(&mut rig, 4).unwrap_err();
     assert!(matches!(error, Error::PartialMatrix { len: 4 }), "{error}");
-    let error = page(&mut rig, 4096, 3).unwrap_err();
-    assert!(matches!(error, Error::TooLarge { size: 4096, limit: 4095, .. }), "{error}");
-    let error = page(&mut rig, 0, 3 * (PAGE_ENTRIES as usize + 1)).unwrap_err();
+    let error = rig.upload_pages(vec![Vec::new(); 4097]).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { size: 4097, limit: 4096, .. }), "{error}");
+    let error = page(&mut rig, 3 * (PAGE_ENTRIES as usize + 1)).unwrap_err();
     assert!(matches!(error, Error::TooLarge { .. }), "{error}");
-    page(&mut rig, 0, 0).unwrap();
-    page(&mut rig, 4095, 3).unwrap();
+    page(&mut rig, 0).unwrap();
+    rig.upload_pages(vec![Vec::new(); 4096]).unwrap();
 }
 
 #[test]
@@ -49,30 +50,17 @@ fn pages_are_complete_matrices_within_the_limits() {
 fn members_need_a_palette() {
     let mut rig = Rig::new();
     let character = person([1.0; 3], [1.0; 3]);
-    let here = rig.add(&character);
-    let one = instance(here, Affine::IDENTITY, 0);
+    let here = Arc::new(character);
+    let one = instance(&here, Affine::IDENTITY, 0);
     let error = rig.try_draw(&[one]).err().unwrap();
     assert!(matches!(error, Error::NoPalette { available: 0, count: 2, .. }), "{error}");
     rig.upload(&[Affine::IDENTITY; 3]);
-    let error = rig.try_draw(&[one, instance(here, Affine::IDENTITY, 2)]).err().unwrap();
+    let error = rig.try_draw(&[one, instance(&here, Affine::IDENTITY, 2)]).err().unwrap();
     assert!(
         matches!(error, Error::NoPalette { instance: 1, first: 2, available: 3, .. }),
         "{error}"
     );
     rig.draw(&[one]).expect(0.0, 1.1, [255; 3]);
-}
-
-#[test]
-#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn handles_of_another_renderer_are_rejected() {
-    let (mut rig, mut other) = (Rig::new(), Rig::new());
-    let character = person([1.0; 3], [1.0; 3]);
-    rig.add(&character);
-    other.add(&character);
-    let elsewhere = other.add(&character);
-    rig.upload(&[Affine::IDENTITY; 2]);
-    let error = rig.try_draw(&[instance(elsewhere, Affine::IDENTITY, 0)]).err().unwrap();
-    assert!(matches!(error, Error::UnknownCharacter { instance: 0, count: 1 }), "{error}");
 }
 
 #[test]
@@ -88,31 +76,32 @@ fn textures_above_the_drivers_limit_are_rejected() {
     let mut pieces = source(vec![part("quad", 0, quad_mesh(0))], vec![material], 1);
     pieces.images = vec![Image { width: 1 << 20, height: 1, rgba: vec![255; 4 << 20] }];
     let mut rig = Rig::new();
-    let long = Character::new(pieces).unwrap();
-    let error = rig.renderer.add_character(&long, &|_| false).unwrap_err();
+    let long = Arc::new(Character::new(pieces).unwrap());
+    let error = rig.renderer.upload_character(&long, &|_| false).unwrap_err();
     assert!(matches!(error, Error::TooLarge { what: "the side of a texture", .. }), "{error}");
-    rig.renderer.add_character(&long, &|_| true).unwrap();
+    rig.renderer.upload_character(&long, &|_| true).unwrap();
 }
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn invalid_cameras_and_scenes_are_rejected() {
     let mut rig = Rig::new();
-    let good = rig.scene;
-    let spoilers: [&dyn Fn(&mut Scene); 6] = [
-        &|s| s.camera.eye[0] = f32::NAN,
-        &|s| s.camera.target = s.camera.eye,
-        &|s| s.camera.up = [0.0, 0.0, 3.0],
-        &|s| s.camera.fov_y_rad = 3.2,
-        &|s| s.camera.near = 0.0,
-        &|s| s.camera.far = s.camera.near,
+    let (good_camera, good) = (rig.camera, rig.scene);
+    let spoilers: [&dyn Fn(&mut Camera); 6] = [
+        &|c| c.eye[0] = f32::NAN,
+        &|c| c.target = c.eye,
+        &|c| c.up = [0.0, 0.0, 3.0],
+        &|c| c.fov_y_rad = 3.2,
+        &|c| c.near = 0.0,
+        &|c| c.far = c.near,
     ];
     for spoil in spoilers {
-        rig.scene = good;
-        spoil(&mut rig.scene);
+        rig.camera = good_camera;
+        spoil(&mut rig.camera);
         let error = rig.try_draw(&[]).err().unwrap();
         assert!(matches!(error, Error::BadCamera { .. }), "{error}");
     }
+    rig.camera = good_camera;
     let spoilers: [&dyn Fn(&mut Scene); 3] =
         [&|s| s.sun.to_sun = [0.0; 3], &|s| s.sun.color[1] = f32::INFINITY, &|s| {
             s.sky.horizon[2] = f32::NAN

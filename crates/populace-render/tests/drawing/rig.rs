@@ -1,11 +1,16 @@
 //! A renderer whose pixels can be computed by hand. Ambient light is 1 unless a test changes it, a
 //! metre at z = 0 is 32 pixels, and the world's origin is at the centre.
 
+use std::sync::Arc;
+
 use populace_character::{Character, Image};
-use populace_model::Affine;
-use populace_render::{
-    Ambient, Camera, CharacterHandle, Error, Highlights, Instance, Renderer, Scene, Sky, Sun,
+use populace_device::layout::Float4;
+use populace_device::{
+    BackendError, DrawSource, GlContext, HandedOver, Instance, PaletteSource, PaletteTarget,
+    PaletteTransport, TargetMark,
 };
+use populace_model::Affine;
+use populace_render::{Ambient, Camera, Error, Highlights, Renderer, Scene, Sky, Sun};
 
 use crate::fixture::palette;
 
@@ -14,47 +19,104 @@ pub(crate) const SIZE: u32 = 128;
 /// Colour of the background.
 pub(crate) const NOTHING: [u8; 3] = [0, 0, 0];
 
-/// A renderer and its scene.
+/// A renderer, and what it draws.
 pub(crate) struct Rig {
     pub(crate) renderer: Renderer,
+    pub(crate) camera: Camera,
     pub(crate) scene: Scene,
 }
 
 impl Rig {
     pub(crate) fn new() -> Self {
-        Self { renderer: Renderer::headless([SIZE; 2]).unwrap(), scene: flat_scene() }
+        let renderer = Renderer::headless([SIZE; 2]).unwrap();
+        Self { renderer, camera: flat_camera(), scene: flat_scene() }
     }
 
-    pub(crate) fn add(&mut self, character: &Character) -> CharacterHandle {
-        self.renderer.add_character(character, &|_| false).unwrap()
-    }
-
-    /// Uploads page 0.
+    /// Sets page 0, the only one.
     pub(crate) fn upload(&mut self, entries: &[Affine]) {
-        self.renderer.upload_page(0, &palette(entries)).unwrap();
+        self.upload_pages(vec![palette(entries)]).unwrap();
     }
 
-    pub(crate) fn try_draw(&mut self, instances: &[Instance]) -> Result<Picture, Error> {
-        self.renderer.draw(&self.scene, instances)?;
+    pub(crate) fn upload_pages(&mut self, pages: Vec<Vec<Float4>>) -> Result<(), Error> {
+        self.renderer.acquire_palettes(&mut Pages::new(pages, Vec::new()))
+    }
+
+    pub(crate) fn try_draw(&mut self, instances: &[Instance<'_>]) -> Result<Picture, Error> {
+        self.renderer.draw_instances(instances, &self.camera, &self.scene)?;
         Ok(Picture(self.renderer.read_image()?))
     }
 
-    pub(crate) fn draw(&mut self, instances: &[Instance]) -> Picture {
+    pub(crate) fn draw(&mut self, instances: &[Instance<'_>]) -> Picture {
         self.try_draw(instances).unwrap()
     }
 }
 
-/// Returns a scene with uniform ambient light and a black background, seen from 10 m in front.
-pub(crate) fn flat_scene() -> Scene {
+/// Pages of palettes that are copied, and what is drawn with them.
+pub(crate) struct Pages {
+    pages: Vec<Vec<Float4>>,
+    pub(crate) members: Vec<Member>,
+    mark: TargetMark,
+}
+
+/// A character with its placement and first palette entry.
+pub(crate) type Member = (Arc<Character>, Affine, u32);
+
+impl Pages {
+    pub(crate) fn new(pages: Vec<Vec<Float4>>, members: Vec<Member>) -> Self {
+        Self { pages, members, mark: TargetMark::default() }
+    }
+}
+
+impl PaletteSource for Pages {
+    fn page_lengths(&self) -> Vec<usize> {
+        self.pages.iter().map(|page| page.len() / 3).collect()
+    }
+
+    fn refuses(&self, transport: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (transport != PaletteTransport::Copied).then(|| "these pages are copied".into())
+    }
+
+    fn set_target(&mut self, _: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
+        self.mark = mark.clone();
+        Ok(())
+    }
+
+    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+        Ok(Some(HandedOver { mark: self.mark.clone(), set: None }))
+    }
+
+    fn with_page(
+        &mut self,
+        page: usize,
+        reader: &mut dyn FnMut(&[Float4]),
+    ) -> Result<(), BackendError> {
+        reader(&self.pages[page]);
+        Ok(())
+    }
+}
+
+impl DrawSource for Pages {
+    fn instances(&self) -> Vec<Instance<'_>> {
+        let members = self.members.iter();
+        members.map(|(character, place, first)| instance(character, *place, *first)).collect()
+    }
+}
+
+/// Returns a camera 10 m in front of the origin.
+fn flat_camera() -> Camera {
+    Camera {
+        eye: [0.0, 0.0, 10.0],
+        target: [0.0; 3],
+        up: [0.0, 1.0, 0.0],
+        fov_y_rad: 2.0 * 0.2_f32.atan(),
+        near: 0.1,
+        far: 200.0,
+    }
+}
+
+/// Returns a scene with uniform ambient light and a black background.
+fn flat_scene() -> Scene {
     Scene {
-        camera: Camera {
-            eye: [0.0, 0.0, 10.0],
-            target: [0.0; 3],
-            up: [0.0, 1.0, 0.0],
-            fov_y_rad: 2.0 * 0.2_f32.atan(),
-            near: 0.1,
-            far: 200.0,
-        },
         sun: Sun { to_sun: [0.0, 0.0, 1.0], color: [0.0; 3], casts_shadows: false },
         ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
         ground: None,
@@ -65,10 +127,10 @@ pub(crate) fn flat_scene() -> Scene {
 
 /// Returns an instance without tint.
 pub(crate) fn instance(
-    character: CharacterHandle,
+    character: &Arc<Character>,
     world_from_model: Affine,
     palette_first: u32,
-) -> Instance {
+) -> Instance<'_> {
     Instance { character, world_from_model, moved: [0.0; 3], palette_first, tint: [1.0; 3] }
 }
 

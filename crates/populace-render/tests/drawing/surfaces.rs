@@ -1,5 +1,7 @@
 //! Shading: colours, textures, alpha, winding and normals.
 
+use std::sync::Arc;
+
 use populace_character::{
     AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
 };
@@ -33,9 +35,9 @@ fn textures_are_upright_and_srgb() {
     let rgba =
         [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [128, 128, 128, 255]].concat();
     let mut rig = Rig::new();
-    let quad = rig.add(&textured(Image { width: 2, height: 2, rgba }, TextureFilter::Nearest));
+    let quad = Arc::new(textured(Image { width: 2, height: 2, rgba }, TextureFilter::Nearest));
     rig.upload(&[Affine::IDENTITY]);
-    let drawn = rig.draw(&[instance(quad, Affine::IDENTITY, 0)]);
+    let drawn = rig.draw(&[instance(&quad, Affine::IDENTITY, 0)]);
     drawn.expect(-0.5, 0.5, [255, 0, 0]);
     drawn.expect(0.5, 0.5, [0, 255, 0]);
     drawn.expect(-0.5, -0.5, [0, 0, 255]);
@@ -49,10 +51,10 @@ fn mip_levels_average_linear_light() {
         .flat_map(|i| [if (i / 64 + i) % 2 == 0 { 255 } else { 0 }, 0, 0, 255])
         .collect();
     let mut rig = Rig::new();
-    let quad = rig.add(&textured(Image { width: 64, height: 64, rgba }, TextureFilter::Linear));
+    let quad = Arc::new(textured(Image { width: 64, height: 64, rgba }, TextureFilter::Linear));
     rig.upload(&[Affine::IDENTITY]);
     // The quad's 64 texels cover 32 pixels.
-    let drawn = rig.draw(&[instance(quad, transform([0.0; 3], 0.0, [0.5; 3]), 0)]);
+    let drawn = rig.draw(&[instance(&quad, transform([0.0; 3], 0.0, [0.5; 3]), 0)]);
     drawn.expect(0.0, 0.0, [srgb(0.5), 0, 0]);
     drawn.expect(0.3, -0.2, [srgb(0.5), 0, 0]);
 }
@@ -63,9 +65,9 @@ fn material_vertex_and_tint_colors_multiply() {
     let mut mesh = quad_mesh(0);
     mesh.colors = vec![[0.5, 1.0, 1.0, 1.0]; 4];
     let mut rig = Rig::new();
-    let quad = rig.add(&mesh_of(mesh, plain([0.5, 0.5, 1.0, 1.0])));
+    let quad = Arc::new(mesh_of(mesh, plain([0.5, 0.5, 1.0, 1.0])));
     rig.upload(&[Affine::IDENTITY]);
-    let mut one = instance(quad, Affine::IDENTITY, 0);
+    let mut one = instance(&quad, Affine::IDENTITY, 0);
     one.tint = [1.0, 1.0, 0.2];
     rig.draw(&[one]).expect(0.0, 0.0, [srgb(0.25), srgb(0.5), srgb(0.2)]);
 }
@@ -74,15 +76,15 @@ fn material_vertex_and_tint_colors_multiply() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn back_faces_show_only_if_double_sided() {
     let mut rig = Rig::new();
-    let single = rig.add(&quad_of(plain([1.0; 4])));
-    let double = rig.add(&quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
+    let single = Arc::new(quad_of(plain([1.0; 4])));
+    let double = Arc::new(quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
     rig.upload(&[Affine::IDENTITY]);
     // A half turn about y.
     let behind = transform([0.0; 3], 0.0, [-1.0, 1.0, -1.0]);
-    rig.draw(&[instance(single, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
-    rig.draw(&[instance(single, behind, 0)]).expect(0.0, 0.0, NOTHING);
-    rig.draw(&[instance(double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
-    rig.draw(&[instance(double, behind, 0)]).expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(&single, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(&single, behind, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(&double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(&double, behind, 0)]).expect(0.0, 0.0, WHITE);
 }
 
 #[test]
@@ -92,7 +94,7 @@ fn both_sides_are_lit_by_the_light_they_face() {
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
     rig.scene.sun.color = [0.5; 3];
-    let double = rig.add(&quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
+    let double = Arc::new(quad_of(Material { double_sided: true, ..plain([1.0; 4]) }));
     rig.upload(&[Affine::IDENTITY]);
     let lit = [srgb(0.5); 3];
     for world in [
@@ -101,10 +103,10 @@ fn both_sides_are_lit_by_the_light_they_face() {
         transform([0.0; 3], 0.0, [-1.0, 1.0, 1.0]),
         transform([0.0; 3], 0.0, [1.0, 1.0, -1.0]),
     ] {
-        rig.draw(&[instance(double, world, 0)]).expect(0.0, 0.0, lit);
+        rig.draw(&[instance(&double, world, 0)]).expect(0.0, 0.0, lit);
     }
     rig.scene.sun.to_sun = [0.0, 0.0, -1.0];
-    rig.draw(&[instance(double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(&double, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
 }
 
 #[test]
@@ -117,15 +119,15 @@ fn mirrored_meshes_keep_their_front_faces() {
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
     rig.scene.sun.color = [0.5; 3];
-    let plain_quad = rig.add(&quad_of(plain([1.0; 4])));
-    let mirrored_at_rest = rig.add(&Character::new(pieces).unwrap());
+    let plain_quad = Arc::new(quad_of(plain([1.0; 4])));
+    let mirrored_at_rest = Arc::new(Character::new(pieces).unwrap());
     rig.upload(&[Affine::IDENTITY, mirror]);
     let lit = [srgb(0.5); 3];
-    rig.draw(&[instance(plain_quad, mirror, 0)]).expect(0.0, 0.0, lit);
-    rig.draw(&[instance(mirrored_at_rest, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
-    rig.draw(&[instance(mirrored_at_rest, mirror, 1)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(&plain_quad, mirror, 0)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(&mirrored_at_rest, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(&mirrored_at_rest, mirror, 1)]).expect(0.0, 0.0, lit);
     let behind = transform([0.0; 3], 0.0, [1.0, 1.0, -1.0]);
-    rig.draw(&[instance(plain_quad, behind, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(&plain_quad, behind, 0)]).expect(0.0, 0.0, NOTHING);
 }
 
 #[test]
@@ -142,13 +144,13 @@ fn normals_stay_perpendicular_under_nonuniform_scale() {
     rig.scene.ambient.sky = [0.0; 3];
     rig.scene.ambient.ground = [0.0; 3];
     rig.scene.sun.color = [0.5; 3];
-    let quad = rig.add(&mesh_of(mesh, plain([1.0; 4])));
+    let quad = Arc::new(mesh_of(mesh, plain([1.0; 4])));
     let wide = transform([0.0; 3], 0.0, [4.0, 1.0, 1.0]);
     rig.upload(&[Affine::IDENTITY, wide]);
     // The plane z = -x / 4 has the normal (1, 0, 4).
     let lit = [srgb(0.5 * 4.0 / 17_f64.sqrt()); 3];
-    rig.draw(&[instance(quad, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
-    rig.draw(&[instance(quad, wide, 0)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(&quad, Affine::IDENTITY, 1)]).expect(0.0, 0.0, lit);
+    rig.draw(&[instance(&quad, wide, 0)]).expect(0.0, 0.0, lit);
 }
 
 #[test]
@@ -157,29 +159,29 @@ fn masked_parts_are_discarded_and_blended_parts_mix() {
     let alpha = |mode, alpha| quad_of(Material { alpha: mode, ..plain([1.0, 1.0, 1.0, alpha]) });
     let mut rig = Rig::new();
     rig.upload(&[Affine::IDENTITY]);
-    let cut = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.4));
-    let kept = rig.add(&alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.6));
-    let opaque = rig.add(&alpha(AlphaMode::Opaque, 0.1));
-    rig.draw(&[instance(cut, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
-    rig.draw(&[instance(kept, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
-    rig.draw(&[instance(opaque, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
+    let cut = Arc::new(alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.4));
+    let kept = Arc::new(alpha(AlphaMode::Mask { cutoff: 0.5 }, 0.6));
+    let opaque = Arc::new(alpha(AlphaMode::Opaque, 0.1));
+    rig.draw(&[instance(&cut, Affine::IDENTITY, 0)]).expect(0.0, 0.0, NOTHING);
+    rig.draw(&[instance(&kept, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
+    rig.draw(&[instance(&opaque, Affine::IDENTITY, 0)]).expect(0.0, 0.0, WHITE);
 
     let half = |[r, g, b]: [f32; 3]| {
         quad_of(Material { alpha: AlphaMode::Blend, ..plain([r, g, b, 0.5]) })
     };
-    let red = rig.add(&half([1.0, 0.0, 0.0]));
-    let green = rig.add(&half([0.0, 1.0, 0.0]));
+    let red = Arc::new(half([1.0, 0.0, 0.0]));
+    let green = Arc::new(half([0.0, 1.0, 0.0]));
     let (near, far) = (at(0.0, 0.0, 1.0), at(0.0, 0.0, 0.0));
     let wanted = [srgb(0.5), srgb(0.25), 0];
     for list in [
-        [instance(red, near, 0), instance(green, far, 0)],
-        [instance(green, far, 0), instance(red, near, 0)],
+        [instance(&red, near, 0), instance(&green, far, 0)],
+        [instance(&green, far, 0), instance(&red, near, 0)],
     ] {
         rig.draw(&list).expect(0.0, 0.0, wanted);
     }
     // An opaque instance behind shows through, although its character was added later.
-    let blue = rig.add(&quad_of(plain([0.0, 0.0, 1.0, 1.0])));
-    rig.draw(&[instance(red, near, 0), instance(blue, far, 0)]).expect(
+    let blue = Arc::new(quad_of(plain([0.0, 0.0, 1.0, 1.0])));
+    rig.draw(&[instance(&red, near, 0), instance(&blue, far, 0)]).expect(
         0.0,
         0.0,
         [srgb(0.5), 0, srgb(0.5)],
@@ -190,12 +192,12 @@ fn masked_parts_are_discarded_and_blended_parts_mix() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn highlights_approach_white_without_reaching_it() {
     let mut rig = Rig::new();
-    let quad = rig.add(&quad_of(Material::default()));
+    let quad = Arc::new(quad_of(Material::default()));
     rig.upload(&[Affine::IDENTITY]);
     let mut shade = |light: f32, highlights| {
         rig.scene.highlights = highlights;
         rig.scene.ambient = Ambient { sky: [light; 3], ground: [light; 3] };
-        rig.draw(&[instance(quad, Affine::IDENTITY, 0)]).at(0.0, 0.0)[0]
+        rig.draw(&[instance(&quad, Affine::IDENTITY, 0)]).at(0.0, 0.0)[0]
     };
     assert_eq!(
         shade(0.5, Highlights::Shoulder),

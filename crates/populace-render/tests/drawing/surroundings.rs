@@ -1,5 +1,7 @@
 //! Surroundings: ground, sky, shadows and haze.
 
+use std::sync::Arc;
+
 use populace_model::Affine;
 use populace_render::{Camera, Ground, Sky};
 
@@ -13,18 +15,18 @@ fn ground_is_at_the_feet_and_sky_above() {
     rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
     rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
     // One metre up, so that the feet are one metre below the centre of the picture.
-    rig.scene.camera.eye = [0.0, 1.0, 10.0];
-    rig.scene.camera.target = [0.0, 1.0, 0.0];
-    let red = rig.add(&person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    rig.camera.eye = [0.0, 1.0, 10.0];
+    rig.camera.target = [0.0, 1.0, 0.0];
+    let red = Arc::new(person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
     rig.upload(&[Affine::IDENTITY; 2]);
-    let drawn = rig.draw(&[instance(red, Affine::IDENTITY, 0)]);
+    let drawn = rig.draw(&[instance(&red, Affine::IDENTITY, 0)]);
     drawn.expect(0.13, -0.9, [255, 0, 0]);
     drawn.expect(0.13, -1.15, [0, 255, 0]);
     drawn.expect(0.6, -0.9, [0, 255, 0]);
     drawn.expect(0.6, 0.1, [0, 0, 255]);
     drawn.expect(0.6, 1.9, [0, 0, 255]);
     rig.scene.ground = None;
-    rig.draw(&[instance(red, Affine::IDENTITY, 0)]).expect(0.6, -0.9, [0, 0, 255]);
+    rig.draw(&[instance(&red, Affine::IDENTITY, 0)]).expect(0.6, -0.9, [0, 0, 255]);
 }
 
 #[test]
@@ -33,9 +35,9 @@ fn haze_hides_the_distance() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
     rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
-    rig.scene.camera.eye = [0.0, 1.0, 10.0];
-    rig.scene.camera.target = [0.0, 1.0, 0.0];
-    rig.scene.camera.far = 30.0;
+    rig.camera.eye = [0.0, 1.0, 10.0];
+    rig.camera.target = [0.0, 1.0, 0.0];
+    rig.camera.far = 30.0;
     let drawn = rig.draw(&[]);
     // The distances of the ground are 6, 20 and 28 m.
     let [near, middle, far] = [-1.7, -0.5, -0.36].map(|y| drawn.at(0.0, y));
@@ -50,11 +52,11 @@ fn paving_has_lines_every_metre() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3] });
     // From vertically above; up in the picture is -Z.
-    rig.scene.camera = Camera {
+    rig.camera = Camera {
         eye: [0.5, 10.0, 0.5],
         target: [0.5, 0.0, 0.5],
         up: [0.0, 0.0, -1.0],
-        ..rig.scene.camera
+        ..rig.camera
     };
     let drawn = rig.draw(&[]);
     drawn.expect(0.0, 0.0, [srgb(0.5); 3]);
@@ -73,17 +75,13 @@ fn members_cast_shadows_on_the_ground_and_on_each_other() {
     rig.scene.ambient.sky = [0.1; 3];
     rig.scene.ambient.ground = [0.1; 3];
     rig.scene.sun.color = [0.5; 3];
-    rig.scene.camera = Camera {
-        eye: [0.0, 10.0, 0.0],
-        target: [0.0; 3],
-        up: [0.0, 0.0, -1.0],
-        ..rig.scene.camera
-    };
-    let white = rig.add(&person([1.0; 3], [1.0; 3]));
+    rig.camera =
+        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // The sun is at 45 degrees on the left, so that the shadow extends 1.75 m to the right.
     rig.scene.sun.to_sun = [-1.0, 1.0, 0.0];
-    let list = [instance(white, Affine::IDENTITY, 0)];
+    let list = [instance(&white, Affine::IDENTITY, 0)];
     let sunny = [srgb(0.1 + 0.5 * f64::sqrt(0.5)); 3];
     let shady = [srgb(0.1); 3];
     rig.scene.sun.casts_shadows = true;
@@ -93,7 +91,7 @@ fn members_cast_shadows_on_the_ground_and_on_each_other() {
     drawn.expect(1.2, 0.5, sunny);
     drawn.expect(0.0, 0.0, sunny);
     // A second person stands in the first one's shadow from the chest down.
-    let both = rig.draw(&[list[0], instance(white, at(0.5, 0.0, 0.0), 0)]);
+    let both = rig.draw(&[list[0], instance(&white, at(0.5, 0.0, 0.0), 0)]);
     both.expect(0.53, 0.0, sunny);
     rig.scene.sun.casts_shadows = false;
     rig.draw(&list).expect(1.2, 0.0, sunny);
@@ -108,11 +106,11 @@ fn lit_surfaces_do_not_shadow_themselves() {
     rig.scene.sun.color = [0.9; 3];
     rig.scene.sun.to_sun = [0.0, 1.0, 1.0];
     rig.scene.sun.casts_shadows = true;
-    let white = rig.add(&person([1.0; 3], [1.0; 3]));
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
     rig.upload(&[Affine::IDENTITY; 2]);
     // The crowd is wide, so that shadow texels are coarse. One member is in front of the camera.
     let list: Vec<_> =
-        (0..41).map(|i| instance(white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
+        (0..41).map(|i| instance(&white, at((i as f32 - 20.0) * 1.5, 0.0, 0.0), 0)).collect();
     let drawn = rig.draw(&list);
     let lit = [srgb(0.9 * f64::sqrt(0.5)); 3];
     for y in [0.1, 0.3, 0.5, 0.9, 1.0, 1.1, 1.2, 1.3] {

@@ -2,7 +2,8 @@
 
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
+    BackendError, DrawSource, GlContext, HandedOver, Instance, PaletteSource, PaletteTarget,
+    PaletteTransport, TargetMark,
 };
 
 use super::Crowd;
@@ -40,5 +41,11 @@ impl PaletteSource for Crowd {
         self.device.check_readable()?;
         self.device.backend_mut().with_page(page, reader)?;
         self.update_offsets()
+    }
+}
+
+impl DrawSource for Crowd {
+    fn instances(&self) -> Vec<Instance<'_>> {
+        self.instances().collect()
     }
 }

@@ -7,6 +7,7 @@ mod reading;
 
 use std::borrow::Borrow;
 
+use populace_device::Instance;
 use populace_model::{JointIndex, Role};
 
 use super::base::MemberState;
@@ -79,6 +80,23 @@ impl State {
 impl Borrow<State> for &mut Crowd {
     fn borrow(&self) -> &State {
         &self.state
+    }
+}
+
+impl<'a> MemberRef<'a> {
+    /// Returns what a renderer needs to draw the member, without a tint. The root-motion offset is
+    /// the one that was known when palettes were last acquired.
+    #[must_use]
+    pub fn instance(&self) -> Instance<'a> {
+        let State { base, .. } = self.crowd;
+        let index = self.id.index;
+        Instance {
+            character: &base.assets.characters[self.character.index].character,
+            world_from_model: self.placement().world_from_model(),
+            moved: self.crowd.offset_of(index),
+            palette_first: base.tables.members().as_slice()[index as usize].palette_first,
+            tint: [1.0; 3],
+        }
     }
 }
 

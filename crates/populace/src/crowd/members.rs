@@ -1,27 +1,10 @@
 //! Spawning, despawning and drawing of members.
 
-use populace_model::Affine;
+use populace_device::Instance;
 
 use super::base::{Base, MemberState, Members};
 use super::{CharacterId, Crowd, MemberId};
 use crate::{Error, Placement};
-
-/// The data that a renderer needs to draw one member.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instance {
-    /// The member.
-    pub member: MemberId,
-    /// Its character.
-    pub character: CharacterId,
-    /// The member's placement.
-    pub world_from_model: Affine,
-    /// The root-motion offset from the placement, in metres in world space, as known when palettes
-    /// were last acquired. The palette includes it.
-    pub moved: [f32; 3],
-    /// The first palette entry: page times
-    /// [`PAGE_ENTRIES`](populace_device::layout::PAGE_ENTRIES) plus the offset in the page.
-    pub palette_first: u32,
-}
 
 impl Base {
     pub(super) fn add_member(
@@ -91,18 +74,8 @@ impl Crowd {
         self.state.base.members.count
     }
 
-    /// Iterates over the instances to draw, in order of the members' indices.
-    pub fn instances(&self) -> impl Iterator<Item = Instance> + '_ {
-        let base = &self.state.base;
-        let members = base.members.all.iter().zip(base.tables.members().as_slice());
-        members.zip(0u32..).filter_map(|((state, member), index)| {
-            Some(Instance {
-                member: MemberId { crowd: base.number, index, generation: state.generation },
-                character: state.character?,
-                world_from_model: state.placement.world_from_model(),
-                moved: self.state.offset_of(index),
-                palette_first: member.palette_first,
-            })
-        })
+    /// Iterates over the instances of all members, in the order of [`members`](Self::members).
+    pub fn instances(&self) -> impl Iterator<Item = Instance<'_>> {
+        self.members().map(|member| member.instance())
     }
 }

@@ -184,7 +184,7 @@ fn spawn(crowd: &mut Crowd, count: u8) {
 }
 
 fn palettes(crowd: &mut Crowd) -> Vec<Vec<Affine>> {
-    let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
+    let members: Vec<_> = crowd.members().map(|m| m.id()).collect();
     members.into_iter().map(|member| crowd.member_mut(member).unwrap().palette().unwrap()).collect()
 }
 
@@ -253,7 +253,7 @@ fn reads_are_refused_after_a_failed_update() {
     for operation in ["update", "run"] {
         let (mut crowd, lost) = crowd_with_failing_backend(operation);
         crowd.update(0.1).unwrap();
-        let member = crowd.instances().map(|i| i.member).next().unwrap();
+        let member = crowd.members().map(|m| m.id()).next().unwrap();
         assert!(
             crowd.member_mut(member).and_then(|mut m| m.palette()).is_ok()
                 && crowd.member_mut(member).and_then(|mut m| m.local_pose()).is_ok()
@@ -295,7 +295,7 @@ fn gaze_that_changes_targets_keeps_few_watches() {
     use crate::Gaze;
     use populace_device::GazeLimits;
     let mut crowd = crowd();
-    let members: Vec<_> = crowd.instances().map(|i| i.member).collect();
+    let members: Vec<_> = crowd.members().map(|m| m.id()).collect();
     let joint = JointIndex(0);
     let limits = GazeLimits { yaw_rad: 1.0, up_rad: 0.5, down_rad: 0.5 };
     let gaze = Gaze { chain: vec![(joint, 1.0)], facing: [0.0, 0.0, 1.0], limits };

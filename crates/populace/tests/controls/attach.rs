@@ -256,9 +256,9 @@ fn watched_joint_of_an_attachment_is_where_it_is_drawn() {
         scene.crowd.finish().expect("a device");
         let seen =
             scene.crowd.readback(watch).expect("a device").expect("a readback").world_from_joint;
-        let is_drawn = |instance: &populace::Instance| instance.member == attachment;
-        let instance = scene.crowd.instances().find(is_drawn).expect("an instance");
-        let drawn = instance.world_from_model.mul(&scene.models(attachment)[joint("head").index()]);
+        let world_from_model =
+            scene.crowd.member(attachment).expect("a member").instance().world_from_model;
+        let drawn = world_from_model.mul(&scene.models(attachment)[joint("head").index()]);
         assert!(distance(seen.origin(), drawn.origin()) < 1e-5, "{seen:?} {drawn:?}");
     });
 }

@@ -155,14 +155,8 @@ impl Scene {
     pub(crate) fn new(builder: &CrowdBuilder) -> Self {
         let mut crowd = builder.clone().build().unwrap();
         let arm = crowd.add_character(character(&motions())).unwrap();
-        let clips: Vec<_> = crowd
-            .character(arm)
-            .unwrap()
-            .asset()
-            .clips()
-            .into_iter()
-            .map(|(clip, _)| clip)
-            .collect();
+        let clips: Vec<_> =
+            crowd.character(arm).unwrap().clips().into_iter().map(|(clip, _)| clip).collect();
         let characters = [arm, crowd.add_character(longer()).unwrap()];
         let machine = crowd.add_machine(&machine(&clips)).unwrap();
         Self { crowd, characters, clips, machine }

@@ -154,7 +154,7 @@ fn removing_a_watch_keeps_other_watches() {
     for frame in 1..=3_u8 {
         scene.update(0.25);
         scene.crowd.with_page(0, &mut |_| ()).expect("a page");
-        let moved = scene.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        let moved = scene.crowd.member(member).expect("a member").instance().moved;
         assert!((moved[2] - 0.25 * f32::from(frame)).abs() < 1e-4, "{moved:?}");
         assert!(scene.crowd.readback(kept).expect("a device").is_some());
         assert_eq!(scene.crowd.readback(gone), Ok(None));
@@ -210,7 +210,7 @@ fn root_motion_can_be_started_committed_placed_and_stopped() {
             scene.crowd.finish().expect("a device");
         }
         scene.crowd.with_page(0, &mut |_| ()).expect("a page");
-        let moved = scene.crowd.instances().find(|i| i.member == member).expect("a member").moved;
+        let moved = scene.crowd.member(member).expect("a member").instance().moved;
         assert!(distance(moved, [0.0, 0.0, 0.5]) < 1e-4, "{moved:?}");
         // A new member in the same slot starts without a root-motion offset.
         scene.edit(member).start_root_motion().expect("a member");

@@ -20,7 +20,7 @@ fn motions() -> Vec<Motion> {
 /// Compares a member's joints with the oracle's, which evaluates the active clips of the member.
 #[track_caller]
 fn assert_matches_oracle(crowd: &mut Crowd, member: MemberId, layers: &[OracleLayer]) {
-    let id = crowd.instances().find(|i| i.member == member).unwrap().character;
+    let id = crowd.member(member).unwrap().character();
     let clips = crowd.character(id).unwrap().clips();
     let body = OracleBody::from_character(crowd.character(id).unwrap().asset());
     let playing = crowd.member(member).unwrap().active_clips();

@@ -65,11 +65,10 @@ fn phases_apart(crowd: &Crowd, member: MemberId, lengths: &[(ClipId, f32)]) -> f
 }
 
 fn lengths(crowd: &Crowd, member: MemberId) -> Vec<(ClipId, f32)> {
-    let character = crowd.instances().find(|i| i.member == member).unwrap().character;
+    let character = crowd.member(member).unwrap().character();
     crowd
         .character(character)
         .unwrap()
-        .asset()
         .clips()
         .into_iter()
         .map(|(id, clip)| (id, clip.duration_secs()))
@@ -308,7 +307,7 @@ fn bad_blend_spaces_and_positions_are_refused() {
             .is_err()
     );
     assert!(crowd.add_blend_space(grid(&other_clips)).is_err());
-    let character = crowd.instances().next().unwrap().character;
+    let character = crowd.members().next().unwrap().character();
     let member = crowd.spawn(character, Placement::at([0.0; 3])).unwrap();
     assert!(is_bad(crowd.member_mut(member).and_then(|mut m| m.set_blend_parameter(0.0, 0.1))));
 }

@@ -1,0 +1,44 @@
+//! What a renderer draws: instances of characters, and the palettes that go with them.
+
+use std::fmt;
+use std::sync::Arc;
+
+use populace_character::Character;
+use populace_model::Affine;
+
+use crate::hand_over::PaletteSource;
+
+/// One instance of a character.
+#[derive(Clone, Copy)]
+pub struct Instance<'a> {
+    /// The character. A renderer keeps what it uploads for each, known by its address.
+    pub character: &'a Arc<Character>,
+    /// The placement in the world.
+    pub world_from_model: Affine,
+    /// The root-motion offset from the placement, in metres in world space. The palette includes
+    /// it.
+    pub moved: [f32; 3],
+    /// The first palette entry: page times [`PAGE_ENTRIES`](crate::layout::PAGE_ENTRIES) plus the
+    /// index within the page, as in [`Member`](crate::layout::Member).
+    pub palette_first: u32,
+    /// Linear colour by which all materials are multiplied; `[1.0; 3]` changes nothing.
+    pub tint: [f32; 3],
+}
+
+impl fmt::Debug for Instance<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Instance")
+            .field("character", &self.character.name)
+            .field("world_from_model", &self.world_from_model)
+            .field("moved", &self.moved)
+            .field("palette_first", &self.palette_first)
+            .field("tint", &self.tint)
+            .finish()
+    }
+}
+
+/// A source of palettes that knows what to draw with them, such as a crowd.
+pub trait DrawSource: PaletteSource {
+    /// The instances to draw with the palettes that were last handed over.
+    fn instances(&self) -> Vec<Instance<'_>>;
+}

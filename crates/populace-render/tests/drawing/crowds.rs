@@ -1,0 +1,104 @@
+//! Whole crowds: characters are uploaded when they are first seen, and crowds are kept apart.
+
+use std::sync::Arc;
+
+use populace_model::Affine;
+use populace_render::Drawn;
+
+use crate::fixture::{at, palette, person};
+use crate::rig::{NOTHING, Pages, Picture, Rig};
+
+const RED: [u8; 3] = [255, 0, 0];
+const GREEN: [u8; 3] = [0, 255, 0];
+
+/// A crowd of one member of its own character.
+fn one([r, g, b]: [f32; 3], place: Affine, bones: Affine) -> Pages {
+    let member = (Arc::new(person([r, g, b], [r, g, b])), place, 0);
+    Pages::new(vec![palette(&[bones; 2])], vec![member])
+}
+
+impl Rig {
+    fn draw_crowds(&mut self, crowds: [&mut Pages; 2]) -> Picture {
+        let [a, b] = crowds;
+        self.renderer.draw_crowds(&mut [a, b], &self.camera, &self.scene).unwrap();
+        Picture(self.renderer.read_image().unwrap())
+    }
+
+    fn draw_crowd(&mut self, crowd: &mut Pages) -> Picture {
+        self.renderer.draw(crowd, &self.camera, &self.scene).unwrap();
+        Picture(self.renderer.read_image().unwrap())
+    }
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn crowds_share_a_picture_with_palettes_of_their_own() {
+    let mut rig = Rig::new();
+    let mut red = one([1.0, 0.0, 0.0], at(-1.0, 0.0, 0.0), Affine::IDENTITY);
+    let mut green = one([0.0, 1.0, 0.0], at(1.0, 0.0, 0.0), at(0.0, -1.0, 0.0));
+    for _ in 0..2 {
+        let both = rig.draw_crowds([&mut red, &mut green]);
+        both.expect(-1.0, 1.6, RED);
+        both.expect(1.0, 0.1, GREEN);
+        both.expect(1.0, 1.6, NOTHING);
+        let alone = rig.draw_crowd(&mut green);
+        alone.expect(-1.0, 1.6, NOTHING);
+        alone.expect(1.0, 0.1, GREEN);
+    }
+}
+
+/// A new character may get the address of one that was dropped.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn characters_are_not_confused_with_dropped_ones() {
+    let mut rig = Rig::new();
+    for round in 0..8 {
+        for (color, wanted) in [([1.0, 0.0, 0.0], RED), ([0.0, 1.0, 0.0], GREEN)] {
+            let mut crowd = one(color, Affine::IDENTITY, Affine::IDENTITY);
+            let drawn = rig.draw_crowd(&mut crowd);
+            assert_eq!(drawn.at(0.0, 1.1), wanted, "round {round}");
+        }
+    }
+}
+
+/// Characters that stay keep their models when others, before and after them, are released.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn other_characters_stay_when_some_are_released() {
+    let mut rig = Rig::new();
+    let colors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0]];
+    let mut crowd = Pages::new(vec![palette(&[Affine::IDENTITY; 2])], Vec::new());
+    for (place, color) in [-1.5, -0.5, 0.5, 1.5].into_iter().zip(colors) {
+        let member = (Arc::new(person(color, color)), at(place, 0.0, 0.0), 0);
+        crowd.members.push(member);
+    }
+    rig.draw_crowd(&mut crowd);
+    crowd.members.remove(2);
+    crowd.members.remove(0);
+    for _ in 0..2 {
+        let drawn = rig.draw_crowd(&mut crowd);
+        drawn.expect(-1.5, 1.1, NOTHING);
+        drawn.expect(-0.5, 1.1, GREEN);
+        drawn.expect(0.5, 1.1, NOTHING);
+        drawn.expect(1.5, 1.1, [255, 255, 0]);
+    }
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn instances_and_visible_triangles_are_counted() {
+    let mut rig = Rig::new();
+    let mut crowd = one([1.0; 3], Affine::IDENTITY, Affine::IDENTITY);
+    let (character, place, first) = crowd.members[0].clone();
+    crowd.members.push((Arc::clone(&character), place, first));
+    let triangles = |wanted: &str| {
+        let parts = character.parts.iter().filter(|part| part.node_name.contains(wanted));
+        2 * parts.map(|part| part.mesh.indices.len() / 3).sum::<usize>()
+    };
+    let all = Drawn { instances: 2, triangles: triangles("") };
+    assert_eq!(rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap(), all);
+    rig.renderer.upload_character(&character, &|part| part.node_name == "head").unwrap();
+    let headless = Drawn { triangles: all.triangles - triangles("head"), ..all };
+    assert!(headless != all);
+    assert_eq!(rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap(), headless);
+}
