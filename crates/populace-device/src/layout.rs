@@ -125,15 +125,15 @@ device_consts! {
     pub const SLOT_ONCE: u32 = 1;
     /// [`Slot::mode`]: the clip is sampled at the fixed time [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
-    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), sampled [`Slot::phase_rate`] ticks in
-    /// the past. Before its oldest row that row holds, after its newest row the newest holds.
+    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), sampled [`Slot::delay_ticks`] in the
+    /// past. Before its oldest row that row holds, after its newest row the newest holds.
     pub const SLOT_LIVE: u32 = 3;
     /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is `2 *
     /// machine instance + which`. Each of the two slots has half the machine's weight; [`Running`]
     /// says which clip it plays and at which weight.
     pub const SLOT_MACHINE: u32 = 4;
     /// [`Slot::mode`]: the decaying difference between an outgoing clip and the clip that replaced
-    /// it. The slot has weight 0 and its fields have other meanings, see [`Slot`].
+    /// it. The slot has weight 0 and is read as an [`InertializationSlot`].
     pub const SLOT_INERTIALIZATION: u32 = 5;
     /// Low bits of [`Slot::layer_and_mode`] that hold the mode; the layer is in the bits above.
     pub const SLOT_MODE_BITS: u32 = 8;
@@ -343,8 +343,8 @@ macro_rules! with_device_structs {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, Layer, Member,
-            SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState,
+            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, InertializationSlot,
+            Layer, Member, SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState,
             Transition, Condition, MachineInstance, Running
         }
     };

@@ -139,11 +139,19 @@ impl Slot {
     }
 
     /// The time at which a slot of [`SLOT_HELD`] samples its clip, in seconds on the clip's own
-    /// axis. Meaningless for other slots.
+    /// axis. Meaningless for other slots. Twin of `slot_held_secs` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub const fn held_secs(&self) -> f32 {
         f32::from_bits(self.start_phase)
+    }
+
+    /// The delay in ticks of a slot of [`SLOT_LIVE`]. Meaningless for other slots. Twin of
+    /// `slot_delay_ticks` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub const fn delay_ticks(&self) -> u64 {
+        self.phase_rate
     }
 
     /// Gives the slot a constant weight.

@@ -225,11 +225,11 @@ INLINE uint newest_inertialization(ConstraintTables tables, uint owner, ulong be
 
 // Returns the shift left from a velocity offset within a span, while it fades out as the slot
 // inertializes.
-INLINE Move inertialized_within(Slot slot, float4 excess, ulong from, ulong until)
+INLINE Move inertialized_within(InertializationSlot slot, float4 excess, ulong from, ulong until)
 {
-    const float begin = still_until(slot_inertialized(slot, from));
+    const float begin = still_until(inertialized_at(slot, from));
     const float4 on =
-        excess * ((still_until(slot_inertialized(slot, until)) - begin) / slot.end_weight);
+        excess * ((still_until(inertialized_at(slot, until)) - begin) / slot.per_tick);
     return move_of(on.x, on.y, on.z, on.w, 1.0f);
 }
 
@@ -248,14 +248,14 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
         begins ? newest_inertialization(tables, owner, frame.from) : newest;
     const ulong until = begins ? tables.slots[newest].start_tick : tables.tick;
     if (inertialization != NONE)
-        moved = move_then(moved, inertialized_within(tables.slots[inertialization], last.excess,
-                                                     frame.from, until));
+        moved = move_then(moved, inertialized_within(as_inertialization(tables.slots[inertialization]),
+                                                     last.excess, frame.from, until));
     if (begins && has_last) {
         const Span after = { until, until + tables.elapsed_ticks };
         last.excess =
             last.speed - speed_of(move_within(tables, owner, after), tables.elapsed_ticks);
-        moved = move_then(
-            moved, inertialized_within(tables.slots[newest], last.excess, until, tables.tick));
+        moved = move_then(moved, inertialized_within(as_inertialization(tables.slots[newest]),
+                                                     last.excess, until, tables.tick));
     }
     if (newest == NONE || !slot_inertializes(tables.slots[newest], tables.tick))
         last.excess = (float4)(0.0f);

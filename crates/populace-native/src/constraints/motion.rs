@@ -10,8 +10,8 @@
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_device::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE,
-    SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    BoundClip, ClipRows, FEET_MOST, Float4, InertializationSlot, LEAST_WEIGHT, MOTION_ELEMENTS,
+    MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, vec3};
@@ -153,10 +153,10 @@ fn still_until(inertialized: f32) -> f32 {
 
 /// Returns the move within a span that comes of a difference in velocity, while it decays as a slot
 /// inertializes.
-fn inertialized_within(slot: &Slot, excess: Speed, within: Span) -> Move {
+fn inertialized_within(slot: &InertializationSlot, excess: Speed, within: Span) -> Move {
     let [from, until] =
         [within.from, within.until].map(|tick| still_until(slot.inertialized_at(tick)));
-    let ticks = (until - from) / slot.end_weight;
+    let ticks = (until - from) / slot.per_tick;
     let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
     Move::new([x, y, z], [turn, 1.0])
 }
@@ -267,15 +267,15 @@ impl Solver<'_> {
     }
 
     /// Returns the member's newest inertialization of the root that began before a tick.
-    fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
+    fn newest_inertialization(&self, before: u64) -> Option<&InertializationSlot> {
         let slots = member_slots(self.tables, self.control.member);
-        let inertialization = |slot: &&Slot| {
-            slot.is_inertialization()
-                && slot.bound_clip != NONE
+        let begun = |slot: &&Slot| {
+            slot.bound_clip != NONE
                 && slot.start_tick < before
                 && self.weight_at_root(slot.layer()) > 0.0
         };
-        slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
+        let slots = slots.iter().filter(|slot| slot.is_inertialization()).filter(begun);
+        slots.filter_map(Slot::as_inertialization).max_by_key(|slot| slot.start_tick)
     }
 
     /// Returns the member's motion state after this frame.
@@ -305,7 +305,11 @@ impl Solver<'_> {
             excess = [0, 1, 2, 3].map(|i: usize| speed[i] - incoming[i]);
             moved = moved.then(&inertialized_within(slot, excess, Span { from, until: tick }));
         }
-        excess = if newest.is_some_and(|slot| slot.inertializes(tick)) { excess } else { [0.0; 4] };
+        excess = if newest.is_some_and(|slot| slot.inertialized_at(tick) < 1.0) {
+            excess
+        } else {
+            [0.0; 4]
+        };
         Last { offset: offset.then(&moved), speed: moved.speed(elapsed), excess }
     }
 

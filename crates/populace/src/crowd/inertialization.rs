@@ -46,9 +46,10 @@ impl Crowd {
         let taking = self.tables.stand(starting, tick);
         let unevaluated = self.unevaluated(place, layer, tick);
         for &index in &unevaluated {
-            let mut slot = self.slots(place)[index];
-            slot.inertialize_into(taking, ticks);
-            self.tables.set_slot(place, index, slot)?;
+            if let Some(slot) = self.slots(place)[index].as_inertialization() {
+                let slot = slot.with_incoming(taking, ticks).into();
+                self.tables.set_slot(place, index, slot)?;
+            }
         }
         let weighing = self.weighing(place, layer, tick);
         let all = weighing.iter().map(|index| weight_and_rate(&self.slots(place)[*index], tick));

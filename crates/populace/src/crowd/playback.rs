@@ -132,7 +132,7 @@ impl Crowd {
         let started = self.started(member.index, index);
         let ends = slot.end_tick(tick).filter(|_| started.once);
         let time_secs = match slot.mode() {
-            SLOT_LIVE => self.live_secs(clip, slot.phase_rate),
+            SLOT_LIVE => self.live_secs(clip, slot.delay_ticks()),
             _ => slot.time_at(tick, rows.start_secs, rows.duration_secs),
         };
         let playing = ActiveClip {
