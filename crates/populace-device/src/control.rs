@@ -5,6 +5,7 @@ use populace_model::math::{quat, vec3};
 use populace_model::{JointIndex, Skeleton, Trs};
 
 use crate::Error;
+use crate::fault::ConstraintFault;
 use crate::layout::{
     Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
     Target,
@@ -280,14 +281,11 @@ pub(crate) fn path(
     first: JointIndex,
     last: JointIndex,
 ) -> Result<Vec<JointIndex>, Error> {
-    let bad = |what: String| Err(Error::BadConstraint { what });
+    let named = |joint: JointIndex| skeleton.name(joint).to_owned();
     for joint in [first, last] {
         if joint.index() >= skeleton.joint_count() {
-            return bad(format!(
-                "there is no joint {}; the skeleton has {}",
-                joint.0,
-                skeleton.joint_count()
-            ));
+            let (joint, count) = (joint.0, skeleton.joint_count());
+            return Err(ConstraintFault::NoJoint { joint, count }.into());
         }
     }
     let mut path = vec![last];
@@ -295,17 +293,14 @@ pub(crate) fn path(
         match skeleton.parent(path[path.len() - 1]) {
             Some(parent) => path.push(parent),
             None => {
-                let (first, last) = (skeleton.name(first), skeleton.name(last));
-                return bad(format!("joint \"{last}\" is not below joint \"{first}\""));
+                let (first, last) = (named(first), named(last));
+                return Err(ConstraintFault::NotBelow { first, last }.into());
             }
         }
     }
     if path.len() > LINKS_MOST as usize {
-        let (first, last, count) = (skeleton.name(first), skeleton.name(last), path.len());
-        return bad(format!(
-            "the chain from \"{first}\" to \"{last}\" has {count} joints; at most {LINKS_MOST} are \
-             supported"
-        ));
+        let (first, last, count) = (named(first), named(last), path.len());
+        return Err(ConstraintFault::LongChain { first, last, count }.into());
     }
     path.reverse();
     Ok(path)

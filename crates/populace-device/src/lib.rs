@@ -9,6 +9,7 @@ pub mod backend;
 mod backend_error;
 mod control;
 mod error;
+mod fault;
 mod hand_over;
 pub mod layout;
 mod place;
@@ -23,6 +24,7 @@ pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Space,
 };
 pub use error::Error;
+pub use fault::{ConstraintFault, ConstraintPart, StageFault};
 pub use hand_over::{
     EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
     PaletteTransport, SharedPage, TargetMark,

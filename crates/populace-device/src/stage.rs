@@ -7,6 +7,7 @@ use populace_clip::TICKS_PER_SEC;
 use populace_model::{Affine, JointIndex, Trs};
 
 use crate::Error;
+use crate::fault::StageFault;
 use crate::layout::STAGE_PARAMETERS;
 use crate::place::Place;
 
@@ -172,18 +173,14 @@ impl UserStage {
     /// character, or the stage has neither text nor function.
     pub fn check(&self) -> Result<(), Error> {
         let Self { name, opencl_c, rust } = self;
-        let bad = |what: &str| Err(Error::BadStage { stage: name.clone(), what: what.into() });
+        let bad = |fault| Err(Error::BadStage { stage: name.clone(), fault });
         let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         if !starts || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            return bad(
-                "a name consists of A to Z, a to z, 0 to 9 and _, and does not begin with a digit",
-            );
+            return bad(StageFault::Name);
         }
         match (opencl_c, rust) {
-            (None, None) => bad("it needs a text in OpenCL C, a function in Rust, or both"),
-            (Some(text), _) if text.contains('\0') => {
-                bad("its text in OpenCL C contains a zero character")
-            }
+            (None, None) => bad(StageFault::NoForm),
+            (Some(text), _) if text.contains('\0') => bad(StageFault::ZeroCharacter),
             _ => Ok(()),
         }
     }

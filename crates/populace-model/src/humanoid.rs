@@ -9,7 +9,7 @@ mod tests;
 use std::collections::BTreeMap;
 use std::fmt;
 
-use crate::{Error, JointIndex, Skeleton};
+use crate::{Error, JointIndex, RoleFault, Skeleton};
 
 /// A side of a body, as seen by the body itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -243,31 +243,24 @@ impl RoleMap {
     pub fn from_names(skeleton: &Skeleton, names: &[(Role, &str)]) -> Result<Self, Error> {
         let mut map = Self::empty(skeleton, "given");
         for &(role, name) in names {
-            let bad = |what: String| Error::BadRole { role: role.to_string(), what };
+            let bad = |fault| Error::BadRole { role, fault };
+            let given = || name.to_owned();
             let joint = skeleton
                 .find(name)
-                .ok_or_else(|| bad(format!("the skeleton has no joint \"{name}\"")))?;
-            if let Some((other, _)) = map.joints.iter().find(|(_, taken)| **taken == joint) {
-                return Err(bad(format!(
-                    "joint \"{name}\" is {other} already; a joint can have only one role"
-                )));
+                .ok_or_else(|| bad(RoleFault::UnknownJoint { joint: given() }))?;
+            if let Some((&other, _)) = map.joints.iter().find(|(_, taken)| **taken == joint) {
+                return Err(bad(RoleFault::JointTaken { joint: given(), other }));
             }
             if let Some(first) = map.joints.insert(role, joint) {
-                let first = skeleton.name(first);
-                return Err(bad(format!(
-                    "both \"{first}\" and \"{name}\" are given; a role can have only one joint"
-                )));
+                let first = skeleton.name(first).to_owned();
+                return Err(bad(RoleFault::TwoJoints { first, second: given() }));
             }
         }
         for (&role, &joint) in &map.joints {
             map.check(skeleton, role, joint)?;
         }
         match NEEDED.into_iter().find(|role| !map.joints.contains_key(role)) {
-            Some(role) => {
-                let what = "no joint is given; hips, upper legs, lower legs and feet are required, \
-                            other roles are optional";
-                Err(Error::BadRole { role: role.to_string(), what: what.into() })
-            }
+            Some(role) => Err(Error::BadRole { role, fault: RoleFault::NoJoint }),
             None => Ok(map),
         }
     }
@@ -288,9 +281,11 @@ impl RoleMap {
                 && !skeleton.is_below(joint, of)
                 && !elsewhere
             {
-                let (name, of) = (skeleton.name(joint), skeleton.name(of));
-                let what = format!("joint \"{name}\" is not below \"{of}\", which is {parent}");
-                return Err(Error::BadRole { role: role.to_string(), what });
+                let [joint, above] = [joint, of].map(|joint| skeleton.name(joint).to_owned());
+                return Err(Error::BadRole {
+                    role,
+                    fault: RoleFault::NotBelow { joint, above, parent },
+                });
             }
         }
         Ok(())

@@ -25,6 +25,7 @@
 
 pub mod convert;
 mod error;
+mod error_kind;
 pub mod f64math;
 pub mod humanoid;
 mod joint;
@@ -35,7 +36,8 @@ mod property;
 mod skeleton;
 mod track;
 
-pub use error::Error;
+pub use error::{Error, RoleFault, TrackFault};
+pub use error_kind::ErrorKind;
 pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
 pub use joint::JointIndex;
 pub use mask::Mask;

@@ -5,9 +5,9 @@ use populace_clip::{Clip, MotionOrigin, Range, RowBlock, Storage};
 use populace_model::humanoid::RoleMap;
 use populace_model::{JointIndex, Property, Skeleton, Trs, f64math};
 
-use crate::Error;
 use crate::common::{Chain, ColumnMotion, Common, Figure, Soles, Value};
 use crate::fit::BindingReport;
+use crate::{BindingFault, Error};
 
 /// Flag in a joint map: the rotation comes from the clip's rows.
 pub const MAP_ROTATION: u32 = 1 << 31;
@@ -188,16 +188,12 @@ impl Binding {
         match driven.filter(|_| by_name.bound_joint_count == 0) {
             None => Ok(by_name),
             Some(first) => {
-                let first = clip.skeleton().name(first);
-                let has = |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "has not" };
-                let what = format!(
-                    "no joint of the skeleton has the name of a joint that the clip drives, such \
-                     as \"{first}\"; humanoid roles are needed on both skeletons, but this \
-                     skeleton {} them and the clip's own {}; give roles with RoleMap::from_names",
-                    has(roles),
-                    has(clip_roles)
-                );
-                Err(Error::CannotBind { clip: clip.name().to_owned(), what })
+                let fault = BindingFault::NoCommonName {
+                    joint: clip.skeleton().name(first).to_owned(),
+                    skeleton_has_roles: roles.is_some(),
+                    clip_has_roles: clip_roles.is_some(),
+                };
+                Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
             }
         }
     }
@@ -230,13 +226,11 @@ impl Binding {
         skeleton: &Skeleton,
         roles: &RoleMap,
     ) -> Result<Self, Error> {
-        let refused = |what: String| Err(Error::CannotBind { clip: clip.name().to_owned(), what });
+        let refused = |fault| Err(Error::CannotBind { clip: clip.name().to_owned(), fault });
         for (map, own) in [(clip_roles, clip.skeleton()), (roles, skeleton)] {
             if map.joint_count() != own.joint_count() {
-                let (wanted, has) = (map.joint_count(), own.joint_count());
-                return refused(format!(
-                    "its role map is for {wanted} joints, but the skeleton has {has}"
-                ));
+                let (wanted, joints) = (map.joint_count(), own.joint_count());
+                return refused(BindingFault::OtherSkeleton { wanted, joints });
             }
         }
         let mut common =
@@ -245,7 +239,7 @@ impl Binding {
             |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.drives(source));
         let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
         if bound_joint_count == 0 {
-            return refused("it drives no joint with a humanoid role that both bodies have".into());
+            return refused(BindingFault::NoCommonRole);
         }
         let every = clip.row_count().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.row_poses(every).collect();

@@ -3,8 +3,8 @@
 use populace_clip::Clip;
 use populace_model::{JointIndex, Skeleton, f64math};
 
-use crate::Error;
 use crate::common::Common;
+use crate::{BindingFault, Error};
 
 /// Method of matching a clip's joints with those of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,15 +59,9 @@ impl BindingReport {
         if self.way != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
             return Ok(());
         }
-        let what = format!(
-            "only {} of the {} joints that the clip moves are found by name, less than {:.0} %, \
-             and humanoid roles are not known for both skeletons; give roles with \
-             RoleMap::from_names, or play the clip as it is with ClipPlayback::partial",
-            self.bound_joints,
-            self.moving_joints,
-            100.0 * Self::LEAST_SHARE
-        );
-        Err(Error::CannotBind { clip: clip.to_owned(), what })
+        let (bound, moving) = (self.bound_joints, self.moving_joints);
+        let fault = BindingFault::FewJoints { bound, moving };
+        Err(Error::CannotBind { clip: clip.to_owned(), fault })
     }
 
     pub(crate) fn by_name(clip: &Clip, skeleton: &Skeleton) -> Self {

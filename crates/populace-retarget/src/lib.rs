@@ -11,5 +11,5 @@ mod error;
 mod fit;
 
 pub use binding::{Binding, Footing, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, Turn};
-pub use error::Error;
+pub use error::{BindingFault, Error};
 pub use fit::{BindingMethod, BindingReport};

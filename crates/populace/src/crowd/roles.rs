@@ -1,7 +1,7 @@
 //! Humanoid roles of characters, by which clips of one body are retargeted to others.
 
 use populace_clip::Clip;
-use populace_model::RoleMap;
+use populace_model::{Role, RoleFault, RoleMap};
 
 use super::{CharacterId, ClipId, Crowd};
 use crate::Error;
@@ -71,9 +71,7 @@ impl Crowd {
 }
 
 fn other_skeleton(name: &str, roles: &RoleMap, joints: usize) -> Error {
-    let what = format!(
-        "the roles are for a skeleton of {} joints, but the skeleton of \"{name}\" has {joints}",
-        roles.joint_count()
-    );
-    populace_model::Error::BadRole { role: "hips".into(), what }.into()
+    let (name, wanted) = (name.to_owned(), roles.joint_count());
+    let fault = RoleFault::OtherSkeletonOf { name, wanted, joints };
+    populace_model::Error::BadRole { role: Role::Hips, fault }.into()
 }

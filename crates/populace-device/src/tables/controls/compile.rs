@@ -2,12 +2,13 @@
 //! each step.
 
 use populace_model::convert::{not_finite, u32_from};
-use populace_model::{JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
+use populace_model::{JointIndex, LARGEST, Skeleton, Trs, f64math};
 
 use crate::Error;
 use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
+use crate::fault::{ConstraintFault, ConstraintPart};
 use crate::layout::{
     self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
     STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
@@ -43,22 +44,22 @@ pub(super) struct Program {
     rotation_count: usize,
 }
 
-fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
-    Err(Error::BadConstraint { what: what.into() })
+fn bad<T>(fault: ConstraintFault) -> Result<T, Error> {
+    Err(fault.into())
 }
 
-fn check_finite(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_finite(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
     match not_finite(values) {
         None => Ok(()),
-        Some(_) => bad(format!("{what} has a value that is not finite")),
+        Some(_) => bad(ConstraintFault::NotFinite { part }),
     }
 }
 
-fn check_bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_bounded(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.abs() <= LARGEST) {
         Ok(())
     } else {
-        bad(format!("{what} has a value that is not finite or whose magnitude exceeds {LARGEST:e}"))
+        bad(ConstraintFault::NotBounded { part })
     }
 }
 
@@ -71,13 +72,10 @@ fn direction(of: [f32; 3]) -> [f32; 3] {
 }
 
 /// Converts a transform that the host sets.
-fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
+fn transform(part: ConstraintPart, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
     if !given.is_bounded() || !(0.9..1.1).contains(&length) {
-        return bad(format!(
-            "{what} needs finite values, a translation of at most {LARGEST:e}, scales of at most \
-                         {LARGEST_SCALE:e} and a rotation of length 1"
-        ));
+        return bad(ConstraintFault::Transform { part });
     }
     let [x, y, z] = given.translation;
     Ok(Override {
@@ -126,12 +124,7 @@ impl Program {
         program.attach(skeleton, controls.attached)?;
         program.solve_legs_with_pelvis();
         if program.rotation_count > TURNS_MOST as usize {
-            let what = format!(
-                "the constraints of a member rotate {} joints in sequence; at most {TURNS_MOST} \
-                 are supported",
-                program.rotation_count
-            );
-            return bad(what);
+            return bad(ConstraintFault::TooManyRotations { count: program.rotation_count });
         }
         // Stable sort. Root motion comes first, then attachments. Constraints of one joint keep
         // their order, followed by stages, overrides and watched joints.
@@ -158,9 +151,9 @@ impl Program {
         targets: &[Target],
     ) -> Result<u32, Error> {
         for target in targets {
-            check_bounded("a target", &target.point.0)?;
+            check_bounded(ConstraintPart::Target, &target.point.0)?;
             check_finite(
-                "the weight of a target",
+                ConstraintPart::TargetWeight,
                 &[target.start_weight, target.weight_rate, target.end_weight],
             )?;
         }
@@ -182,7 +175,7 @@ impl Program {
 
     fn gaze(&mut self, skeleton: &Skeleton, gaze: &Gaze) -> Result<(), Error> {
         let (Some(&(first, _)), Some(&(last, _))) = (gaze.chain.first(), gaze.chain.last()) else {
-            return bad("a gaze needs at least one joint");
+            return bad(ConstraintFault::EmptyGaze);
         };
         let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
         let good =
@@ -192,12 +185,9 @@ impl Program {
         let in_range = (0.0..half).contains(&limits.yaw_rad)
             && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
         if !good || !in_range {
-            return bad(
-                "a gaze needs shares that are not negative and sum to more than 0, a yaw limit \
-                 below pi, and up and down limits below pi / 2",
-            );
+            return bad(ConstraintFault::GazeRange);
         }
-        check_finite("the facing direction of a gaze", &gaze.facing)?;
+        check_finite(ConstraintPart::GazeFacing, &gaze.facing)?;
         let joints = path(skeleton, first, last)?;
         let share_of = |joint: &JointIndex| {
             let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
@@ -229,14 +219,11 @@ impl Program {
         let (links, middle) =
             limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
         if !(limb.soft > 0.0 && limb.soft <= 0.5) {
-            return bad(format!(
-                "the `soft` fraction of a limb is {}; it must be above 0 and at most 0.5",
-                limb.soft
-            ));
+            return bad(ConstraintFault::LimbSoft { soft: limb.soft });
         }
-        check_finite("the bend direction of a limb", &limb.bend)?;
+        check_finite(ConstraintPart::LimbBend, &limb.bend)?;
         let pole = limb.pole.unwrap_or([0.0; 3]);
-        check_finite("a pole", &pole)?;
+        check_finite(ConstraintPart::Pole, &pole)?;
         let row = layout::Constraint {
             axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
             front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
@@ -256,13 +243,10 @@ impl Program {
     fn chain(&mut self, skeleton: &Skeleton, chain: &Chain) -> Result<(), Error> {
         let joints = path(skeleton, chain.first, chain.end)?;
         if joints.len() < 2 {
-            return bad("a chain needs at least two joints");
+            return bad(ConstraintFault::ShortChain);
         }
         if !(chain.soft > 0.0 && chain.soft <= 0.5) {
-            return bad(format!(
-                "the `soft` fraction of a chain is {}; it must be above 0 and at most 0.5",
-                chain.soft
-            ));
+            return bad(ConstraintFault::ChainSoft { soft: chain.soft });
         }
         let links: Vec<Link> =
             joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
@@ -281,16 +265,13 @@ impl Program {
 
     fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
         if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
-            return bad(format!(
-                "{} feet are given; 1 to {FEET_MOST} are supported",
-                feet.feet.len()
-            ));
+            return bad(ConstraintFault::FootCount { count: feet.feet.len() });
         }
         if !(0.0..=1.0).contains(&feet.weight) {
-            return bad(format!("the weight of feet is {}; it must be from 0 to 1", feet.weight));
+            return bad(ConstraintFault::FeetWeight { weight: feet.weight });
         }
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
-            return bad("a member has two feet constraints; only one is supported");
+            return bad(ConstraintFault::SecondFeet);
         }
         let turn = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
@@ -332,17 +313,11 @@ impl Program {
         let of = |space: Space| overrides.iter().filter(move |o| o.space == space);
         for given in of(Space::Local).chain(of(Space::Model)) {
             path(skeleton, given.joint, given.joint)?;
-            let name = skeleton.name(given.joint);
-            if !(0.0..=1.0).contains(&given.weight) {
-                return bad(format!(
-                    "the weight of the override of joint \"{name}\" must be from 0 to 1"
-                ));
+            let (joint, weight) = (skeleton.name(given.joint).to_owned(), given.weight);
+            if !(0.0..=1.0).contains(&weight) {
+                return bad(ConstraintFault::OverrideWeight { joint, weight });
             }
-            let row = transform(
-                &format!("the override of joint \"{name}\""),
-                &given.transform,
-                given.weight,
-            )?;
+            let row = transform(ConstraintPart::Override { joint }, &given.transform, weight)?;
             self.overrides.push(Override { joint: given.joint.0, ..row });
             if given.space == Space::Model {
                 self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
@@ -357,7 +332,7 @@ impl Program {
     fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
         let Some((watched, offset)) = attached else { return Ok(()) };
         let at = self.overrides.len();
-        self.overrides.push(transform("the offset of an attachment", &offset, 1.0)?);
+        self.overrides.push(transform(ConstraintPart::AttachmentOffset, &offset, 1.0)?);
         for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
             self.step(root, STEP_ATTACH, watched, at);
         }
@@ -414,16 +389,11 @@ fn limb_links(
     let joints = path(skeleton, from, end)?;
     let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
     let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
-        let (middle, end) = (skeleton.name(middle), skeleton.name(end));
-        return bad(format!(
-            "joint \"{middle}\" is not between the first joint of its limb and joint \"{end}\""
-        ));
+        let [middle, end] = [middle, end].map(|joint| skeleton.name(joint).to_owned());
+        return bad(ConstraintFault::NotBetween { middle, end });
     };
     if !(upper < bends && bends + 1 < joints.len()) {
-        return bad(format!(
-            "a limb needs three joints, each below the one before; this limb ends at \"{}\"",
-            skeleton.name(end)
-        ));
+        return bad(ConstraintFault::LimbOrder { end: skeleton.name(end).to_owned() });
     }
     Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
 }
@@ -438,10 +408,8 @@ fn foot_row(
     let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
     let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
     if upper == 0 {
-        return bad(format!(
-            "the leg of \"{}\" must begin below the pelvis, not at it",
-            skeleton.name(foot.ankle)
-        ));
+        let ankle = skeleton.name(foot.ankle).to_owned();
+        return bad(ConstraintFault::LegAtPelvis { ankle });
     }
     let models = skeleton.rest_models();
     let place = |joint: JointIndex| models[joint.index()].translation;
