@@ -7,7 +7,7 @@ use populace_model::{JointIndex, Skeleton, Trs};
 use crate::Error;
 use crate::fault::ConstraintFault;
 use crate::layout::{
-    Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
+    Float4, LEAST_WEIGHT, MAX_LINKS, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
     Target,
 };
 use crate::playback::{is_ramp_to, ramp, ramp_rate};
@@ -266,8 +266,8 @@ pub(crate) fn in_joint(
     joint: Option<JointIndex>,
     direction: [f32; 3],
 ) -> [f32; 3] {
-    let turn = joint.map_or(quat::identity(), |joint| rest_rotation(skeleton, joint));
-    vec3::turned(quat::conjugate(turn), direction)
+    let rotation = joint.map_or(quat::identity(), |joint| rest_rotation(skeleton, joint));
+    vec3::rotated(quat::conjugate(rotation), direction)
 }
 
 /// Returns every joint from `first` down to `last`.
@@ -275,7 +275,7 @@ pub(crate) fn in_joint(
 /// # Errors
 ///
 /// [`Error::BadConstraint`] if `last` is not below `first` or the chain has more than
-/// [`LINKS_MOST`] joints.
+/// [`MAX_LINKS`] joints.
 pub(crate) fn path(
     skeleton: &Skeleton,
     first: JointIndex,
@@ -298,7 +298,7 @@ pub(crate) fn path(
             }
         }
     }
-    if path.len() > LINKS_MOST as usize {
+    if path.len() > MAX_LINKS as usize {
         let (first, last, count) = (named(first), named(last), path.len());
         return Err(ConstraintFault::LongChain { first, last, count }.into());
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use populace_model::{LARGEST, LARGEST_SCALE};
 
-use crate::layout::{FEET_MOST, LINKS_MOST, STAGES_MOST, TURNS_MOST};
+use crate::layout::{MAX_FEET, MAX_LINKS, MAX_STAGES, MAX_STEP_ROTATIONS};
 
 /// The defect of a user stage.
 #[non_exhaustive]
@@ -21,7 +21,7 @@ pub enum StageFault {
     ZeroCharacter,
     /// A stage too many.
     #[error(
-        "the crowd already has {STAGES_MOST} stages, the most that are possible; remove one first"
+        "the crowd already has {MAX_STAGES} stages, the most that are possible; remove one first"
     )]
     TooMany,
     /// A name that another stage has.
@@ -62,7 +62,7 @@ pub enum ConstraintFault {
     },
     /// A chain of too many joints.
     #[error(
-        "the chain from \"{first}\" to \"{last}\" has {count} joints; at most {LINKS_MOST} are \
+        "the chain from \"{first}\" to \"{last}\" has {count} joints; at most {MAX_LINKS} are \
          supported"
     )]
     LongChain {
@@ -78,8 +78,8 @@ pub enum ConstraintFault {
     ShortChain,
     /// A program in which too many joints are rotated one after the other.
     #[error(
-        "the constraints of a member rotate {count} joints in sequence; at most {TURNS_MOST} are \
-         supported"
+        "the constraints of a member rotate {count} joints in sequence; at most \
+         {MAX_STEP_ROTATIONS} are supported"
     )]
     TooManyRotations {
         /// Number of rotations.
@@ -167,7 +167,7 @@ pub enum ConstraintFault {
         name: Option<String>,
     },
     /// No feet, or too many.
-    #[error("{count} feet are given; 1 to {FEET_MOST} are supported")]
+    #[error("{count} feet are given; 1 to {MAX_FEET} are supported")]
     FootCount {
         /// Number of feet given.
         count: usize,

@@ -76,9 +76,9 @@ impl StageJoint {
     }
 
     /// With [`After::Transform`]: rotates the joint about its own position by a unit quaternion `x
-    /// y z w` in model space. OpenCL C: `stage_turn(joint, quaternion)`.
-    pub fn turn(&mut self, rotation: [f32; 4]) {
-        self.model = self.model.turned(rotation);
+    /// y z w` in model space. OpenCL C: `stage_rotate(joint, quaternion)`.
+    pub fn rotate(&mut self, rotation: [f32; 4]) {
+        self.model = self.model.rotated(rotation);
     }
 }
 
@@ -93,7 +93,7 @@ pub type StageFn = Arc<dyn Fn(&mut StageJoint) + Send + Sync>;
 #[doc = concat!("```c\n", include_str!("stage/joint.cl"), "```")]
 /// and the functions `float stage_phase(const StageJoint *, float period_secs)`, `float4
 /// stage_to_model(const StageJoint *, float4 direction)` and
-/// `void stage_turn(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
+/// `void stage_rotate(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
 /// do.
 ///
 /// The texts of a crowd's stages are compiled together, each distinct text once, so helper
@@ -196,7 +196,7 @@ impl fmt::Debug for UserStage {
 /// A member's use of a stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageUse {
-    /// The stage's number in the crowd, below [`STAGES_MOST`](crate::layout::STAGES_MOST).
+    /// The stage's number in the crowd, below [`MAX_STAGES`](crate::layout::MAX_STAGES).
     pub stage: u32,
     /// The pipeline stage after which it runs.
     pub after: After,

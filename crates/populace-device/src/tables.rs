@@ -17,8 +17,8 @@ use std::collections::BinaryHeap;
 
 use crate::Error;
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS,
-    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES, RowBlock,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES,
+    MOTION_ELEMENTS, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, RowBlock,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -58,7 +58,7 @@ pub struct Tables {
     palette_space: Space,
     control_spaces: ControlSpaces,
     /// Number of members in each phase.
-    phase_members: [usize; PHASES_MOST as usize],
+    phase_members: [usize; MAX_PHASES as usize],
     instance_space: InstanceSpace,
 }
 
@@ -91,7 +91,7 @@ impl Tables {
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
             control_spaces: ControlSpaces::new(),
-            phase_members: [0; PHASES_MOST as usize],
+            phase_members: [0; MAX_PHASES as usize],
             instance_space: InstanceSpace::new(),
         }
     }

@@ -248,8 +248,9 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
         begins ? newest_inertialization(tables, owner, frame.from) : newest;
     const ulong until = begins ? tables.slots[newest].start_tick : tables.tick;
     if (inertialization != NONE)
-        moved = move_then(moved, inertialized_within(as_inertialization(tables.slots[inertialization]),
-                                                     last.excess, frame.from, until));
+        moved = move_then(moved,
+                          inertialized_within(as_inertialization(tables.slots[inertialization]),
+                                              last.excess, frame.from, until));
     if (begins && has_last) {
         const Span after = { until, until + tables.elapsed_ticks };
         last.excess =
@@ -274,11 +275,11 @@ APART_STEP float16 moves(const Solver *s, Step step, float16 own)
     const Last kept = { { place.x, place.y, place.z, heading.x, heading.y },
                         s->tables->states_before[state + 2],
                         s->tables->states_before[state + 3] };
-    const bool begun = as_uint(place.w) == step.turn;
+    const bool begun = as_uint(place.w) == step.operand;
     const Last next = next_of(*s->tables, s->control.member, begun ? kept : none, begun);
     const Move now = next.place;
     if (step.joint == 0) {
-        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
+        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(step.operand));
         s->tables->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
         s->tables->states[state + 2] = next.speed;
         s->tables->states[state + 3] = next.excess;

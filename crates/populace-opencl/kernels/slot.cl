@@ -1,6 +1,8 @@
-// slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written. Twin
-// of populace-native/src/slot.rs and populace-device/src/playback.rs: same arithmetic, same order of
-// operations.
+// slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written.
+//
+// Twin of populace-native/src/slot.rs, populace-device/src/playback.rs,
+// populace-device/src/playback/inertialize.rs and populace-device/src/tables/rows.rs: same
+// arithmetic, same order of operations.
 
 // Returns a weight that goes from `start` by `rate` per second to `end`.
 INLINE float ramp(ulong elapsed_ticks, float start, float rate, float end)

@@ -39,7 +39,7 @@ pub struct Binding {
     report: BindingReport,
 }
 
-/// A retarget correction of one joint; see `TURN_PLANES` of populace-device.
+/// A retarget correction of one joint; see `CORRECTION_PLANES` of populace-device.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// The clip's column and `MAP_` flags of what its rows drive.

@@ -13,7 +13,7 @@ use crate::{Error, LiveFault};
 /// Allowed rows per second of a live clip.
 const ROWS_PER_SEC: std::ops::RangeInclusive<f32> = 1.0..=1000.0;
 /// Maximum number of rows kept: an hour at 1000 rows per second.
-const ROWS_MOST: f32 = 3.6e6;
+const MAX_ROWS: f32 = 3.6e6;
 
 /// Selects joints of which a live clip receives translations or scales. Rotations of all joints are
 /// received.
@@ -113,7 +113,7 @@ fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
         return bad(LiveFault::RowRate { rows_per_sec });
     }
     let rows = (rows_per_sec * secs).ceil();
-    if !(secs > 0.0 && rows <= ROWS_MOST) {
+    if !(secs > 0.0 && rows <= MAX_ROWS) {
         return bad(LiveFault::RingLength { secs });
     }
     #[expect(

@@ -157,8 +157,8 @@ device_struct! {
         /// The body it is bound to; [`NONE`] for a retarget correction, which slots must not name.
         pub body: u32,
         /// Index into `bound_clips`: the correction that the sampled pose goes through next, or
-        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`TURN_PLANES`]. Blocks
-        /// without [`BLOCK_TURNED`] skip it.
+        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`CORRECTION_PLANES`].
+        /// Blocks without [`BLOCK_CORRECTED`] skip it.
         pub next: u32,
         /// Scale of root motion: distance moved by the body per distance moved by the clip's
         /// skeleton.
@@ -192,7 +192,8 @@ device_struct! {
         pub scale_first: u32,
         /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
-        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_TURNED`], [`REST_TRANSLATION`] and [`REST_SCALE`].
+        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_CORRECTED`], [`REST_TRANSLATION`] and
+        /// [`REST_SCALE`].
         pub flags: u32,
         /// Offset into `sources`.
         pub source_first: u32,

@@ -6,9 +6,9 @@ use populace_retarget::{Binding, Footing, Turn};
 use super::{BodyIndex, Tables, padded};
 use crate::Error;
 use crate::layout::{
-    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
-    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION,
-    RowBlock, Source, TURN_PLANES,
+    BLOCK_CORRECTED, BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, CORRECTION_PLANES, JOINT_BLOCK,
+    MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE,
+    REST_TRANSLATION, RowBlock, Source,
 };
 
 /// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
@@ -81,7 +81,7 @@ impl Tables {
             |(first, (corrected, arms))| {
                 let moved = u32::from(*arms) * REST_TRANSLATION;
                 (self.rest_flags(&body_row, range_first, first) & !moved)
-                    | (u32::from(*corrected) * BLOCK_TURNED)
+                    | (u32::from(*corrected) * BLOCK_CORRECTED)
             },
         );
         let flags = flags.collect();
@@ -118,7 +118,7 @@ impl Tables {
         let own = CorrectedBlocks::of(corrections, body);
         let flags = own.arms.iter().zip(&later.corrections).map(|(arms, corrected)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
-            still | (u32::from(*corrected) * BLOCK_TURNED)
+            still | (u32::from(*corrected) * BLOCK_CORRECTED)
         });
         let index = self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect())?;
         Ok((index, later.or(&own)))
@@ -137,7 +137,7 @@ impl Tables {
 
     fn add_correction_planes(&mut self, corrections: &[Turn]) -> Result<u32, Error> {
         let padded = padded(corrections.len());
-        let mut planes = vec![0.0; TURN_PLANES * padded];
+        let mut planes = vec![0.0; CORRECTION_PLANES * padded];
         for joint in 0..padded {
             let Turn { rotation, step_w, arm, after, .. } =
                 corrections.get(joint).copied().unwrap_or(Turn::NONE);

@@ -10,7 +10,7 @@
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_device::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, InertializationSlot, LEAST_WEIGHT, MOTION_ELEMENTS,
+    BoundClip, ClipRows, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET, MOTION_ELEMENTS,
     MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_model::Affine;
@@ -42,7 +42,7 @@ impl Move {
         }
     }
 
-    fn turned(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    fn rotated(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [sin, cos] = self.heading;
         [cos * x + sin * z, y, cos * z - sin * x]
     }
@@ -50,13 +50,13 @@ impl Move {
     /// Combines two moves: `next`, relative to where this one leads.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
-        Self::new(vec3::add(self.shift, self.turned(next.shift)), [s * d + c * t, c * d - s * t])
+        Self::new(vec3::add(self.shift, self.rotated(next.shift)), [s * d + c * t, c * d - s * t])
     }
 
     /// Returns the inverse.
     fn undone(&self) -> Self {
         let back = Self { shift: [0.0; 3], heading: [-self.heading[0], self.heading[1]] };
-        Self { shift: vec3::scale(back.turned(self.shift), -1.0), ..back }
+        Self { shift: vec3::scale(back.rotated(self.shift), -1.0), ..back }
     }
 
     /// Repeats the move `count` times.
@@ -319,7 +319,7 @@ impl Solver<'_> {
         let [shift, heading, speed, excess] =
             [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
         // The state of another epoch belongs to an earlier use of root motion.
-        let last = (shift[3].to_bits() == step.turn).then(|| Last {
+        let last = (shift[3].to_bits() == step.operand).then(|| Last {
             offset: Move {
                 shift: [shift[0], shift[1], shift[2]],
                 heading: [heading[0], heading[1]],
@@ -330,7 +330,7 @@ impl Solver<'_> {
         let Last { offset: now, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
-            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.turn)]));
+            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.operand)]));
             self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
             self.keep_state(MOTION_STATE + 2, Float4(speed));
             self.keep_state(MOTION_STATE + 3, Float4(excess));
@@ -342,6 +342,6 @@ impl Solver<'_> {
 }
 
 const _: () = assert!(
-    MOTION_STATE == FEET_MOST && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    MOTION_STATE == MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
     "the states of feet come first, then that of root motion"
 );

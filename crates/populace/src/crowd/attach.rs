@@ -1,6 +1,6 @@
 //! Attachments: members that follow a joint of another, on the device and in the same frame.
 
-use populace_device::layout::PHASES_MOST;
+use populace_device::layout::MAX_PHASES;
 use populace_model::{JointIndex, Trs};
 
 use super::{Crowd, MemberId};
@@ -154,7 +154,7 @@ impl Crowd {
             }
             above = self.parent(member).map(|parent| parent.member);
         }
-        let (levels, most) = (self.phase(to) + 1 + self.levels(child), PHASES_MOST - 1);
+        let (levels, most) = (self.phase(to) + 1 + self.levels(child), MAX_PHASES - 1);
         if levels > most {
             return refused(format!(
                 "attachments would be {levels} levels deep; at most {most} are possible, so attach \

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use populace_device::layout::{STAGE_PARAMETERS, STAGES_MOST};
+use populace_device::layout::{MAX_STAGES, STAGE_PARAMETERS};
 use populace_device::{After, StageFault, UserStage, layout};
 use populace_model::JointIndex;
 
@@ -51,7 +51,7 @@ impl Crowd {
         stage.check()?;
         let mut all = self.stages.all.clone();
         let number = all.iter().position(Option::is_none).unwrap_or(all.len());
-        if number >= STAGES_MOST as usize {
+        if number >= MAX_STAGES as usize {
             return Err(bad_stage(&stage, StageFault::TooMany));
         }
         if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {

@@ -10,9 +10,9 @@ use crate::control::{
 };
 use crate::fault::{ConstraintFault, ConstraintPart};
 use crate::layout::{
-    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
-    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
-    STEP_WATCH, Step, TURNS_MOST, Target,
+    self, Float4, Link, MAX_FEET, MAX_STEP_ROTATIONS, NONE, Override, STEP_ATTACH, STEP_CARRY,
+    STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH,
+    STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, Target,
 };
 
 /// Fraction of a leg's length over which it straightens. It is small because clips of standing
@@ -123,7 +123,7 @@ impl Program {
         }
         program.attach(skeleton, controls.attached)?;
         program.solve_legs_with_pelvis();
-        if program.rotation_count > TURNS_MOST as usize {
+        if program.rotation_count > MAX_STEP_ROTATIONS as usize {
             return bad(ConstraintFault::TooManyRotations { count: program.rotation_count });
         }
         // Stable sort. Root motion comes first, then attachments. Constraints of one joint keep
@@ -134,8 +134,8 @@ impl Program {
         Ok(program)
     }
 
-    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, turn: usize) {
-        self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
+    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, operand: usize) {
+        self.steps.push(Step { joint: joint.0, kind, index, operand: u32_from(operand) });
     }
 
     /// Allocates `count` rotations that later steps apply, and returns the first index.
@@ -207,10 +207,10 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &gaze.targets)?;
-        let turn = self.allocate_rotations(joints.len() - 1);
-        self.step(first, STEP_GAZE, index, turn);
+        let first_rotation = self.allocate_rotations(joints.len() - 1);
+        self.step(first, STEP_GAZE, index, first_rotation);
         for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
-            self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
+            self.step(JointIndex(link.joint), STEP_ROTATION, index, first_rotation + at - 1);
         }
         Ok(())
     }
@@ -233,10 +233,10 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &limb.targets)?;
-        let turn = self.allocate_rotations(2);
-        self.step(limb.first, STEP_REACH, index, turn);
-        self.step(limb.middle, STEP_TURN, index, turn);
-        self.step(limb.end, STEP_TURN, index, turn + 1);
+        let first_rotation = self.allocate_rotations(2);
+        self.step(limb.first, STEP_REACH, index, first_rotation);
+        self.step(limb.middle, STEP_ROTATION, index, first_rotation);
+        self.step(limb.end, STEP_ROTATION, index, first_rotation + 1);
         Ok(())
     }
 
@@ -255,16 +255,16 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &chain.targets)?;
-        let turn = self.allocate_rotations(joints.len() - 1);
-        self.step(chain.first, STEP_CHAIN, index, turn);
+        let first_rotation = self.allocate_rotations(joints.len() - 1);
+        self.step(chain.first, STEP_CHAIN, index, first_rotation);
         for (at, joint) in joints.iter().enumerate().skip(1) {
-            self.step(*joint, STEP_TURN, index, turn + at - 1);
+            self.step(*joint, STEP_ROTATION, index, first_rotation + at - 1);
         }
         Ok(())
     }
 
     fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
-        if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
+        if feet.feet.is_empty() || feet.feet.len() > MAX_FEET as usize {
             return bad(ConstraintFault::FootCount { count: feet.feet.len() });
         }
         if !(0.0..=1.0).contains(&feet.weight) {
@@ -273,18 +273,18 @@ impl Program {
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
             return bad(ConstraintFault::SecondFeet);
         }
-        let turn = self.allocate_rotations(3 * feet.feet.len());
+        let first_rotation = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
             let (row, links) = foot_row(skeleton, feet, foot)?;
             let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
             let index = self.add(row, &links, &[])?;
-            let turn = turn + 3 * nth;
-            self.step(foot.hip, STEP_FOOT, index, turn);
-            self.step(foot.knee, STEP_TURN, index, turn + 1);
-            self.step(foot.ankle, STEP_TURN, index, turn + 2);
+            let first_rotation = first_rotation + 3 * nth;
+            self.step(foot.hip, STEP_FOOT, index, first_rotation);
+            self.step(foot.knee, STEP_ROTATION, index, first_rotation + 1);
+            self.step(foot.ankle, STEP_ROTATION, index, first_rotation + 2);
         }
-        self.step(feet.pelvis, STEP_PELVIS, first, turn);
+        self.step(feet.pelvis, STEP_PELVIS, first, first_rotation);
         Ok(())
     }
 
@@ -305,7 +305,7 @@ impl Program {
         }
         for step in self.steps.iter_mut().filter(is_foot) {
             self.constraints[step.index as usize].at_once = 1;
-            step.kind = STEP_TURN;
+            step.kind = STEP_ROTATION;
         }
     }
 
@@ -354,7 +354,7 @@ impl Program {
                 STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
                 _ => u32_from(constraints),
             };
-            step.turn += match step.kind {
+            step.operand += match step.kind {
                 STEP_STAGE => u32_from(values),
                 STEP_ATTACH => u32_from(overrides),
                 _ => 0,

@@ -67,7 +67,13 @@ impl Tables {
                 let watched = self.watched_elements() / WATCHED_ELEMENTS as usize;
                 within("watched", control, index, 1, watched)?;
                 let given = usize::from(step.kind == STEP_ATTACH);
-                within("overrides", control, step.turn as usize * given, given, all.overrides.len())
+                within(
+                    "overrides",
+                    control,
+                    step.operand as usize * given,
+                    given,
+                    all.overrides.len(),
+                )
             }
             STEP_OVERRIDE => within("overrides", control, index, 1, all.overrides.len()),
             STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_PELVIS | STEP_FOOT => {
