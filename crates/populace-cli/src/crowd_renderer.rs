@@ -1,7 +1,7 @@
 //! Renders pictures of a crowd.
 
 use populace::character::{Image, Part};
-use populace::hand_over::PaletteTransport;
+use populace::interop::PaletteTransport;
 use populace::{Crowd, CrowdBuilder};
 use populace_render::{Camera, CharacterHandle, Instance, PaletteInterop, Renderer, Scene};
 
@@ -15,7 +15,7 @@ pub(crate) struct CrowdRenderer {
     /// Number of visible triangles of each character.
     triangles: Vec<usize>,
     scene: Scene,
-    hand_over: PaletteInterop,
+    interop: PaletteInterop,
     stats: DrawStats,
 }
 
@@ -36,7 +36,7 @@ impl CrowdRenderer {
         hide: &[String],
         camera: Camera,
     ) -> Result<Self, Failure> {
-        let hand_over = renderer.connect_palettes(crowd)?;
+        let interop = renderer.connect_palettes(crowd)?;
         let hidden = |part: &Part| hide.contains(&part.node_name);
         let handles = roles.iter().map(|role| renderer.add_character(&role.character, &hidden));
         let handles = handles.collect::<Result<_, _>>()?;
@@ -46,7 +46,7 @@ impl CrowdRenderer {
         };
         let triangles = roles.iter().map(triangles).collect();
         let scene = Scene { camera, ..Scene::default() };
-        Ok(Self { renderer, handles, triangles, scene, hand_over, stats: DrawStats::default() })
+        Ok(Self { renderer, handles, triangles, scene, interop, stats: DrawStats::default() })
     }
 
     /// Returns the name of the OpenGL driver.
@@ -56,7 +56,7 @@ impl CrowdRenderer {
 
     /// Returns the transport of palettes to OpenGL.
     pub(crate) fn palette_transport(&self) -> PaletteTransport {
-        self.hand_over.transport
+        self.interop.transport
     }
 
     /// Returns statistics of the last picture.

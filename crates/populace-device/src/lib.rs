@@ -10,7 +10,7 @@ mod backend_error;
 mod control;
 mod error;
 mod fault;
-mod hand_over;
+mod interop;
 pub mod layout;
 mod place;
 mod playback;
@@ -25,9 +25,9 @@ pub use control::{
 };
 pub use error::Error;
 pub use fault::{ConstraintFault, ConstraintPart, StageFault};
-pub use hand_over::{
-    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-    PaletteTransport, SharedPage, TargetMark,
+pub use interop::{
+    EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, SharedPage, TargetMark,
 };
 pub use place::Place;
 pub use playback::{

@@ -44,7 +44,7 @@ INLINE float4 ground_at(const ConstraintTables *tables, float x, float z)
 // Returns where the ankle goes, in model space. *follows holds the ground's normal there and, in w,
 // how much the foot follows it. `left` is the foot's state after the previous frame: where it is
 // planted, or its offset from the clip.
-INLINE float4 footing(const Solver *s, uint foot, __global const Constraint *constraint,
+INLINE float4 foot_goal(const Solver *s, uint foot, __global const Constraint *constraint,
                       float4 ankle, float4 left, float4 *follows)
 {
     const float rest = constraint->up.x, planted_below = constraint->up.y,
@@ -198,7 +198,7 @@ INLINE uint put_feet(Legs *legs, uint next, const YieldPoint *at, uint feet, con
         __global const Constraint *constraint = at->s->tables->constraints + at->step.index + foot;
         const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
         float4 follows;
-        const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, left[foot], &follows);
+        const float4 goes_to = foot_goal(at->s, foot, constraint, leg.ankle, left[foot], &follows);
         put_leg(&legs[next / LANES], next % LANES, leg, constraint, goes_to, follows);
         STEP_ROTATIONS float4 *step_rotations = at->s->step_rotations + at->step.operand + 3 * foot;
         step_rotations[0] = goes_to;

@@ -100,11 +100,11 @@ pub mod retarget {
 }
 
 /// Buffer interop of palettes with renderers.
-pub mod hand_over {
+pub mod interop {
     pub use populace_device::layout::{Float4, PAGE_ENTRIES};
     pub use populace_device::{
-        EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-        PaletteTransport, SharedPage, TargetMark,
+        EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
+        PaletteTransport, ReleasedPalettes, SharedPage, TargetMark,
     };
 }
 

@@ -155,8 +155,13 @@ impl RootMotion {
     /// Mean speed along the path in metres per second; 0 for a clip of length 0.
     #[must_use]
     pub fn metres_per_sec(&self) -> f32 {
-        let way: f64 = self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
-        if self.duration_secs > 0.0 { f64math::to_f32([way / self.duration_secs])[0] } else { 0.0 }
+        let distance_m: f64 =
+            self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
+        if self.duration_secs > 0.0 {
+            f64math::to_f32([distance_m / self.duration_secs])[0]
+        } else {
+            0.0
+        }
     }
 
     /// Returns whether the motion moves a body of this size noticeably, or turns it.

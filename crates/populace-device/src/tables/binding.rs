@@ -1,7 +1,7 @@
 //! Clips bound to bodies: the ranges and the column of each joint, and retarget corrections.
 
 use populace_model::convert::u32_from;
-use populace_retarget::{Binding, Footing, Turn};
+use populace_retarget::{Binding, Correction, FootCorrection};
 
 use super::{BodyIndex, Tables, padded};
 use crate::Error;
@@ -24,11 +24,11 @@ impl CorrectedBlocks {
         Self { corrections: blocks.clone(), arms: blocks }
     }
 
-    fn of(corrections: &[Turn], body: &Body) -> Self {
+    fn of(corrections: &[Correction], body: &Body) -> Self {
         let mut some = Self::none(body);
         for (joint, correction) in corrections.iter().enumerate() {
             let block = joint / JOINT_BLOCK as usize;
-            some.corrections[block] |= *correction != Turn::NONE;
+            some.corrections[block] |= *correction != Correction::NONE;
             some.arms[block] |= correction.has_arm();
         }
         some
@@ -67,10 +67,10 @@ impl Tables {
             BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
         // Corrections are added last to first, so that each can name the next.
         let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
-        if let Some(footing) = binding.footing() {
-            let bound = self.add_footing(footing, of_clip)?;
+        if let Some(foot_correction) = binding.foot_correction() {
+            let bound = self.add_foot_correction(foot_correction, of_clip)?;
             (next, later) =
-                self.add_correction(&footing.corrections, bound, (next, later), &body_row)?;
+                self.add_correction(&foot_correction.corrections, bound, (next, later), &body_row)?;
         }
         for corrections in binding.corrections().iter().rev() {
             (next, later) = self.add_correction(corrections, of_clip, (next, later), &body_row)?;
@@ -108,7 +108,7 @@ impl Tables {
     /// it or a later correction affects.
     fn add_correction(
         &mut self,
-        corrections: &[Turn],
+        corrections: &[Correction],
         of: BoundClip,
         (next, later): (u32, CorrectedBlocks),
         body: &Body,
@@ -125,22 +125,31 @@ impl Tables {
     }
 
     /// Adds the rows of a foot correction. A constant correction has no rows of its own.
-    fn add_footing(&mut self, footing: &Footing, of: BoundClip) -> Result<BoundClip, Error> {
-        if footing.rows.is_empty() {
+    fn add_foot_correction(
+        &mut self,
+        foot_correction: &FootCorrection,
+        of: BoundClip,
+    ) -> Result<BoundClip, Error> {
+        if foot_correction.rows.is_empty() {
             return Ok(of);
         }
-        let row_first = self.add_words(footing.rows.iter().copied())?;
+        let row_first = self.add_words(foot_correction.rows.iter().copied())?;
         let row_block_first =
-            self.all.row_blocks.extend(footing.blocks.iter().map(RowBlock::from))?;
-        Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
+            self.all.row_blocks.extend(foot_correction.blocks.iter().map(RowBlock::from))?;
+        Ok(BoundClip {
+            row_block_first,
+            row_first,
+            row_stride: u32_from(foot_correction.stride),
+            ..of
+        })
     }
 
-    fn add_correction_planes(&mut self, corrections: &[Turn]) -> Result<u32, Error> {
+    fn add_correction_planes(&mut self, corrections: &[Correction]) -> Result<u32, Error> {
         let padded = padded(corrections.len());
         let mut planes = vec![0.0; CORRECTION_PLANES * padded];
         for joint in 0..padded {
-            let Turn { rotation, step_w, arm, after, .. } =
-                corrections.get(joint).copied().unwrap_or(Turn::NONE);
+            let Correction { rotation, step_w, arm, after, .. } =
+                corrections.get(joint).copied().unwrap_or(Correction::NONE);
             let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
                 (rotation.offset, arm.offset, after);
             let values =

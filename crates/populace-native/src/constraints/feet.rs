@@ -56,7 +56,7 @@ fn ground_at(tables: &Tables, x: f32, z: f32) -> (f32, [f32; 3]) {
 }
 
 /// Goal of a foot.
-struct Footing {
+struct FootGoal {
     /// The ankle's position in model space.
     ankle: [f32; 3],
     /// The ground's unit normal in model space, and how much the foot follows the slope: 1 while
@@ -115,7 +115,7 @@ type Feet = Simd<FEET>;
 /// Legs of a member.
 struct Legs {
     limb: Limb<Feet>,
-    /// As [`Footing::follows`].
+    /// As [`FootGoal::follows`].
     follows: [Feet; 4],
 }
 
@@ -186,7 +186,7 @@ impl Solver<'_> {
 
     /// Returns the goal of a foot, and writes its state. `ankle` is its position before the
     /// constraint, in model space.
-    fn footing(&mut self, foot: u32, constraint: &Constraint, ankle: [f32; 3]) -> Footing {
+    fn foot_goal(&mut self, foot: u32, constraint: &Constraint, ankle: [f32; 3]) -> FootGoal {
         let [rest, planted_below, lifted_above, held_most] = constraint.up.0;
         let size = self.control.place.0[3];
         let clip = self.to_world(ankle);
@@ -210,7 +210,7 @@ impl Solver<'_> {
         let height = height + (rest / normal[1] + lift) * size;
         let ankle = self.to_model([position[0], height, position[2]]);
         let [x, y, z] = self.direction_to_model(normal);
-        Footing { ankle, follows: [x, y, z, follows] }
+        FootGoal { ankle, follows: [x, y, z, follows] }
     }
 
     /// Walks down a leg's chain from link `start`. `from` is the model transform of its joint.
@@ -272,11 +272,11 @@ impl Solver<'_> {
         for (foot, stride) in (0..first.target_count).zip(&mut strides) {
             let constraint = &self.tables.constraints().as_slice()[(step.index + foot) as usize];
             let leg = Self::walk_leg(joints, self.links(constraint), constraint, 0, own);
-            let footing = self.footing(foot, constraint, leg.ankle);
-            *stride = Stride::new(&leg, footing.ankle, footing.follows);
-            let ([x, y, z], first) = (footing.ankle, (step.operand + 3 * foot) as usize);
+            let foot_goal = self.foot_goal(foot, constraint, leg.ankle);
+            *stride = Stride::new(&leg, foot_goal.ankle, foot_goal.follows);
+            let ([x, y, z], first) = (foot_goal.ankle, (step.operand + 3 * foot) as usize);
             self.step_rotations[first] = [x, y, z, 0.0];
-            self.step_rotations[first + 1] = footing.follows;
+            self.step_rotations[first + 1] = foot_goal.follows;
         }
         let mut legs = Legs::new(&strides);
         let mut drop = 0.0;

@@ -43,11 +43,11 @@ impl Crowd {
         tick: u64,
     ) -> Result<f32, Error> {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
-        let taking = self.tables.stand(starting, tick);
+        let target = self.tables.sampled_state(starting, tick);
         let unevaluated = self.unevaluated(place, layer, tick);
         for &index in &unevaluated {
             if let Some(slot) = self.slots(place)[index].as_inertialization() {
-                let slot = slot.with_incoming(taking, ticks).into();
+                let slot = slot.with_incoming(target, ticks).into();
                 self.tables.set_slot(place, index, slot)?;
             }
         }
@@ -64,8 +64,8 @@ impl Crowd {
             }
             let part = weight / total[0];
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
-            let stands = [self.tables.stand(&slot, tick), taking];
-            let inertialization = Slot::inertialization(tick, ticks, stands, share).on_layer(layer);
+            let states = [self.tables.sampled_state(&slot, tick), target];
+            let inertialization = Slot::inertialization(tick, ticks, states, share).on_layer(layer);
             self.put_slot(place, index, inertialization, Started::default())?;
             self.leave(place, slot, tick)?;
         }

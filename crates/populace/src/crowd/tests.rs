@@ -5,8 +5,8 @@ use populace_character::{CharacterSource, PaletteEntry};
 use populace_clip::Clip;
 use populace_device::layout::Float4;
 use populace_device::{
-    Backend, BackendError, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, Schedule,
-    Stage, StageBuffer, TargetMark,
+    Backend, BackendError, PaletteSource, PaletteTarget, PaletteTransport, ReleasedPalettes,
+    Schedule, Stage, StageBuffer, TargetMark,
 };
 use populace_model::{
     Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
@@ -117,16 +117,16 @@ impl PaletteSource for FailingBackend {
         self.inner.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        self.inner.refuses(way, context)
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        self.inner.refuses(transport, context)
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
         self.inner.set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.inner.hand_over()
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        self.inner.release_palettes()
     }
 
     fn with_page(

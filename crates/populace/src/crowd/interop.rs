@@ -2,7 +2,8 @@
 
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
+    BackendError, GlContext, PaletteSource, PaletteTarget, PaletteTransport, ReleasedPalettes,
+    TargetMark,
 };
 
 use super::Crowd;
@@ -16,19 +17,20 @@ impl PaletteSource for Crowd {
         self.tables.page_lengths().collect()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl = self.opened.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
-        not_for_gl.or_else(|| self.opened.backend().refuses(way, context))
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        let not_for_gl =
+            self.opened.not_for_gl.clone().filter(|_| transport == PaletteTransport::Shared);
+        not_for_gl.or_else(|| self.opened.backend().refuses(transport, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
         self.opened.backend_mut().set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let handed = self.opened.backend_mut().hand_over()?;
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        let released = self.opened.backend_mut().release_palettes()?;
         self.update_moved()?;
-        Ok(handed)
+        Ok(released)
     }
 
     fn with_page(
