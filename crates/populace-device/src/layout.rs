@@ -53,13 +53,7 @@ macro_rules! opencl_type {
 }
 
 macro_rules! device_struct {
-    ($(#[$doc:meta])* pub struct $name:ident {
-        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
-    }) => {
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
+    (@impl $name:ident { $( $field:ident : $ty:ident ),* }) => {
         impl DeviceStruct for $name {
             const NAME: &'static str = stringify!($name);
             const OPENCL_C: &'static str = concat!("typedef struct {",
@@ -68,6 +62,21 @@ macro_rules! device_struct {
             const FIELDS: &'static [(&'static str, usize)] =
                 &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
         }
+    };
+    // A struct that a crate beneath declares. A field that is missing here, or has another type,
+    // does not compile.
+    (use populace_clip::$name:ident { $( $field:ident : $ty:ident ),* $(,)? }) => {
+        device_struct! { @impl $name { $( $field: $ty ),* } }
+        const _: fn($name) -> ($( $ty, )*) = |$name { $( $field ),* }| ($( $field, )*);
+    };
+    ($(#[$doc:meta])* pub struct $name:ident {
+        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
+        device_struct! { @impl $name { $( $field: $ty ),* } }
     };
 }
 

@@ -18,7 +18,7 @@ use std::collections::BinaryHeap;
 use crate::Error;
 use crate::layout::{
     Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES,
-    MOTION_ELEMENTS, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES, RowBlock,
+    MOTION_ELEMENTS, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -248,8 +248,7 @@ impl Tables {
     /// [`Error::TooLarge`] if offsets exceed 32 bits.
     pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
         let row_first = self.add_rows(clip)?;
-        let block_first =
-            self.all.row_blocks.extend(clip.row_blocks().iter().map(RowBlock::from))?;
+        let block_first = self.all.row_blocks.extend(clip.row_blocks().iter().copied())?;
         let (buckets, buckets_per_sec) = clip.buckets();
         let times = if buckets.is_empty() { &[] } else { clip.row_times() };
         let time_first = self.all.row_times.extend(times.iter().copied())?;

@@ -134,8 +134,7 @@ impl Tables {
             return Ok(of);
         }
         let row_first = self.add_words(foot_correction.rows.iter().copied())?;
-        let row_block_first =
-            self.all.row_blocks.extend(foot_correction.blocks.iter().map(RowBlock::from))?;
+        let row_block_first = self.all.row_blocks.extend(foot_correction.blocks.iter().copied())?;
         Ok(BoundClip {
             row_block_first,
             row_first,
