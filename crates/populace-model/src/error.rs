@@ -2,7 +2,8 @@
 
 use crate::error_kind::ErrorKind;
 use crate::names::UnknownName;
-use crate::{Property, Role};
+use crate::property::Property;
+use crate::role::Role;
 
 /// Invalid data of a crowd. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]

@@ -2,8 +2,6 @@
 
 use populace_model::ErrorKind;
 
-use crate::fit::BindingReport;
-
 /// A clip and a skeleton that do not fit. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -30,7 +28,7 @@ impl Error {
 
 /// The reason why a clip cannot move a skeleton.
 #[non_exhaustive]
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BindingFault {
     /// A map of roles for another skeleton.
     #[error("its role map is for {wanted} joints, but the skeleton has {joints}")]
@@ -64,13 +62,15 @@ pub enum BindingFault {
         "only {bound} of the {moving} joints that the clip moves are found by name, less than \
          {:.0} %, and humanoid roles are not known for both skeletons; give roles with \
          RoleMap::from_names, or play the clip as it is with ClipPlayback::partial",
-        100.0 * BindingReport::LEAST_SHARE
+        100.0 * least_share
     )]
     FewJoints {
         /// Joints that were found.
         bound: usize,
         /// Joints that the clip moves.
         moving: usize,
+        /// The share of them that must be found, from 0 to 1.
+        least_share: f32,
     },
 }
 

@@ -60,7 +60,7 @@ impl BindingReport {
             return Ok(());
         }
         let (bound, moving) = (self.bound_joints, self.moving_joints);
-        let fault = BindingFault::FewJoints { bound, moving };
+        let fault = BindingFault::FewJoints { bound, moving, least_share: Self::LEAST_SHARE };
         Err(Error::CannotBind { clip: clip.to_owned(), fault })
     }
 
