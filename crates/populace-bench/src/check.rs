@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::{DAffine3, DVec3};
 use populace::character::Character;
-use populace::hand_over::PAGE_ENTRIES;
+use populace::interop::PAGE_ENTRIES;
 use populace::model::Affine;
 use populace::{Crowd, Error};
 use populace_testkit::Rng;

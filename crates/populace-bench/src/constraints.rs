@@ -4,8 +4,8 @@ use glam::{DAffine3, DVec3};
 use populace::character::Character;
 use populace::model::Skeleton;
 use populace::{
-    Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode, LayerSettings, Mask, MaskId,
-    MemberId, Target, Weight,
+    ConstraintFault, Crowd, Error, Feet, Foot, Gaze, GazeLimits, JointIndex, LayerMode,
+    LayerSettings, Mask, MaskId, MemberId, Target, Weight,
 };
 use populace_testkit::oracle::{OracleLayer, OraclePose};
 
@@ -19,9 +19,8 @@ fn joint(skeleton: &Skeleton, source: usize) -> Result<JointIndex, Error> {
     if source < skeleton.joint_count() {
         return Ok(skeleton.joint_from_source(source));
     }
-    let what =
-        format!("constraints need bodies of at least 11 joints, not {}", skeleton.joint_count());
-    Err(populace::TablesError::BadConstraint { what }.into())
+    let fault = ConstraintFault::TooFewJoints { needed: 11, count: skeleton.joint_count() };
+    Err(populace::TablesError::from(fault).into())
 }
 
 /// Returns a mask of the upper body.

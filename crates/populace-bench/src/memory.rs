@@ -1,7 +1,7 @@
 //! Estimates the memory of crowds, and reads the free memory.
 
 use populace::character::Character;
-use populace::hand_over::PaletteSource;
+use populace::interop::PaletteSource;
 use populace::model::Affine;
 use populace::{Error, Schedule};
 use populace_device::layout::{

@@ -1,5 +1,7 @@
 //! Errors in characters.
 
+use populace_model::ErrorKind;
+
 /// Data of no valid character. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,4 +20,16 @@ pub enum Error {
         /// The defect and the rule.
         what: String,
     },
+}
+
+impl Error {
+    /// The kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Model(error) => error.kind(),
+            Self::Clip(error) => error.kind(),
+            Self::BadCharacter { .. } => ErrorKind::InvalidInput,
+        }
+    }
 }

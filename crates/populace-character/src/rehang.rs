@@ -1,7 +1,8 @@
 //! Reparenting of feet to their legs.
 
-use populace_model::RoleMap;
-use populace_model::{JointIndex, JointSource, Skeleton, Trs, f64math};
+use populace_model::{
+    JointIndex, JointSource, Role, RoleFault, RoleMap, Side, Skeleton, Trs, f64math,
+};
 
 use crate::Error;
 use crate::character::{Character, CharacterSource, PaletteEntry, SkinInstance};
@@ -26,9 +27,10 @@ impl Character {
     pub fn with_feet_on_legs(&self, roles: &RoleMap) -> Result<Self, Error> {
         let old = &self.skeleton;
         if roles.joint_count() != old.joint_count() {
-            let (wanted, has) = (roles.joint_count(), old.joint_count());
-            let what = format!("the roles are those of {wanted} joints, but there are {has}");
-            return Err(populace_model::Error::BadRole { role: "leftFoot".into(), what }.into());
+            let (wanted, joints) = (roles.joint_count(), old.joint_count());
+            let fault = RoleFault::OtherSkeleton { wanted, joints };
+            let role = Role::Foot(Side::Left);
+            return Err(populace_model::Error::BadRole { role, fault }.into());
         }
         let place = |joint: JointIndex| old.source_from_joint(joint);
         let source = |joint: JointIndex| JointSource {

@@ -1,7 +1,7 @@
 //! Renders pictures of a crowd.
 
 use populace::character::{Image, Part};
-use populace::hand_over::PaletteTransport;
+use populace::interop::PaletteTransport;
 use populace::{Crowd, CrowdBuilder};
 use populace_render::{Camera, Drawn, Renderer, Scene};
 

@@ -14,15 +14,15 @@ const LARGEST_REST_ANGLE_RAD: f32 = 0.3;
 
 /// Warns about a clip that is bound by joint names and fits badly.
 pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
-    if report.way == BindingMethod::Roles {
+    if report.method == BindingMethod::Roles {
         return;
     }
-    let apart = report.rest_turn_rad > LARGEST_REST_ANGLE_RAD;
+    let apart = report.rest_angle_rad > LARGEST_REST_ANGLE_RAD;
     if report.share() >= LEAST_SHARE && !apart {
         return;
     }
     let rest = if apart {
-        format!(", and the rest poses differ by {:.0} degrees", report.rest_turn_rad.to_degrees())
+        format!(", and the rest poses differ by {:.0} degrees", report.rest_angle_rad.to_degrees())
     } else {
         String::new()
     };
@@ -36,14 +36,14 @@ pub(crate) fn warn(clip: &str, character: &str, report: &BindingReport) {
 
 /// Describes how well a clip fits, as JSON.
 pub(crate) fn as_json(report: &BindingReport) -> Value {
-    let way = match report.way {
+    let method = match report.method {
         BindingMethod::SameRest => "same rest",
         BindingMethod::Roles => "roles",
         BindingMethod::Names => "names",
     };
     json!({
-        "way": way,
+        "way": method,
         "share": as_typed(report.share()),
-        "rest_turn_deg": as_typed(report.rest_turn_rad.to_degrees()),
+        "rest_turn_deg": as_typed(report.rest_angle_rad.to_degrees()),
     })
 }

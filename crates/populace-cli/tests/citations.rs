@@ -108,3 +108,171 @@ fn twins_name_each_other() {
         }
     }
 }
+
+/// Kernel functions whose twin has another name: the kernel, its function, and the twin's file and
+/// name. A prefix of [`PREFIXES`] counts as the same name.
+const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
+    ("affine", "affine_row", "populace-model/src/math/affine.rs", "mul"),
+    ("affine", "affine_mul_rows", "populace-model/src/math/affine.rs", "mul"),
+    ("affine", "origin_of", "populace-model/src/math/affine.rs", "origin"),
+    ("affine", "components_of", "populace-model/src/math/affine.rs", "components"),
+    ("angle", "angle_of", "populace-model/src/math/angle.rs", "of"),
+    ("constraints", "solve_joint", "populace-native/src/constraints.rs", "descend"),
+    ("feet", "sink", "populace-native/src/constraints/feet.rs", "sinks"),
+    ("fused", "play", "populace-native/src/fused.rs", "play_all"),
+    ("fused_grouped", "fused_grouped", "populace-native/src/fused.rs", "fused"),
+    ("gaze", "frame_of", "populace-native/src/constraints/gaze.rs", "of"),
+    ("gaze", "see_target", "populace-native/src/constraints/gaze.rs", "seen_in"),
+    (
+        "inertialize",
+        "outgoing_state",
+        "populace-device/src/playback/inertialize.rs",
+        "outgoing_state",
+    ),
+    (
+        "inertialize",
+        "incoming_state",
+        "populace-device/src/playback/inertialize.rs",
+        "incoming_state",
+    ),
+    ("inertialize", "row_before", "populace-device/src/playback/inertialize.rs", "row_before"),
+    ("inertialize", "far_row", "populace-device/src/playback/inertialize.rs", "far_row"),
+    ("limb", "limb_rotations", "populace-native/src/constraints/limb.rs", "rotations"),
+    ("limb", "no_limb", "populace-native/src/constraints/limb.rs", "none"),
+    ("members", "member_phase", "populace-device/src/tables/members.rs", "phase"),
+    ("motion", "move_of", "populace-native/src/constraints/motion.rs", "new"),
+    ("motion", "moves_over", "populace-native/src/constraints/motion.rs", "over"),
+    ("motion", "speed_of", "populace-native/src/constraints/motion.rs", "speed"),
+    ("motion", "next_of", "populace-native/src/constraints/motion.rs", "next"),
+    ("quat", "quat_part", "populace-model/src/math/vec3.rs", "part_of"),
+    ("quat", "quat_part_as_told", "populace-model/src/math/vec3.rs", "part_as_told"),
+    ("real", "mix_real", "populace-model/src/math/real.rs", "mix"),
+    ("real", "square_root", "populace-model/src/math/vec3.rs", "root"),
+    ("real", "root", "populace-model/src/math/vec3.rs", "root"),
+    ("real", "inverse_root", "populace-model/src/math/real.rs", "inverse_sqrt"),
+    ("rows", "planes_of", "populace-native/src/rows.rs", "of"),
+    ("rows", "plane_of", "populace-native/src/rows.rs", "plane_at"),
+    ("rows", "columns_of", "populace-native/src/rows.rs", "columns"),
+    ("rows", "block_steps", "populace-native/src/rows.rs", "steps_in"),
+    ("rows", "any_rotation_steps", "populace-native/src/rows.rs", "steps"),
+    ("rows", "any_vector_steps", "populace-native/src/rows.rs", "steps"),
+    ("rows", "rotation_steps", "populace-native/src/rows.rs", "steps"),
+    ("rows", "vector_steps", "populace-native/src/rows.rs", "steps"),
+    ("rows", "gathered_rotation_steps", "populace-native/src/rows.rs", "gathered_steps"),
+    ("rows", "gathered_vector_steps", "populace-native/src/rows.rs", "gathered_steps"),
+    ("rows", "normalized", "populace-native/src/sample.rs", "normalized"),
+    ("rows", "sample_joint", "populace-native/src/sample.rs", "sample_joint"),
+    ("slot", "slot_weight", "populace-device/src/playback.rs", "weight_at"),
+    ("slot", "slot_time", "populace-device/src/playback.rs", "time_at"),
+    ("slot", "slot_cycles", "populace-device/src/playback.rs", "cycles_between"),
+    ("targets", "solver_of", "populace-native/src/constraints/targets.rs", "new"),
+    ("targets", "target_weight", "populace-device/src/control.rs", "weight_at"),
+    ("vec3", "vec3_mix", "populace-model/src/math/real.rs", "mix"),
+    ("vec3", "vec_dot", "populace-model/src/math/vec3.rs", "dot"),
+    ("vec3", "vec_cross", "populace-model/src/math/vec3.rs", "cross"),
+    ("vec3", "vec_length", "populace-model/src/math/vec3.rs", "length"),
+    ("vec3", "rotation_dot", "populace-model/src/math/quat.rs", "dot"),
+    ("vec3", "rotation_unit", "populace-model/src/math/quat.rs", "normalize_or"),
+    ("vec3", "rotation_mul", "populace-model/src/math/quat.rs", "mul"),
+    ("vec3", "rotation_between", "populace-model/src/math/vec3.rs", "between"),
+];
+
+/// Kernel functions without a twin, by file, with the reason. `*` stands for all of a file.
+const NO_TWIN: &[(&str, &[&str], &str)] = &[
+    ("affine", &["repeated", "last_column"], "vectors of OpenCL C"),
+    ("constraints", &["is_batched", "take_batch"], "batches of members"),
+    ("feet", &["clear_legs", "put_leg", "put_feet", "hand_down"], "batches of members"),
+    ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
+    ("fused", &["store_trs"], "a buffer of the device"),
+    ("fused_grouped", &["descend", "fused_grouped_joints"], "work-groups, and their readback"),
+    ("fused_wide", &["*"], "batches of members at yield points"),
+    ("gaze", &["put_gaze", "clear_gazes", "rotate_chain"], "batches of members"),
+    ("inertialize", &["inertialization_part", "inertializes_in"], "closures in Rust"),
+    ("joint", &["inertialize"], "a declaration of another file's function"),
+    ("lanes", &["permute"], "an array's index in Rust"),
+    ("limb", &["put_limb"], "batches of members"),
+    ("machines", &["machine_clip"], "the field of a slot in Rust"),
+    ("motion", &["between", "motion_row"], "closures in Rust"),
+    ("playback", &["playing_at"], "an array's index in Rust"),
+    (
+        "rows",
+        &["is_packed", "is_plain", "words_at", "halves_at", "low_half", "high_half", "correct"],
+        "formats of a block in the device's registers",
+    ),
+    ("stages", &["run_user_stage", "lane_of"], "generated code, and lanes"),
+    ("vec3", &["vec"], "vectors of OpenCL C"),
+];
+
+/// Prefixes that name the type or module of the twin: `quat_mul` is `quat::mul`.
+const PREFIXES: &[&str] = &["quat_", "vec3_", "affine_", "slot_", "move_", "stage_"];
+
+/// Words that begin the definition of a kernel's function.
+const STARTS: &[&str] = &["INLINE ", "SELDOM ", "APART ", "APART_STEP ", "__kernel ", "static "];
+
+/// Returns the names of the functions that a kernel file declares or defines.
+fn kernel_functions(text: &str) -> Vec<&str> {
+    let starts = |line: &&str| STARTS.iter().any(|start| line.starts_with(start));
+    let offset = |line: &str| line.as_ptr() as usize - text.as_ptr() as usize;
+    let names = text.lines().filter(starts).filter_map(|line| {
+        let head = text[offset(line)..].split(['{', ';']).next()?;
+        let attribute = head.contains("__attribute__").then(|| head.find("))")).flatten();
+        let head = attribute.map_or(head, |end| &head[end + 2..]);
+        let is_word = |c: char| c.is_alphanumeric() || c == '_';
+        head.split('(').next()?.rsplit(|c| !is_word(c)).next()
+    });
+    names.filter(|name| !name.is_empty()).collect()
+}
+
+/// Returns the paths of the Rust files that the head of a kernel file names as twins.
+fn twins_of(text: &str) -> Vec<String> {
+    let head: Vec<&str> =
+        text.lines().take_while(|line| line.is_empty() || line.starts_with("//")).collect();
+    let head = head.join(" ").replace("//", " ");
+    let named = head.split("Twin of ").nth(1).unwrap_or_default();
+    let words = named.split([' ', ',', ':', ';']).filter(|word| word.starts_with("populace-"));
+    words.map(|word| word.trim_end_matches('.').to_owned()).collect()
+}
+
+/// Returns whether a Rust text has a function of a name.
+fn defines(text: &str, name: &str) -> bool {
+    let ends = |rest: &str| rest.starts_with(['(', '<']);
+    text.split(&format!("fn {name}")).skip(1).any(ends)
+}
+
+#[test]
+fn kernel_functions_have_twins() {
+    let crates = root().join("crates");
+    let read = |file: &str| fs::read_to_string(crates.join(file)).expect(file);
+    let (mut faults, mut count) = (Vec::new(), 0);
+    for path in files(&crates.join("populace-opencl/kernels"), &["cl"]) {
+        let kernel = path.file_stem().expect("a name").to_string_lossy().into_owned();
+        let text = fs::read_to_string(&path).expect("a kernel");
+        let twins: String = twins_of(&text).iter().map(|file| read(file)).collect();
+        let excused = NO_TWIN.iter().filter(|(file, ..)| *file == kernel);
+        let excused: Vec<&str> = excused.flat_map(|(_, names, _)| names.iter().copied()).collect();
+        let functions = kernel_functions(&text);
+        for name in excused.iter().filter(|name| **name != "*" && !functions.contains(name)) {
+            faults.push(format!("{kernel}.cl has no {name}, which NO_TWIN lists"));
+        }
+        if twins.is_empty() || excused.contains(&"*") {
+            continue;
+        }
+        for name in functions {
+            let other = OTHER_NAMES.iter().find(|(file, own, ..)| *file == kernel && *own == name);
+            let short = PREFIXES.iter().filter_map(|prefix| name.strip_prefix(prefix));
+            let found = match other {
+                Some((_, _, file, twin)) => defines(&read(file), twin),
+                None => short.chain([name]).any(|name| defines(&twins, name)),
+            };
+            if found == excused.contains(&name) {
+                faults.push(match found {
+                    true => format!("{kernel}.cl: {name} has a twin; NO_TWIN need not list it"),
+                    false => format!("{kernel}.cl: {name} has no twin of this name"),
+                });
+            }
+            count += 1;
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(count > 150, "{count} functions are too few to trust this test");
+}

@@ -24,6 +24,6 @@ pub use clip::{
 };
 pub use clock::{FIRST_TICK, TICK_SECS, TICKS_PER_SEC, ticks_from_secs};
 pub use contacts::Footstep;
-pub use error::Error;
+pub use error::{Error, LiveFault, MotionFault};
 pub use row_block::{COLUMNS_PER_BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
 pub use storage::{Range, Storage};

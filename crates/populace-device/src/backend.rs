@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::backend_error::BackendError;
-use crate::hand_over::PaletteSource;
+use crate::interop::PaletteSource;
 use crate::layout::{Float4, Member};
 use crate::stage::UserStage;
 use crate::stage_buffer::{Stage, StageBuffer};

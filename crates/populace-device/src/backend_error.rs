@@ -1,5 +1,7 @@
 //! Errors of devices.
 
+use populace_model::ErrorKind;
+
 /// A failure of a device. The crowd's state is on the host and survives all of these.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -96,4 +98,22 @@ pub enum BackendError {
         /// The driver's message or error code.
         cause: String,
     },
+}
+
+impl BackendError {
+    /// The kind of the error.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        match self {
+            Self::NoRuntime { .. }
+            | Self::Unusable { .. }
+            | Self::NoPart { .. }
+            | Self::NoForm { .. } => ErrorKind::Unsupported,
+            Self::NoDevice { .. } => ErrorKind::NotFound,
+            Self::OutOfMemory { .. } | Self::BodyTooLarge { .. } => ErrorKind::TooLarge,
+            Self::BadStages { .. } => ErrorKind::InvalidInput,
+            Self::NotEvaluated => ErrorKind::Stale,
+            Self::Failed { .. } => ErrorKind::Device,
+        }
+    }
 }

@@ -5,8 +5,9 @@ use populace_model::math::{quat, vec3};
 use populace_model::{JointIndex, Skeleton, Trs};
 
 use crate::Error;
+use crate::fault::ConstraintFault;
 use crate::layout::{
-    Float4, LEAST_WEIGHT, LINKS_MOST, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
+    Float4, LEAST_WEIGHT, MAX_LINKS, TARGET_DIRECTION, TARGET_MODEL, TARGET_WATCHED, TARGET_WORLD,
     Target,
 };
 use crate::playback::{is_ramp_to, ramp, ramp_rate};
@@ -265,8 +266,8 @@ pub(crate) fn in_joint(
     joint: Option<JointIndex>,
     direction: [f32; 3],
 ) -> [f32; 3] {
-    let turn = joint.map_or(quat::identity(), |joint| rest_rotation(skeleton, joint));
-    vec3::turned(quat::conjugate(turn), direction)
+    let rotation = joint.map_or(quat::identity(), |joint| rest_rotation(skeleton, joint));
+    vec3::rotated(quat::conjugate(rotation), direction)
 }
 
 /// Returns every joint from `first` down to `last`.
@@ -274,20 +275,17 @@ pub(crate) fn in_joint(
 /// # Errors
 ///
 /// [`Error::BadConstraint`] if `last` is not below `first` or the chain has more than
-/// [`LINKS_MOST`] joints.
+/// [`MAX_LINKS`] joints.
 pub(crate) fn path(
     skeleton: &Skeleton,
     first: JointIndex,
     last: JointIndex,
 ) -> Result<Vec<JointIndex>, Error> {
-    let bad = |what: String| Err(Error::BadConstraint { what });
+    let named = |joint: JointIndex| skeleton.name(joint).to_owned();
     for joint in [first, last] {
         if joint.index() >= skeleton.joint_count() {
-            return bad(format!(
-                "there is no joint {}; the skeleton has {}",
-                joint.0,
-                skeleton.joint_count()
-            ));
+            let (joint, count) = (joint.0, skeleton.joint_count());
+            return Err(ConstraintFault::NoJoint { joint, count }.into());
         }
     }
     let mut path = vec![last];
@@ -295,17 +293,14 @@ pub(crate) fn path(
         match skeleton.parent(path[path.len() - 1]) {
             Some(parent) => path.push(parent),
             None => {
-                let (first, last) = (skeleton.name(first), skeleton.name(last));
-                return bad(format!("joint \"{last}\" is not below joint \"{first}\""));
+                let (first, last) = (named(first), named(last));
+                return Err(ConstraintFault::NotBelow { first, last }.into());
             }
         }
     }
-    if path.len() > LINKS_MOST as usize {
-        let (first, last, count) = (skeleton.name(first), skeleton.name(last), path.len());
-        return bad(format!(
-            "the chain from \"{first}\" to \"{last}\" has {count} joints; at most {LINKS_MOST} are \
-             supported"
-        ));
+    if path.len() > MAX_LINKS as usize {
+        let (first, last, count) = (named(first), named(last), path.len());
+        return Err(ConstraintFault::LongChain { first, last, count }.into());
     }
     path.reverse();
     Ok(path)

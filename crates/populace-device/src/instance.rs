@@ -6,7 +6,7 @@ use std::sync::Arc;
 use populace_character::Character;
 use populace_model::Affine;
 
-use crate::hand_over::PaletteSource;
+use crate::interop::PaletteSource;
 
 /// One instance of a character.
 #[derive(Clone, Copy)]

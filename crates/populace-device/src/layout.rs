@@ -53,13 +53,7 @@ macro_rules! opencl_type {
 }
 
 macro_rules! device_struct {
-    ($(#[$doc:meta])* pub struct $name:ident {
-        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
-    }) => {
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
+    (@impl $name:ident { $( $field:ident : $ty:ident ),* }) => {
         impl DeviceStruct for $name {
             const NAME: &'static str = stringify!($name);
             const OPENCL_C: &'static str = concat!("typedef struct {",
@@ -68,6 +62,21 @@ macro_rules! device_struct {
             const FIELDS: &'static [(&'static str, usize)] =
                 &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
         }
+    };
+    // A struct that a crate beneath declares. A field that is missing here, or has another type,
+    // does not compile.
+    (use populace_clip::$name:ident { $( $field:ident : $ty:ident ),* $(,)? }) => {
+        device_struct! { @impl $name { $( $field: $ty ),* } }
+        const _: fn($name) -> ($( $ty, )*) = |$name { $( $field ),* }| ($( $field, )*);
+    };
+    ($(#[$doc:meta])* pub struct $name:ident {
+        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
+        device_struct! { @impl $name { $( $field: $ty ),* } }
     };
 }
 
@@ -125,15 +134,15 @@ device_consts! {
     pub const SLOT_ONCE: u32 = 1;
     /// [`Slot::mode`]: the clip is sampled at the fixed time [`Slot::held_secs`] on its own axis.
     pub const SLOT_HELD: u32 = 2;
-    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), sampled [`Slot::phase_rate`] ticks in
-    /// the past. Before its oldest row that row holds, after its newest row the newest holds.
+    /// [`Slot::mode`]: a live clip ([`ClipRows::ring_rows`]), sampled [`Slot::delay_ticks`] in the
+    /// past. Before its oldest row that row holds, after its newest row the newest holds.
     pub const SLOT_LIVE: u32 = 3;
     /// [`Slot::mode`]: one of the two slots of a state machine. [`Slot::bound_clip`] is `2 *
     /// machine instance + which`. Each of the two slots has half the machine's weight; [`Running`]
     /// says which clip it plays and at which weight.
     pub const SLOT_MACHINE: u32 = 4;
     /// [`Slot::mode`]: the decaying difference between an outgoing clip and the clip that replaced
-    /// it. The slot has weight 0 and its fields have other meanings, see [`Slot`].
+    /// it. The slot has weight 0 and is read as an [`InertializationSlot`].
     pub const SLOT_INERTIALIZATION: u32 = 5;
     /// Low bits of [`Slot::layer_and_mode`] that hold the mode; the layer is in the bits above.
     pub const SLOT_MODE_BITS: u32 = 8;
@@ -145,14 +154,14 @@ device_consts! {
     /// layer has no mask.
     pub const LAYER_MASK: u32 = (1 << 31) - 1;
     /// Maximum number of slots of a member.
-    pub const SLOTS_MOST: u32 = 8;
+    pub const MAX_SLOTS: u32 = 8;
     /// Layers per member.
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// Low bits of [`Member::layers_and_phase`] that count layers; the phase is in the bits above.
     pub const MEMBER_LAYER_BITS: u32 = 8;
     /// Maximum number of phases per frame: one for members attached to nothing, and four levels of
     /// attached members.
-    pub const PHASES_MOST: u32 = 5;
+    pub const MAX_PHASES: u32 = 5;
     /// Flag in a joint map: the rotation comes from the clip's rows.
     pub const MAP_ROTATION: u32 = populace_retarget::MAP_ROTATION;
     /// Flag in a joint map: the translation comes from the clip's rows.
@@ -165,14 +174,14 @@ device_consts! {
     pub const BLOCK_STRAIGHT: u32 = 4;
     /// Flag in a [`BoundBlock`]: the sampled pose goes on through the corrections of
     /// [`BoundClip::next`].
-    pub const BLOCK_TURNED: u32 = 8;
+    pub const BLOCK_CORRECTED: u32 = 8;
     /// Flag in a [`BoundBlock`]: all translations are at the body's rest. In a correction: it adds
     /// nothing to translations.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
     pub const REST_SCALE: u32 = 2;
     /// [`Step::kind`]: applies a rotation to the joint that an earlier step has written.
-    pub const STEP_TURN: u32 = 0;
+    pub const STEP_ROTATION: u32 = 0;
     /// [`Step::kind`]: turns a chain to look at its targets.
     pub const STEP_GAZE: u32 = 1;
     /// [`Step::kind`]: solves a two-bone limb to reach its targets.
@@ -181,7 +190,7 @@ device_consts! {
     pub const STEP_CHAIN: u32 = 3;
     /// [`Step::kind`]: finds where the feet go, lowers the pelvis so that they can get there, and
     /// solves the legs right away if possible. The constraints of a member's feet are consecutive,
-    /// and each foot owns three rotations, starting at the step's `turn`.
+    /// and each foot owns three rotations, starting at the step's `operand`.
     pub const STEP_PELVIS: u32 = 4;
     /// [`Step::kind`]: solves one leg towards the place that the pelvis step found. Used if other
     /// steps move the leg after the pelvis.
@@ -190,7 +199,7 @@ device_consts! {
     pub const STEP_OVERRIDE: u32 = 6;
     /// [`Step::kind`]: writes the joint's world transform for other members or for readback.
     pub const STEP_WATCH: u32 = 7;
-    /// [`Step::kind`]: runs a user stage, with the member's values at `turn`.
+    /// [`Step::kind`]: runs a user stage, with the member's values at `operand`.
     pub const STEP_STAGE: u32 = 8;
     /// [`Step::kind`]: writes the joint's model transform for members of later phases that are
     /// attached to it.
@@ -198,7 +207,7 @@ device_consts! {
     /// [`Step::kind`]: places a root relative to the joint that the member is attached to.
     pub const STEP_ATTACH: u32 = 10;
     /// [`Step::kind`]: moves the whole body by root motion, continuing from the previous frame if
-    /// `turn` is unchanged.
+    /// `operand` is unchanged.
     pub const STEP_MOTION: u32 = 11;
     /// First element of root motion in a member's history state.
     ///
@@ -208,21 +217,21 @@ device_consts! {
     /// |---|---|---|---|---|
     /// | foot `i`, planted | position x | position y | position z | bits: `epoch << 1 \| 1` |
     /// | foot `i`, lifted | lag x | lag y | lag z | bits: `epoch << 1` |
-    /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::turn`] |
+    /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::operand`] |
     /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
     /// | `MOTION_STATE + 2` | velocity x | velocity y | velocity z | sine of turn per tick |
     /// | `MOTION_STATE + 3` | excess x | excess y | excess z | sine of turn per tick |
     ///
     /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to
-    /// [`FEET_MOST`]` - 1`; their positions and lags are in world space. The *lag* of a foot is how
+    /// [`MAX_FEET`]` - 1`; their positions and lags are in world space. The *lag* of a foot is how
     /// far it trails behind the clip. *Velocity* is that of the last frame. *Excess* is the
     /// velocity at the start of an inertialization minus the velocity of the clips that play since.
     /// `epoch` is [`Control::epoch`].
-    pub const MOTION_STATE: u32 = FEET_MOST;
+    pub const MOTION_STATE: u32 = MAX_FEET;
     /// Elements per row of root motion: an offset, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
     /// Maximum number of user stages.
-    pub const STAGES_MOST: u32 = 8;
+    pub const MAX_STAGES: u32 = 8;
     /// Parameters per user stage.
     pub const STAGE_PARAMETERS: u32 = 16;
     /// [`Target::kind`]: a point in the member's model space.
@@ -234,11 +243,11 @@ device_consts! {
     /// [`Target::kind`]: a joint of another member, as of the previous frame.
     pub const TARGET_WATCHED: u32 = 3;
     /// Maximum number of rotations that the steps of one member can write for later steps.
-    pub const TURNS_MOST: u32 = 48;
+    pub const MAX_STEP_ROTATIONS: u32 = 48;
     /// Maximum number of links of one chain.
-    pub const LINKS_MOST: u32 = 24;
+    pub const MAX_LINKS: u32 = 24;
     /// Maximum number of feet of a member.
-    pub const FEET_MOST: u32 = 4;
+    pub const MAX_FEET: u32 = 4;
     /// History elements per control, see [`MOTION_STATE`].
     pub const STATES_PER_CONTROL: u32 = 8;
     /// Elements per watched joint: three rows of its matrix, in world space, or in model space for
@@ -284,7 +293,7 @@ device_consts! {
     /// Time in which a lifted foot makes up for half of what it was held back, in seconds.
     pub const FOOT_RELEASE_SECS: f32 = 0.06;
     /// Largest distance that a pelvis sinks, in parts of a leg's length.
-    pub const PELVIS_SINK_MOST: f32 = 0.5;
+    pub const MAX_PELVIS_SINK: f32 = 0.5;
     /// Largest size of a number that a user's stage may leave; larger ones are refused.
     pub const STAGE_LARGEST: f32 = populace_model::LARGEST;
 }
@@ -323,7 +332,7 @@ pub const RANGE_PLANES: usize = 13;
 /// The arm, rotated by the joint's rotation so far, is added to the joint's translation. Then the
 /// joint's rotation is multiplied from the right by the first and the second rotation. With
 /// identity rotations and an arm of 0 the joint is unchanged.
-pub const TURN_PLANES: usize = 14;
+pub const CORRECTION_PLANES: usize = 14;
 
 /// Layout of a shared struct in Rust, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -343,9 +352,9 @@ macro_rules! with_device_structs {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot, Layer, Member,
-            SlotSample, Control, Step, Override, Constraint, Link, Target, Ground, MachineState,
-            Transition, Condition, MachineInstance, Running
+            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot,
+            InertializationSlot, Layer, Member, SlotSample, Control, Step, Override, Constraint,
+            Link, Target, Ground, MachineState, Transition, Condition, MachineInstance, Running
         }
     };
 }

@@ -10,8 +10,9 @@ pub mod backend;
 mod backend_error;
 mod control;
 mod error;
-mod hand_over;
+mod fault;
 mod instance;
+mod interop;
 pub mod layout;
 mod place;
 mod playback;
@@ -25,11 +26,12 @@ pub use control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, GazeLimits, JointOverride, Limb, Space,
 };
 pub use error::Error;
-pub use hand_over::{
-    EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-    PaletteTransport, SharedPage, TargetMark,
-};
+pub use fault::{ConstraintFault, ConstraintPart, StageFault};
 pub use instance::{DrawSource, Instance};
+pub use interop::{
+    EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, SharedPage, TargetMark,
+};
 pub use place::Place;
 pub use playback::{
     LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, SampledState, far_row, row_before,

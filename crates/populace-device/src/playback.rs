@@ -6,14 +6,14 @@ mod pace;
 use populace_clip::{TICK_SECS, TICKS_PER_SEC, ticks_from_secs};
 
 use crate::layout::{
-    LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP,
-    SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, SLOTS_MOST, Slot,
+    self, LAYER_ADDITIVE, LAYER_MASK, LAYERS_PER_MEMBER, Layer, SLOT_HELD, SLOT_LIVE, SLOT_LOOP,
+    SLOT_MACHINE, SLOT_MODE_BITS, SLOT_ONCE, Slot,
 };
 
 pub use inertialize::{SampledState, far_row, row_before};
 
 /// Maximum number of slots of a member.
-pub const MAX_SLOTS: usize = SLOTS_MOST as usize;
+pub const MAX_SLOTS: usize = layout::MAX_SLOTS as usize;
 /// Maximum number of layers of a member.
 pub const MAX_LAYERS: usize = LAYERS_PER_MEMBER as usize;
 /// A weight that runs from `start` by `rate` per second to `end`; the twin of `ramp` in
@@ -139,11 +139,19 @@ impl Slot {
     }
 
     /// The time at which a slot of [`SLOT_HELD`] samples its clip, in seconds on the clip's own
-    /// axis. Meaningless for other slots.
+    /// axis. Meaningless for other slots. Twin of `slot_held_secs` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
     pub const fn held_secs(&self) -> f32 {
         f32::from_bits(self.start_phase)
+    }
+
+    /// The delay in ticks of a slot of [`SLOT_LIVE`]. Meaningless for other slots. Twin of
+    /// `slot_delay_ticks` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub const fn delay_ticks(&self) -> u64 {
+        self.phase_rate
     }
 
     /// Gives the slot a constant weight.

@@ -7,6 +7,7 @@ use populace_clip::TICKS_PER_SEC;
 use populace_model::{Affine, JointIndex, Trs};
 
 use crate::Error;
+use crate::fault::StageFault;
 use crate::layout::STAGE_PARAMETERS;
 use crate::place::Place;
 
@@ -75,9 +76,9 @@ impl StageJoint {
     }
 
     /// With [`After::Transform`]: rotates the joint about its own position by a unit quaternion `x
-    /// y z w` in model space. OpenCL C: `stage_turn(joint, quaternion)`.
-    pub fn turn(&mut self, rotation: [f32; 4]) {
-        self.model = self.model.turned(rotation);
+    /// y z w` in model space. OpenCL C: `stage_rotate(joint, quaternion)`.
+    pub fn rotate(&mut self, rotation: [f32; 4]) {
+        self.model = self.model.rotated(rotation);
     }
 }
 
@@ -92,7 +93,7 @@ pub type StageFn = Arc<dyn Fn(&mut StageJoint) + Send + Sync>;
 #[doc = concat!("```c\n", include_str!("stage/joint.cl"), "```")]
 /// and the functions `float stage_phase(const StageJoint *, float period_secs)`, `float4
 /// stage_to_model(const StageJoint *, float4 direction)` and
-/// `void stage_turn(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
+/// `void stage_rotate(StageJoint *, float4 quaternion)`, which do what the methods of [`StageJoint`]
 /// do.
 ///
 /// The texts of a crowd's stages are compiled together, each distinct text once, so helper
@@ -172,18 +173,14 @@ impl UserStage {
     /// character, or the stage has neither text nor function.
     pub fn check(&self) -> Result<(), Error> {
         let Self { name, opencl_c, rust } = self;
-        let bad = |what: &str| Err(Error::BadStage { stage: name.clone(), what: what.into() });
+        let bad = |fault| Err(Error::BadStage { stage: name.clone(), fault });
         let starts = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
         if !starts || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
-            return bad(
-                "a name consists of A to Z, a to z, 0 to 9 and _, and does not begin with a digit",
-            );
+            return bad(StageFault::Name);
         }
         match (opencl_c, rust) {
-            (None, None) => bad("it needs a text in OpenCL C, a function in Rust, or both"),
-            (Some(text), _) if text.contains('\0') => {
-                bad("its text in OpenCL C contains a zero character")
-            }
+            (None, None) => bad(StageFault::NoForm),
+            (Some(text), _) if text.contains('\0') => bad(StageFault::ZeroCharacter),
             _ => Ok(()),
         }
     }
@@ -199,7 +196,7 @@ impl fmt::Debug for UserStage {
 /// A member's use of a stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StageUse {
-    /// The stage's number in the crowd, below [`STAGES_MOST`](crate::layout::STAGES_MOST).
+    /// The stage's number in the crowd, below [`MAX_STAGES`](crate::layout::MAX_STAGES).
     pub stage: u32,
     /// The pipeline stage after which it runs.
     pub after: After,

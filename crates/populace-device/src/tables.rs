@@ -19,8 +19,8 @@ use std::collections::{BinaryHeap, HashMap};
 
 use crate::Error;
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MOTION_ELEMENTS,
-    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, POSE_PLANES, RowBlock,
+    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES,
+    MOTION_ELEMENTS, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -61,7 +61,7 @@ pub struct Tables {
     palette_space: Space,
     control_spaces: ControlSpaces,
     /// Number of members in each phase.
-    phase_members: [usize; PHASES_MOST as usize],
+    phase_members: [usize; MAX_PHASES as usize],
     instance_space: InstanceSpace,
     /// The runs of each asset, by kind and index.
     asset_runs: HashMap<(Asset, u32), Runs>,
@@ -96,7 +96,7 @@ impl Tables {
             joint_space: Space::new(usize::MAX),
             palette_space: Space::new((PAGE_ENTRIES / PALETTE_BLOCK) as usize),
             control_spaces: ControlSpaces::new(),
-            phase_members: [0; PHASES_MOST as usize],
+            phase_members: [0; MAX_PHASES as usize],
             instance_space: InstanceSpace::new(),
             asset_runs: HashMap::new(),
         }
@@ -239,7 +239,7 @@ impl Tables {
         self.add_asset(Asset::Clip, |tables, runs| {
             let row_first = tables.add_rows(clip, runs)?;
             let all = &mut tables.all;
-            let blocks = clip.row_blocks().iter().map(RowBlock::from);
+            let blocks = clip.row_blocks().iter().copied();
             let block_first = runs.add(&mut all.row_blocks, blocks)?;
             let (buckets, buckets_per_sec) = clip.buckets();
             let times = if buckets.is_empty() { &[] } else { clip.row_times() };

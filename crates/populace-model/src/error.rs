@@ -1,7 +1,9 @@
 //! Errors in the data of a crowd.
 
-use crate::Property;
+use crate::error_kind::ErrorKind;
 use crate::names::UnknownName;
+use crate::property::Property;
+use crate::role::Role;
 
 /// Invalid data of a crowd. Messages say what is wrong, where, and how to mend it.
 #[non_exhaustive]
@@ -56,22 +58,22 @@ pub enum Error {
         name: String,
     },
     /// A track cannot be sampled.
-    #[error("the {property:?} track of joint \"{joint}\" {what}")]
+    #[error("the {property:?} track of joint \"{joint}\" {fault}")]
     BadTrack {
         /// Name of the joint.
         joint: String,
         /// The property it drives.
         property: Property,
         /// The defect.
-        what: String,
+        fault: TrackFault,
     },
     /// A humanoid role that a joint cannot have.
-    #[error("the role {role}: {what}")]
+    #[error("the role {role}: {fault}")]
     BadRole {
-        /// The role, as VRM names it.
-        role: String,
-        /// The defect and the rule.
-        what: String,
+        /// The role.
+        role: Role,
+        /// The defect.
+        fault: RoleFault,
     },
     /// A mask that does not fit its skeleton.
     #[error(
@@ -99,5 +101,146 @@ pub enum Error {
         count: usize,
         /// Number of elements that can be addressed.
         limit: usize,
+    },
+}
+
+impl Error {
+    /// The kind of the error.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        match self {
+            Self::UnknownJoints { .. }
+            | Self::BadRole {
+                fault: RoleFault::UnknownJoint { .. } | RoleFault::NotOnBody, ..
+            } => ErrorKind::NotFound,
+            Self::TooLarge { .. } => ErrorKind::TooLarge,
+            Self::NoJoints
+            | Self::ParentOutOfRange { .. }
+            | Self::Cycle { .. }
+            | Self::BadRest { .. }
+            | Self::DuplicateJointName { .. }
+            | Self::BadTrack { .. }
+            | Self::BadRole { .. }
+            | Self::BadMask { .. } => ErrorKind::InvalidInput,
+        }
+    }
+}
+
+/// The defect of a track. Keys are counted from 0.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TrackFault {
+    /// No keys.
+    #[error("has no keys; a track needs at least one")]
+    NoKeys,
+    /// A number of values that does not fit the keys.
+    #[error("has {values} values for {keys} keys; {needed} are needed")]
+    ValueCount {
+        /// Values given.
+        values: usize,
+        /// Keys given.
+        keys: usize,
+        /// Values that the keys need.
+        needed: usize,
+    },
+    /// A time that is not finite.
+    #[error("key {key} has a time that is not a finite number")]
+    TimeNotFinite {
+        /// The first such key.
+        key: usize,
+    },
+    /// A time that is not later than the one before.
+    #[error(
+        "key {key} at {time_secs} s does not come after key {} at {before_secs} s; times must \
+         increase",
+        key - 1
+    )]
+    TimeOrder {
+        /// The first such key, at least 1.
+        key: usize,
+        /// Its time in seconds.
+        time_secs: f32,
+        /// The time of the key before.
+        before_secs: f32,
+    },
+    /// A value that is not finite.
+    #[error("key {key} has a value that is not a finite number")]
+    ValueNotFinite {
+        /// The first such key.
+        key: usize,
+    },
+    /// A rotation of no direction.
+    #[error("key {key} is a rotation of length zero")]
+    ZeroRotation {
+        /// The first such key.
+        key: usize,
+    },
+}
+
+/// The defect of a humanoid role, or of a map of roles.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RoleFault {
+    /// A name of no joint.
+    #[error("the skeleton has no joint \"{joint}\"")]
+    UnknownJoint {
+        /// The name.
+        joint: String,
+    },
+    /// A joint that has another role.
+    #[error("joint \"{joint}\" is {other} already; a joint can have only one role")]
+    JointTaken {
+        /// The joint's name.
+        joint: String,
+        /// The role that it has.
+        other: Role,
+    },
+    /// Two joints for one role.
+    #[error("both \"{first}\" and \"{second}\" are given; a role can have only one joint")]
+    TwoJoints {
+        /// Name of the first joint.
+        first: String,
+        /// Name of the second joint.
+        second: String,
+    },
+    /// No joint for a role that is required.
+    #[error(
+        "no joint is given; hips, upper legs, lower legs and feet are required, other roles are \
+         optional"
+    )]
+    NoJoint,
+    /// A joint that is not below that of its parent role.
+    #[error("joint \"{joint}\" is not below \"{above}\", which is {parent}")]
+    NotBelow {
+        /// The joint's name.
+        joint: String,
+        /// Name of the parent role's joint.
+        above: String,
+        /// The parent role.
+        parent: Role,
+    },
+    /// A role that the body has no joint for.
+    #[error("the body has no joint with this role; RoleMap::joint tells which roles it has")]
+    NotOnBody,
+    /// A map of roles for another skeleton.
+    #[error("the roles are those of {wanted} joints, but there are {joints}")]
+    OtherSkeleton {
+        /// Joints of the map's skeleton.
+        wanted: usize,
+        /// Joints of the skeleton that it was given for.
+        joints: usize,
+    },
+    /// A map of roles for another skeleton than that of a named character or clip.
+    #[error(
+        "the roles are for a skeleton of {wanted} joints, but the skeleton of \"{name}\" has \
+         {joints}"
+    )]
+    OtherSkeletonOf {
+        /// Name of the character or clip.
+        name: String,
+        /// Joints of the map's skeleton.
+        wanted: usize,
+        /// Joints of the named one's skeleton.
+        joints: usize,
     },
 }

@@ -25,6 +25,7 @@
 
 pub mod convert;
 mod error;
+mod error_kind;
 pub mod f64math;
 pub mod humanoid;
 mod joint;
@@ -32,15 +33,18 @@ mod mask;
 pub mod math;
 mod names;
 mod property;
+mod role;
 mod skeleton;
 mod track;
 
-pub use error::Error;
-pub use humanoid::{Finger, Phalanx, Role, RoleMap, Side};
+pub use error::{Error, RoleFault, TrackFault};
+pub use error_kind::ErrorKind;
+pub use humanoid::RoleMap;
 pub use joint::JointIndex;
 pub use mask::Mask;
 pub use math::{Affine, LARGEST, LARGEST_SCALE, Trs};
 pub use names::{UnknownName, did_you_mean, nearest_names};
 pub use property::Property;
+pub use role::{Finger, Phalanx, Role, Side};
 pub use skeleton::{JointSource, Skeleton};
 pub use track::{ClipSource, Interpolation, Track};

@@ -1,7 +1,7 @@
 //! Masks: the weight of each joint in a layer.
 
 use crate::humanoid::{Role, RoleMap};
-use crate::{Error, JointIndex, Skeleton};
+use crate::{Error, JointIndex, RoleFault, Skeleton};
 
 /// A weight per joint of one skeleton: 1 for affected, 0 for unaffected joints.
 ///
@@ -103,9 +103,7 @@ impl Mask {
         let mut own = vec![None; skeleton.joint_count()];
         map.iter().for_each(|(_, joint)| own[joint.index()] = Some(0.0));
         for role in roles {
-            let what =
-                "the body has no joint with this role; RoleMap::joint tells which roles it has";
-            let missing = || Error::BadRole { role: role.to_string(), what: what.into() };
+            let missing = || Error::BadRole { role, fault: RoleFault::NotOnBody };
             own[map.joint(role).ok_or_else(missing)?.index()] = Some(1.0);
         }
         let mut weights = vec![0.0; skeleton.joint_count()];

@@ -1,6 +1,6 @@
 //! Animation data as stored in a file: keyframes per joint and property.
 
-use crate::{Error, Property};
+use crate::{Error, Property, TrackFault};
 
 /// Interpolation between two keyframes (glTF 2.0, appendix C).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,41 +45,31 @@ impl Track {
     /// [`Error::BadTrack`] names the joint and the defect: no keys, times that do not increase, a
     /// wrong number of values, a value that is not finite, or a rotation of length zero.
     pub fn check(&self) -> Result<(), Error> {
-        let bad = |what: String| {
-            Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, what })
+        let bad = |fault| {
+            Err(Error::BadTrack { joint: self.joint.clone(), property: self.property, fault })
         };
         if self.times.is_empty() {
-            return bad("has no keys; a track needs at least one".into());
+            return bad(TrackFault::NoKeys);
         }
-        let wanted = self.times.len() * self.values_per_key();
-        if self.values.len() != wanted {
-            return bad(format!(
-                "has {} values for {} keys; {wanted} are needed",
-                self.values.len(),
-                self.times.len()
-            ));
+        let needed = self.times.len() * self.values_per_key();
+        if self.values.len() != needed {
+            let (values, keys) = (self.values.len(), self.times.len());
+            return bad(TrackFault::ValueCount { values, keys, needed });
         }
-        if let Some(at) = self.times.iter().position(|t| !t.is_finite()) {
-            return bad(format!("key {at} has a time that is not a finite number"));
+        if let Some(key) = self.times.iter().position(|t| !t.is_finite()) {
+            return bad(TrackFault::TimeNotFinite { key });
         }
         if let Some(at) = self.times.windows(2).position(|w| w[0] >= w[1]) {
-            return bad(format!(
-                "key {} at {} s does not come after key {at} at {} s; times must increase",
-                at + 1,
-                self.times[at + 1],
-                self.times[at]
-            ));
+            let (before_secs, time_secs) = (self.times[at], self.times[at + 1]);
+            return bad(TrackFault::TimeOrder { key: at + 1, time_secs, before_secs });
         }
         if let Some(at) = self.values.iter().position(|v| !v.is_finite()) {
-            return bad(format!(
-                "key {} has a value that is not a finite number",
-                at / self.values_per_key()
-            ));
+            return bad(TrackFault::ValueNotFinite { key: at / self.values_per_key() });
         }
         if self.property == Property::Rotation {
             let zero = |key: &usize| self.value(*key).iter().all(|v| v.abs() < 1e-10);
-            if let Some(at) = (0..self.times.len()).find(zero) {
-                return bad(format!("key {at} is a rotation of length zero"));
+            if let Some(key) = (0..self.times.len()).find(zero) {
+                return bad(TrackFault::ZeroRotation { key });
             }
         }
         Ok(())

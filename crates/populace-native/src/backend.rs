@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
-    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::buffers::StageBuffers;
@@ -351,8 +351,8 @@ impl PaletteSource for NativeBackend {
         self.pages.set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        Ok(self.pages.hand_over())
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        Ok(self.pages.release())
     }
 
     fn with_page(

@@ -18,7 +18,7 @@ mod targets;
 
 use populace_device::layout::{
     Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN, STEP_WATCH, Step, WATCHED_ELEMENTS,
+    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
 use populace_model::math::{quat, vec3};
 use populace_model::{Affine, Trs};
@@ -41,17 +41,17 @@ fn axes(m: &Affine) -> [[f32; 3]; 3] {
 
 /// Returns the rotation from one set of axes to another: first from x to x, then about x from y to
 /// y.
-fn turn_between(from: &[[f32; 3]; 3], to: &[[f32; 3]; 3]) -> [f32; 4] {
+fn rotation_between(from: &[[f32; 3]; 3], to: &[[f32; 3]; 3]) -> [f32; 4] {
     let first = vec3::between(from[0], to[0], from[1]);
-    let second = vec3::between(vec3::turned(first, from[1]), to[1], to[0]);
+    let second = vec3::between(vec3::rotated(first, from[1]), to[1], to[0]);
     quat::mul(second, first)
 }
 
 /// Returns an affine transform between two: the position on the straight line, the axes by the
 /// shortest rotation, and the axes' lengths in proportion.
 fn part_of_the_way(from: &Affine, to: &Affine, k: f32) -> Affine {
-    let turned = from.turned(vec3::part_of(turn_between(&axes(from), &axes(to)), k));
-    let mut rows = turned.rows;
+    let rotated = from.rotated(vec3::part_of(rotation_between(&axes(from), &axes(to)), k));
+    let mut rows = rotated.rows;
     for c in 0..3 {
         let (old, new) = (vec3::length(column_of(from, c)), vec3::length(column_of(to, c)));
         let factor = if old > 1e-10 { 1.0 + (new / old - 1.0) * k } else { 1.0 };
@@ -107,7 +107,7 @@ impl Solver<'_> {
     #[inline(never)]
     fn attach(&self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
         if let Some(parent) = self.inputs.history.watched_now(step.index) {
-            let offset = self.given_transform(step.turn).transform;
+            let offset = self.given_transform(step.operand).transform;
             joints.keep_model(joint, parent.mul(&offset).mul(&joints.model_of(joint)));
         }
     }
@@ -117,9 +117,9 @@ impl Solver<'_> {
     fn take_step(&mut self, step: &Step, joints: &mut impl Hierarchy, parents: &[u32]) {
         let joint = step.joint as usize;
         match step.kind {
-            STEP_TURN => {
-                let turn = self.turns[step.turn as usize];
-                joints.keep_model(joint, joints.model_of(joint).turned(turn));
+            STEP_ROTATION => {
+                let rotation = self.step_rotations[step.operand as usize];
+                joints.keep_model(joint, joints.model_of(joint).rotated(rotation));
             }
             STEP_GAZE => self.gaze(joints, joint, parents[joint], step),
             STEP_REACH => self.reach(joints, joint, step),

@@ -1,9 +1,9 @@
 //! Retarget corrections of sampled poses. Twin of `kernels/corrections.cl`.
 //!
 //! Reads bound clips, rows and stored planes; writes nothing but the sample that it returns.
-//! [`TURN_PLANES`](populace_device::layout::TURN_PLANES) describes a correction.
+//! [`CORRECTION_PLANES`](populace_device::layout::CORRECTION_PLANES) describes a correction.
 
-use populace_device::layout::{BLOCK_TURNED, BoundClip, REST_TRANSLATION, SlotSample};
+use populace_device::layout::{BLOCK_CORRECTED, BoundClip, REST_TRANSLATION, SlotSample};
 use populace_model::Property;
 use populace_model::math::{quat, vec3};
 
@@ -32,7 +32,7 @@ pub(crate) fn correct<R: RowWidth>(
 ) -> ([R; 3], [R; 4]) {
     let padded = joints.body.padded_count as usize;
     let (mut clip, mut at) = (bound, *at);
-    while joints.bound_block(clip).flags & BLOCK_TURNED != 0 {
+    while joints.bound_block(clip).flags & BLOCK_CORRECTED != 0 {
         clip = &joints.tables.bound_clips().as_slice()[clip.next as usize];
         if clip.row_stride != 0 {
             at = own_rows(joints, clip, &at);
@@ -47,7 +47,7 @@ pub(crate) fn correct<R: RowWidth>(
                 &planes[6 * padded..],
                 padded,
             );
-            let [x, y, z] = vec3::turned(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
+            let [x, y, z] = vec3::rotated(quat::scale(r, quat::dot(r, r).inverse_sqrt()), arm);
             t = [t[0] + x, t[1] + y, t[2] + z];
         }
         let mut q = load_quat::<R>(planes, padded);

@@ -8,7 +8,7 @@
 //! The *outgoing* clip ended; the *incoming* one took its place. Both are sampled where they were
 //! at that instant, and at the far row, which tells the velocity.
 
-use populace_device::layout::{ClipRows, Slot, SlotSample};
+use populace_device::layout::{ClipRows, InertializationSlot, Slot, SlotSample};
 use populace_device::{SampledState, far_row, row_before};
 use populace_model::math::quat;
 
@@ -79,31 +79,31 @@ fn decay(inertialized: f32) -> [f32; 2] {
 
 #[inline(always)]
 fn inertialization_weights<R: RowWidth>(
-    slot: &Slot,
+    slot: &InertializationSlot,
     tick: u64,
     additive: bool,
 ) -> InertializationWeights<R> {
-    let ([still, moving], share) = (decay(slot.inertialized_at(tick)), slot.start_weight);
+    let ([still, moving], share) = (decay(slot.inertialized_at(tick)), slot.share);
     InertializationWeights {
-        outgoing: R::splat(still * share + moving * slot.weight_rate),
-        outgoing_step: R::splat(moving * share * slot.left().pace),
+        outgoing: R::splat(still * share + moving * slot.share_change),
+        outgoing_step: R::splat(moving * share * slot.outgoing_pace),
         incoming: R::splat(if additive { still * share } else { 0.0 }),
-        incoming_step: R::splat(moving * share * slot.taking().pace),
+        incoming_step: R::splat(moving * share * slot.incoming_pace),
     }
 }
 
 /// Adds what is left of one slot's difference to a sum.
 fn add_inertialization<R: RowWidth>(
     joints: &Joints,
-    slot: &Slot,
+    slot: &InertializationSlot,
     tick: u64,
     additive: bool,
     rest: &Local<R>,
     sum: &mut Local<R>,
 ) {
     let weights = inertialization_weights::<R>(slot, tick, additive);
-    let outgoing = sampled_poses(joints, slot.left(), additive, rest);
-    let incoming = sampled_poses(joints, slot.taking(), additive, rest);
+    let outgoing = sampled_poses(joints, slot.outgoing_state(), additive, rest);
+    let incoming = sampled_poses(joints, slot.incoming_state(), additive, rest);
     let reference = if additive { outgoing.reference } else { incoming.reference };
     let at = quotient(&outgoing.at, &reference, quat::identity());
     let far = quotient(&outgoing.far, &reference, at.r);
@@ -147,7 +147,8 @@ pub(crate) fn inertialize<R: RowWidth>(
             return pose;
         };
         let mut sum = Local::zero();
-        for slot in slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start) {
+        let now = slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start);
+        for slot in now.filter_map(Slot::as_inertialization) {
             add_inertialization(joints, slot, tick, additive, rest, &mut sum);
         }
         pose = if additive {

@@ -25,19 +25,22 @@ pub(crate) fn each3<R: Real>(of: impl Fn(usize) -> R) -> [R; 3] {
     [of(0), of(1), of(2)]
 }
 
+/// Returns the ratio of two scales; 1 if the reference is 0 or no number.
+#[inline(always)]
+fn scale_ratio<R: Real>(value: R, reference: R) -> R {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let quotient = value / reference;
+    let below = R::choose(reference.less(zero), quotient, one);
+    R::choose(zero.less(reference), quotient, below)
+}
+
 /// Returns the difference that takes `reference` to `value`: the translations' difference,
-/// `reference.r⁻¹ * value.r` in the hemisphere of `side`, and the scales' ratio, which is 1 where
-/// the reference's scale is 0.
+/// `reference.r⁻¹ * value.r` in the hemisphere of `side`, and the scales' [`scale_ratio`].
 #[inline(always)]
 pub(crate) fn quotient<R: Real>(value: &Local<R>, reference: &Local<R>, side: [R; 4]) -> Local<R> {
     let r = quat::hemisphere(quat::mul(quat::conjugate(reference.r), value.r), side);
-    let (zero, one) = (R::splat(0.0), R::splat(1.0));
-    let ratio = |i: usize| {
-        let quotient = value.s[i] / reference.s[i];
-        let below = R::choose(reference.s[i].less(zero), quotient, one);
-        R::choose(zero.less(reference.s[i]), quotient, below)
-    };
-    Local { t: each3(|i| value.t[i] - reference.t[i]), r, s: each3(ratio) }
+    let s = each3(|i| scale_ratio(value.s[i], reference.s[i]));
+    Local { t: each3(|i| value.t[i] - reference.t[i]), r, s }
 }
 
 /// Subtracts the identity from a difference, so that 0 changes nothing and weighted sums do not
@@ -67,5 +70,24 @@ pub(crate) fn after<R: Real>(first: &Local<R>, then: &Local<R>) -> Local<R> {
         t: each3(|i| first.t[i] + then.t[i]),
         r: quat::mul(first.r, then.r),
         s: each3(|i| first.s[i] * then.s[i]),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reference scales, and the ratio of 2 to each. The test of the same name in populace-opencl
+    /// has the same numbers.
+    const RATIOS: [(f32, f32); 6] =
+        [(4.0, 0.5), (-4.0, -0.5), (0.0, 1.0), (-0.0, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 0.0)];
+
+    #[test]
+    fn scale_ratio_to_no_number_is_one() {
+        for (reference, wanted) in RATIOS {
+            let pose = |s| Local { t: [0.0; 3], r: quat::identity(), s: [s; 3] };
+            let found = quotient(&pose(2.0), &pose(reference), quat::identity());
+            assert_eq!(found.s.map(f32::to_bits), [wanted.to_bits(); 3], "{reference}");
+        }
     }
 }

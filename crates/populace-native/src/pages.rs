@@ -2,7 +2,7 @@
 
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, HandedOver, MappedPage, PAGE_SETS, PaletteTarget, Tables, TargetMark,
+    BackendError, MappedPage, PAGE_SETS, PaletteTarget, ReleasedPalettes, Tables, TargetMark,
 };
 
 use crate::buffers::grow;
@@ -27,7 +27,7 @@ struct MappedSets {
     /// The set of the last frame; before the first frame, the set to write.
     current: usize,
     /// True once OpenGL draws from the current set, so that the next frame goes into the other one.
-    handed_over: bool,
+    released: bool,
 }
 
 impl Pages {
@@ -80,7 +80,7 @@ impl Pages {
     /// Begins a frame: selects the set of pages that OpenGL does not draw from.
     pub(crate) fn begin_frame(&mut self) {
         if let Some(mapped) = &mut self.mapped
-            && std::mem::take(&mut mapped.handed_over)
+            && std::mem::take(&mut mapped.released)
         {
             mapped.current = (mapped.current + 1) % PAGE_SETS;
         }
@@ -130,12 +130,12 @@ impl Pages {
     }
 
     /// Releases the current set to OpenGL; `None` if no target was set.
-    pub(crate) fn hand_over(&mut self) -> Option<HandedOver> {
+    pub(crate) fn release(&mut self) -> Option<ReleasedPalettes> {
         let set = self.mapped.as_mut().map(|mapped| {
-            mapped.handed_over = true;
+            mapped.released = true;
             mapped.current
         });
-        Some(HandedOver { mark: self.mark.clone()?, set })
+        Some(ReleasedPalettes { mark: self.mark.clone()?, set })
     }
 }
 
@@ -144,7 +144,7 @@ impl MappedSets {
         let [first, second] = &mut sets;
         let pages = first.iter_mut().zip(second);
         let capacities = pages.map(|(a, b)| a.elements().len().min(b.elements().len())).collect();
-        Self { sets, capacities, current: 0, handed_over: false }
+        Self { sets, capacities, current: 0, released: false }
     }
 
     /// Returns whether each page has the capacity for its number of palette entries.

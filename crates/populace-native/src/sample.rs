@@ -1,7 +1,9 @@
 //! Local transforms sampled from a clip, retarget corrections included. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_device::layout::{BLOCK_TURNED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_device::layout::{
+    BLOCK_CORRECTED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample,
+};
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
@@ -58,7 +60,7 @@ pub(crate) fn sample_joint<R: RowWidth>(
     if at_rest & REST_SCALE == 0 {
         s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
     }
-    if flags & BLOCK_TURNED != 0 {
+    if flags & BLOCK_CORRECTED != 0 {
         (t, r) = correct::<R>(joints, bound, at, t, r);
     }
     let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);

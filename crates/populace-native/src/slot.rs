@@ -20,7 +20,7 @@ struct Between {
 /// Finds the rows of a live clip around the time that a slot shows. Row 0 is the one that additive
 /// layers measure from and is not counted. All times are whole ticks, back from the newest row.
 fn find_live_row(clip: &ClipRows, slot: &Slot, tick: u64) -> Between {
-    let back = clip.newest_tick.saturating_sub(tick.saturating_sub(slot.phase_rate));
+    let back = clip.newest_tick.saturating_sub(tick.saturating_sub(slot.delay_ticks()));
     let (newest, row_ticks) = (u64::from(clip.newest_ticks), u64::from(clip.row_ticks));
     let older = back.saturating_sub(newest);
     // Rows behind the newest, counting the one before it if the time is between the two.

@@ -28,7 +28,7 @@ fn stage_joint(inputs: &FrameInputs, step: &Step, control: &Control) -> StageJoi
         local: Trs::IDENTITY,
         model: Affine::IDENTITY,
         place: Place { position: [x, y, z], sin_cos: [sin, cos], scale },
-        values: values[step.turn as usize].0,
+        values: values[step.operand as usize].0,
         parameters,
         ticks: inputs.frame.tick.saturating_sub(FIRST_TICK),
         elapsed_secs: inputs.frame.elapsed_secs(),

@@ -44,9 +44,9 @@ INLINE float4 transform_vector(float16 m, float4 v)
 
 // Rotates a transform about its own origin. Each element of the rotation matrix is a sum of two
 // products.
-INLINE float16 affine_turned(float16 m, float4 turn)
+INLINE float16 affine_rotated(float16 m, float4 rotation)
 {
-    const float16 q = repeated(turn), one = q.s1003001301030000 * q.s1123102322030000;
+    const float16 q = repeated(rotation), one = q.s1003001301030000 * q.s1123102322030000;
     const float16 other = q.s2333323333130000 * q.s2213220310130000;
     const float16 sign = (float16)(1.0f, -1.0f, 1.0f, 0.0f, 1.0f, 1.0f, -1.0f, 0.0f, -1.0f, 1.0f,
                                    1.0f, 0.0f, (float4)(0.0f));

@@ -1,7 +1,7 @@
 // chain.cl - Inverse kinematics of chains of any length, by FABRIK (Aristidou & Lasenby 2011).
 //
 // Reads    local transforms of the chain; targets
-// Writes   the model transform of the first joint; one rotation for each further joint (turns)
+// Writes   the model transform of the first joint; one of step_rotations for each further joint
 //
 // Twin of populace-native/src/constraints/chain.rs: same arithmetic, same order of operations.
 
@@ -15,8 +15,8 @@ APART_STEP float16 chain(const Solver *s, Hierarchy joints, Step step, float16 o
 {
     __global const Constraint *constraint = s->tables->constraints + step.index;
     const uint last = constraint->link_count - 1;
-    float4 places[LINKS_MOST], points[LINKS_MOST];
-    float lengths[LINKS_MOST], total = 0.0f, weight;
+    float4 places[MAX_LINKS], points[MAX_LINKS];
+    float lengths[MAX_LINKS], total = 0.0f, weight;
     walk(s, joints, constraint, own, places);
     for (uint at = 0; at < last; at++) {
         lengths[at] = vec_length(places[at + 1] - places[at]);
@@ -38,17 +38,17 @@ APART_STEP float16 chain(const Solver *s, Hierarchy joints, Step step, float16 o
                 points[at + 1] = drawn(points[at], points[at + 1], lengths[at]);
         }
     }
-    float4 turned_by = IDENTITY_TURN;
+    float4 rotated_by = IDENTITY_ROTATION;
     float16 result = own;
     for (uint at = 0; at < last; at++) {
         const float4 was =
-            unit_or(turned(turned_by, places[at + 1] - places[at]), vec(0.0f, 0.0f, 0.0f));
+            unit_or(rotated(rotated_by, places[at + 1] - places[at]), vec(0.0f, 0.0f, 0.0f));
         const float4 is = unit_or(points[at + 1] - points[at], was);
-        const float4 turn = part_of(turn_between(was, is, any_across(is)), weight);
-        if (at == 0) result = affine_turned(own, turn);
-        else s->turns[step.turn + at - 1] = turn;
-        turned_by = turn_mul(turn, turned_by);
+        const float4 rotation = part_of(rotation_between(was, is, any_across(is)), weight);
+        if (at == 0) result = affine_rotated(own, rotation);
+        else s->step_rotations[step.operand + at - 1] = rotation;
+        rotated_by = rotation_mul(rotation, rotated_by);
     }
-    s->turns[step.turn + last - 1] = IDENTITY_TURN;
+    s->step_rotations[step.operand + last - 1] = IDENTITY_ROTATION;
     return result;
 }

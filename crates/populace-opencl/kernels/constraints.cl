@@ -23,9 +23,9 @@ APART_STEP float16 part_of_the_way(float16 from, float16 to, float k)
                  to_x = unit_or(column_of(to, 0), vec(1.0f, 0.0f, 0.0f));
     const float4 from_y = unit_or(across(column_of(from, 1), from_x), any_across(from_x));
     const float4 to_y = unit_or(across(column_of(to, 1), to_x), any_across(to_x));
-    const float4 first = turn_between(from_x, to_x, from_y);
-    const float4 second = turn_between(turned(first, from_y), to_y, to_x);
-    float16 m = affine_turned(from, part_of(turn_mul(second, first), k));
+    const float4 first = rotation_between(from_x, to_x, from_y);
+    const float4 second = rotation_between(rotated(first, from_y), to_y, to_x);
+    float16 m = affine_rotated(from, part_of(rotation_mul(second, first), k));
     float factors[3];
     for (uint c = 0; c < 3; c++) {
         const float old = vec_length(column_of(from, c)), new = vec_length(column_of(to, c));
@@ -88,14 +88,14 @@ APART_STEP float16 attach(const Solver *s, Step step, float16 own)
 {
     __global const float4 *rows = s->tables->watched + step.index * WATCHED_ELEMENTS;
     const float16 parent = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
-    return affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.turn])), own);
+    return affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.operand])), own);
 }
 
 // Runs a step that needs no other member's lanes, and returns the joint's new model transform.
 INLINE float16 take_step(const Solver *s, Hierarchy joints, Step step, float16 own)
 {
     switch (step.kind) {
-    case STEP_TURN: return affine_turned(own, s->turns[step.turn]);
+    case STEP_ROTATION: return affine_rotated(own, s->step_rotations[step.operand]);
     case STEP_CHAIN: return chain(s, joints, step, own);
     case STEP_OVERRIDE: return override_model(s->tables->overrides[step.index], own);
 #ifdef USER_STAGES

@@ -1,4 +1,4 @@
-// corrections.cl - Retarget corrections of sampled poses; TURN_PLANES in
+// corrections.cl - Retarget corrections of sampled poses; CORRECTION_PLANES in
 // populace-device/src/layout.rs describes their planes.
 //
 // Twin of populace-native/src/corrections.rs: same arithmetic, same order of operations.
@@ -19,7 +19,7 @@ APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint jo
 {
     Local trs = *posed;
     const uint padded = body.padded_count;
-    while (bound_block(tables, bound, joint)->flags & BLOCK_TURNED) {
+    while (bound_block(tables, bound, joint)->flags & BLOCK_CORRECTED) {
         bound = tables->bound_clips[bound.next];
         if (bound.row_stride != 0) at = own_rows(tables, bound, at);
         const Columns columns = columns_of(tables, bound, joint);
@@ -28,7 +28,7 @@ APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint jo
             const Vec3 arm = sample_vector(tables, columns, TRANSLATION, at, planes + 6 * padded,
                                            planes + 9 * padded, padded);
             const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
-            trs.t = vec3_add(trs.t, quat_turned(unit, arm));
+            trs.t = vec3_add(trs.t, quat_rotated(unit, arm));
         }
         Quat q = load_quat(planes, padded);
         if (columns.block.rotation_first != NONE) {

@@ -2,8 +2,8 @@
 // so that they reach it.
 //
 // Reads    local transforms of the legs; the ground; each foot's state after the previous frame
-// Writes   the model transform of the pelvis or hip; rotations of hip, knee and ankle (turns); the
-//          state of each foot after this frame
+// Writes   the model transform of the pelvis or hip; step_rotations of hip, knee and ankle;
+//          the state of each foot after this frame
 //
 // Twin of populace-native/src/constraints/feet.rs: same arithmetic, same order of operations.
 
@@ -44,7 +44,7 @@ INLINE float4 ground_at(const ConstraintTables *tables, float x, float z)
 // Returns where the ankle goes, in model space. *follows holds the ground's normal there and, in w,
 // how much the foot follows it. `left` is the foot's state after the previous frame: where it is
 // planted, or its offset from the clip.
-INLINE float4 footing(const Solver *s, uint foot, __global const Constraint *constraint,
+INLINE float4 foot_goal(const Solver *s, uint foot, __global const Constraint *constraint,
                       float4 ankle, float4 left, float4 *follows)
 {
     const float rest = constraint->up.x, planted_below = constraint->up.y,
@@ -100,7 +100,7 @@ typedef struct {
     Real soft, weight;
 } Legs;
 
-#define LEGS_MOST ((BATCH * FEET_MOST + LANES - 1) / LANES)
+#define MAX_LEGS ((BATCH * MAX_FEET + LANES - 1) / LANES)
 
 // A leg as its clips pose it, in model space.
 typedef struct {
@@ -154,7 +154,7 @@ INLINE Real sinks(Limb limb, Real soft)
 {
     const Real length = square_root(vec3_dot(limb.upper, limb.upper))
                         + square_root(vec3_dot(limb.lower, limb.lower));
-    const Real reach = length * (1.0f - soft), most = length * PELVIS_SINK_MOST;
+    const Real reach = length * (1.0f - soft), most = length * MAX_PELVIS_SINK;
     const Vec3 to = limb.to;
     const Real needed = -to.y - square_root(reach * reach - to.x * to.x - to.z * to.z);
     return needed > most ? most : needed;
@@ -163,31 +163,31 @@ INLINE Real sinks(Limb limb, Real soft)
 // Rotations of hips, knees and ankles.
 typedef struct {
     Quat hip, knee, ankle;
-} LegTurns;
+} LegRotations;
 
-INLINE LegTurns leg_turns(const Legs *legs)
+INLINE LegRotations leg_rotations(const Legs *legs)
 {
     const Vec3 no_pole = { 0.0f, 0.0f, 0.0f };
-    LegTurns turns;
-    limb_turns(legs->limb, no_pole, 0, legs->soft, &turns.hip, &turns.knee);
+    LegRotations rotations;
+    limb_rotations(legs->limb, no_pole, 0, legs->soft, &rotations.hip, &rotations.knee);
     const Choice partly = legs->weight < (Real)(1.0f);
-    turns.hip = quat_choose(partly, quat_part(turns.hip, legs->weight), turns.hip);
-    turns.knee = quat_choose(partly, quat_part(turns.knee, legs->weight), turns.knee);
+    rotations.hip = quat_choose(partly, quat_part(rotations.hip, legs->weight), rotations.hip);
+    rotations.knee = quat_choose(partly, quat_part(rotations.knee, legs->weight), rotations.knee);
     // The ankle keeps the rotation of its clips and follows the slope: the rotation from straight
     // up to the normal.
     const Quat follows = legs->follows, tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
     const Quat slope = quat_normalize_or(tilt, quat_identity());
     const Quat part = quat_part_as_told(slope, follows.w * legs->weight);
-    turns.ankle = quat_mul(part, quat_conjugate(quat_mul(turns.knee, turns.hip)));
-    return turns;
+    rotations.ankle = quat_mul(part, quat_conjugate(quat_mul(rotations.knee, rotations.hip)));
+    return rotations;
 }
 
-INLINE void hand_down(const YieldPoint *at, uint foot, LegTurns turns, uint lane)
+INLINE void hand_down(const YieldPoint *at, uint foot, LegRotations rotations, uint lane)
 {
-    TURNS float4 *to = at->s->turns + at->step.turn + 3 * foot;
-    to[0] = quat_in(turns.hip, lane);
-    to[1] = quat_in(turns.knee, lane);
-    to[2] = quat_in(turns.ankle, lane);
+    STEP_ROTATIONS float4 *to = at->s->step_rotations + at->step.operand + 3 * foot;
+    to[0] = quat_in(rotations.hip, lane);
+    to[1] = quat_in(rotations.knee, lane);
+    to[2] = quat_in(rotations.ankle, lane);
 }
 
 // Finds where a member's feet go and puts its legs into lanes from `next` on. Returns the next free
@@ -198,11 +198,11 @@ INLINE uint put_feet(Legs *legs, uint next, const YieldPoint *at, uint feet, con
         __global const Constraint *constraint = at->s->tables->constraints + at->step.index + foot;
         const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
         float4 follows;
-        const float4 goes_to = footing(at->s, foot, constraint, leg.ankle, left[foot], &follows);
+        const float4 goes_to = foot_goal(at->s, foot, constraint, leg.ankle, left[foot], &follows);
         put_leg(&legs[next / LANES], next % LANES, leg, constraint, goes_to, follows);
-        TURNS float4 *turns = at->s->turns + at->step.turn + 3 * foot;
-        turns[0] = goes_to;
-        turns[1] = follows;
+        STEP_ROTATIONS float4 *step_rotations = at->s->step_rotations + at->step.operand + 3 * foot;
+        step_rotations[0] = goes_to;
+        step_rotations[1] = follows;
     }
     return next;
 }
@@ -225,27 +225,27 @@ INLINE uint sink(Legs *legs, const Real *needed, uint next, YieldPoint *at,
 
 APART_STEP void pelvis(YieldPoint *at, uint count)
 {
-    Legs legs[LEGS_MOST];
-    Real needed[LEGS_MOST];
-    LegTurns turns[LEGS_MOST];
+    Legs legs[MAX_LEGS];
+    Real needed[MAX_LEGS];
+    LegRotations rotations[MAX_LEGS];
     uint all = 0, next = 0;
-    for (uint i = 0; i < LEGS_MOST; i++) clear_legs(&legs[i]);
+    for (uint i = 0; i < MAX_LEGS; i++) clear_legs(&legs[i]);
     // Load the previous state of all feet first, so that the cache misses overlap.
-    float4 left[BATCH][FEET_MOST];
+    float4 left[BATCH][MAX_FEET];
     for (uint m = 0; m < count; m++)
-        for (uint foot = 0; foot < FEET_MOST; foot++)
+        for (uint foot = 0; foot < MAX_FEET; foot++)
             left[m][foot] =
                 at[m].s->tables->states_before[at[m].s->index * STATES_PER_CONTROL + foot];
     for (uint m = 0; m < count; m++)
         all = put_feet(legs, all, at + m, constraint_of(at + m)->target_count, left[m]);
     for (uint i = 0; i * LANES < all; i++) needed[i] = sinks(legs[i].limb, legs[i].soft);
     for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
-    for (uint i = 0; i * LANES < all; i++) turns[i] = leg_turns(&legs[i]);
+    for (uint i = 0; i * LANES < all; i++) rotations[i] = leg_rotations(&legs[i]);
     next = 0;
     for (uint m = 0; m < count; m++) {
         __global const Constraint *first = constraint_of(at + m);
         for (uint foot = 0; foot < first->target_count; foot++, next++)
-            if (first->at_once) hand_down(at + m, foot, turns[next / LANES], next % LANES);
+            if (first->at_once) hand_down(at + m, foot, rotations[next / LANES], next % LANES);
     }
 }
 
@@ -257,12 +257,12 @@ APART_STEP void foot(YieldPoint *at, uint count)
     for (uint m = 0; m < count; m++) {
         __global const Constraint *constraint = constraint_of(at + m);
         const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint->upper, at[m].own);
-        TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
-        put_leg(&legs, m, leg, constraint, turns[0], turns[1]);
+        STEP_ROTATIONS float4 *step_rotations = at[m].s->step_rotations + at[m].step.operand;
+        put_leg(&legs, m, leg, constraint, step_rotations[0], step_rotations[1]);
     }
-    const LegTurns turns = leg_turns(&legs);
+    const LegRotations rotations = leg_rotations(&legs);
     for (uint m = 0; m < count; m++) {
-        hand_down(at + m, 0, turns, m);
-        at[m].own = affine_turned(at[m].own, quat_in(turns.hip, m));
+        hand_down(at + m, 0, rotations, m);
+        at[m].own = affine_rotated(at[m].own, quat_in(rotations.hip, m));
     }
 }

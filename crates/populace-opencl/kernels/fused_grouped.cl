@@ -28,7 +28,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
 typedef struct {
     const ConstraintTables *tables;
     uint control;
-    TURNS float4 *turns;
+    STEP_ROTATIONS float4 *step_rotations;
     Hierarchy models;
 } Descent;
 
@@ -42,7 +42,7 @@ INLINE void descend(Descent to, uint joint, uint parent)
         model = affine_mul(above, model);
     }
     if (to.control != NONE) {
-        const Solver s = solver_of(to.tables, to.control, to.turns);
+        const Solver s = solver_of(to.tables, to.control, to.step_rotations);
         model = solve_joint(&s, to.models, joint, model, above, parent != NONE);
     }
     keep_model(to.models, joint, model.s0123, model.s4567, model.s89ab);
@@ -99,8 +99,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
     // Local memory.
     uint stride, __local float4 *model_rows)
 {
-    __local Playing playing[SLOTS_MOST];
-    __local float4 turns[TURNS_MOST];
+    __local Playing playing[MAX_SLOTS];
+    __local float4 step_rotations[MAX_STEP_ROTATIONS];
     const uint owner = page_members[get_group_id(0)];
     const Member member = members[owner];
     if (owner < place_first || owner >= place_end || member_phase(member) != phase) return;
@@ -118,7 +118,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
     const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines,
                                        tick, &clip_tables, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
-    const Descent down = { &constraint_tables, member.control, turns, models };
+    const Descent down = { &constraint_tables, member.control, step_rotations, models };
     member_models(&clip_tables, adjustments, down, playback, layers + owner * LAYERS_PER_MEMBER,
                   member_layers(member), body, parents + body.joint_first,
                   levels + body.level_first, 0);
@@ -153,8 +153,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_j
     // Local memory.
     uint stride, __local float4 *model_rows)
 {
-    __local Playing playing[SLOTS_MOST];
-    __local float4 turns[TURNS_MOST];
+    __local Playing playing[MAX_SLOTS];
+    __local float4 step_rotations[MAX_STEP_ROTATIONS];
     const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
                                      row_blocks,  joint_maps,   rows, poses, masks };
     const Adjustments adjustments = {
@@ -172,7 +172,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_j
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP)
         samples[s] = playing[s].at;
     const Hierarchy models = { model_rows, stride };
-    const Descent down = { &constraint_tables, member.control, turns, models };
+    const Descent down = { &constraint_tables, member.control, step_rotations, models };
     member_models(&clip_tables, adjustments, down, playback, layers + owner * LAYERS_PER_MEMBER,
                   member_layers(member), body, parents + body.joint_first,
                   levels + body.level_first, planes);

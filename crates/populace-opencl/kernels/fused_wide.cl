@@ -80,7 +80,7 @@ typedef struct {
     uint joint_count, joint, step; // next joint and next step
     uint stands_at; // kind of the step that the member waits at, NONE if it does not wait
     Output output;
-    float4 turns[TURNS_MOST];
+    float4 turns[MAX_STEP_ROTATIONS];
 } Descent;
 
 INLINE void descend(Descent *down, uint end)
@@ -219,7 +219,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         if (member_phase(member) != phase) continue;
         const Body body = bodies[member.body];
         __global float16 *restrict models = desk + count * padded_most;
-        Playing playing[SLOTS_MOST];
+        Playing playing[MAX_SLOTS];
         const Playback playback =
             play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
                      &clip_tables, row_times, buckets, playing);
@@ -280,7 +280,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     __global float16 *models = (__global float16 *)matrices;
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = play(mine[s], machines, tick, &clip_tables, row_times, buckets).at;
-    Playing playing[SLOTS_MOST];
+    Playing playing[MAX_SLOTS];
     const Playback playback =
         play_all(mine, slots_per_member, machines, tick, &clip_tables, row_times, buckets, playing);
     pose_member(&clip_tables, adjustments, member.control, playback,

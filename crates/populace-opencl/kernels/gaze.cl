@@ -2,7 +2,7 @@
 // targets.
 //
 // Reads    local transforms of the chain; the model transform of its parent; targets
-// Writes   the model transform of the first joint; one rotation for each further joint (turns)
+// Writes   the model transform of the first joint; one of step_rotations for each further joint
 //
 // The rotation is a yaw about the frame's up and a pitch about its left, so that heads never tilt.
 // Both follow directly from the directions before and after. Angles are computed only beyond the
@@ -27,8 +27,8 @@ typedef struct {
     uint count, links_most, targets_most;
     Frame frame;
     // Origins of the chain's joints as the clips pose them. Shorter chains repeat their last joint.
-    Vec3 places[LINKS_MOST];
-    Real shares[LINKS_MOST]; // share of the whole rotation for each link; 0 from the last joint on
+    Vec3 places[MAX_LINKS];
+    Real shares[MAX_LINKS]; // share of the whole rotation for each link; 0 from the last joint on
     Sight start;             // direction that the end of the chain faces
     Vec3 tangents, limits;   // of the limits: to either side, up, down (radians)
 } GazeBatch;
@@ -54,7 +54,7 @@ INLINE Sight seen_in(Frame frame, Vec3 v)
 
 // Returns the rotation from `start` by a yaw, given by sine and cosine of half its angle times one
 // common factor, to a pitch, given by cosine and sine.
-INLINE Quat gaze_turn(Frame frame, Sight start, Real side, Real ahead, Real level, Real height)
+INLINE Quat gaze_rotation(Frame frame, Sight start, Real side, Real ahead, Real level, Real height)
 {
     const Real rise = start.level * height - start.up * level,
                on = 1.0f + (start.level * level + start.up * height);
@@ -62,8 +62,8 @@ INLINE Quat gaze_turn(Frame frame, Sight start, Real side, Real ahead, Real leve
     const Real x = ahead * right + side * back, y = side * whole, z = ahead * back - side * right;
     const Vec3 axis =
         vec3_add_scaled(vec3_add_scaled(vec3_scale(frame.left, x), frame.up, y), frame.front, z);
-    const Quat turn = { axis.x, axis.y, axis.z, ahead * whole };
-    return quat_normalize_or(turn, quat_identity());
+    const Quat rotation = { axis.x, axis.y, axis.z, ahead * whole };
+    return quat_normalize_or(rotation, quat_identity());
 }
 
 // Clamps a yaw to a limit. Targets that pass behind bring the gaze back to the front.
@@ -115,7 +115,7 @@ APART_STEP Quat aim_by_angles(const GazeBatch *g, Vec3 from)
     const Real k = 1.0f / total;
     sin_cos(0.5f * (yaw * k - angle_of(g->start.left, g->start.front)), &half_side, &half_ahead);
     sin_cos(pitch * k, &height, &level);
-    return gaze_turn(g->frame, g->start, half_side, half_ahead, level, height);
+    return gaze_rotation(g->frame, g->start, half_side, half_ahead, level, height);
 }
 
 // Returns the rotation from `start` to the aim as seen from `from`, and its weight.
@@ -147,10 +147,11 @@ INLINE Quat aim(const GazeBatch *g, Vec3 from, Real *weight)
                  by_angles = some & !straight;
     const Real side = start.front * to.left - start.left * to.front;
     const Real ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
-    Quat turn = quat_choose(straight, gaze_turn(g->frame, start, side, ahead, to.level, to.up),
-                            quat_identity());
-    if (ANY(by_angles)) turn = quat_choose(by_angles, aim_by_angles(g, from), turn);
-    return turn;
+    Quat rotation = quat_choose(straight,
+                                gaze_rotation(g->frame, start, side, ahead, to.level, to.up),
+                                quat_identity());
+    if (ANY(by_angles)) rotation = quat_choose(by_angles, aim_by_angles(g, from), rotation);
+    return rotation;
 }
 
 // Puts a member's constraint into lane `m`: `front` and `up` of its parent, and what its end faces.
@@ -159,7 +160,7 @@ INLINE void put_gaze(GazeBatch *g, uint m, Vec3 *front, Vec3 *up, Vec3 *facing)
     const YieldPoint *at = g->at + m;
     __global const Constraint *constraint = constraint_of(at);
     const float4 ahead = constraint->front, above = constraint->up;
-    float4 places[LINKS_MOST];
+    float4 places[MAX_LINKS];
     const float16 end = walk(at->s, at->joints, constraint, at->own, places);
     put_vec3(front, m, at->has_parent ? transform_vector(at->parent, ahead) : ahead);
     put_vec3(up, m, at->has_parent ? transform_vector(at->parent, above) : above);
@@ -191,14 +192,14 @@ INLINE void clear_gazes(GazeBatch *g, const YieldPoint *at, uint count)
 }
 
 // Rotates a member's first joint and hands the other rotations down its chain.
-INLINE void turn_gaze(YieldPoint *at, uint m, const Quat *turns, Quat left)
+INLINE void rotate_chain(YieldPoint *at, uint m, const Quat *rotations, Quat left)
 {
-    const uint last = constraint_of(at)->link_count - 1, first = at->step.turn;
-    const float4 own = quat_in(last == 0 ? left : turns[0], m);
+    const uint last = constraint_of(at)->link_count - 1, first = at->step.operand;
+    const float4 own = quat_in(last == 0 ? left : rotations[0], m);
     for (uint link = 1; link < last; link++)
-        at->s->turns[first + link - 1] = quat_in(turns[link], m);
-    if (last > 0) at->s->turns[first + last - 1] = quat_in(left, m);
-    at->own = affine_turned(at->own, own);
+        at->s->step_rotations[first + link - 1] = quat_in(rotations[link], m);
+    if (last > 0) at->s->step_rotations[first + last - 1] = quat_in(left, m);
+    at->own = affine_rotated(at->own, own);
 }
 
 APART_STEP void gaze(YieldPoint *at, uint count)
@@ -216,23 +217,24 @@ APART_STEP void gaze(YieldPoint *at, uint count)
     g.start.level = upright ? (Real)(GAZE_UPRIGHT) : g.start.level;
 
     Real weight, weight_there, shared = 0.0f;
-    Quat turns[LINKS_MOST], so_far = quat_identity();
+    Quat rotations[MAX_LINKS], so_far = quat_identity();
     const Quat whole = aim(&g, g.places[g.links_most - 1], &weight);
     Vec3 place = g.places[0];
     for (uint link = 0; link + 1 < g.links_most; link++) {
         const Real share = g.shares[link] * weight;
-        const Choice turns_on = share > (Real)(0.0f);
-        shared += turns_on ? share : (Real)(0.0f);
-        const Quat now = quat_choose(turns_on, quat_part_as_told(whole, shared), so_far);
-        turns[link] = quat_choose(turns_on, quat_mul(now, quat_conjugate(so_far)), quat_identity());
+        const Choice takes_part = share > (Real)(0.0f);
+        shared += takes_part ? share : (Real)(0.0f);
+        const Quat now = quat_choose(takes_part, quat_part_as_told(whole, shared), so_far);
+        rotations[link] =
+            quat_choose(takes_part, quat_mul(now, quat_conjugate(so_far)), quat_identity());
         so_far = now;
         const Vec3 on = vec3_add_scaled(g.places[link + 1], g.places[link], -1.0f);
-        place = vec3_add(place, quat_turned(so_far, on));
+        place = vec3_add(place, quat_rotated(so_far, on));
     }
     // The other joints have moved the last one. It looks from its new origin and turns by the rest.
     const Quat there = aim(&g, place, &weight_there);
     const Choice partly = weight_there < (Real)(1.0f);
     const Quat held_back = quat_choose(partly, quat_part_as_told(there, weight_there), there);
     const Quat left = quat_mul(held_back, quat_conjugate(so_far));
-    for (uint m = 0; m < count; m++) turn_gaze(at + m, m, turns, left);
+    for (uint m = 0; m < count; m++) rotate_chain(at + m, m, rotations, left);
 }

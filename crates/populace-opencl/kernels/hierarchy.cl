@@ -1,5 +1,5 @@
 // hierarchy.cl - Storage of a member's transforms on the way down its hierarchy, for each schedule,
-// and the address space of rotations that steps hand down (TURNS).
+// and the address space of rotations that steps hand down (STEP_ROTATIONS).
 //
 // Twin of populace-native/src/hierarchy.rs.
 
@@ -12,7 +12,7 @@ typedef struct {
     uint stride;
 } Hierarchy;
 
-#define TURNS __local
+#define STEP_ROTATIONS __local
 
 INLINE float16 model_of(Hierarchy models, uint joint)
 {
@@ -37,7 +37,7 @@ typedef struct {
     __global const float16 *models;
 } Hierarchy;
 
-#define TURNS __private
+#define STEP_ROTATIONS __private
 
 INLINE float16 local_of(Hierarchy joints, uint joint) { return joints.models[joint]; }
 
@@ -48,7 +48,7 @@ typedef struct {
     __global const float4 *translations, *rotations, *scales;
 } Hierarchy;
 
-#define TURNS __global
+#define STEP_ROTATIONS __global
 
 INLINE float16 local_of(Hierarchy joints, uint joint)
 {

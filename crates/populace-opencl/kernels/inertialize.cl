@@ -9,9 +9,15 @@ typedef struct {
     float row, pace;
 } SampledState;
 
-INLINE SampledState sampled_state(uint bound_clip, ulong pair)
+INLINE SampledState outgoing_state(InertializationSlot slot)
 {
-    const SampledState state = { bound_clip, as_float((uint)pair), as_float((uint)(pair >> 32)) };
+    const SampledState state = { slot.outgoing_clip, slot.outgoing_row, slot.outgoing_pace };
+    return state;
+}
+
+INLINE SampledState incoming_state(InertializationSlot slot)
+{
+    const SampledState state = { slot.incoming_clip, slot.incoming_row, slot.incoming_pace };
     return state;
 }
 
@@ -63,48 +69,55 @@ INLINE SampledPoses sampled_poses(const ClipTables *tables, SampledState state, 
     return poses;
 }
 
-// Factors of the outgoing (left) and incoming (taking) clip: of the pose, and of the way to its far
-// row.
+// Factors of the four samples. Those of `_step` belong to the step from the instant of the
+// transition to the far row.
 typedef struct {
-    float left, left_way, taking, taking_way;
+    float outgoing, outgoing_step, incoming, incoming_step;
 } InertializationWeights;
 
-INLINE Real inertialization_part(Real sum, Real at, Real far, Real taking_at, Real taking_far,
-                                 InertializationWeights by)
+INLINE Real inertialization_part(Real sum, Real at, Real far, Real incoming_at,
+                                 Real incoming_far, InertializationWeights by)
 {
-    const Real left = at * by.left + (far - at) * by.left_way;
-    return sum + (left - (taking_at * by.taking + (taking_far - taking_at) * by.taking_way));
+    const Real outgoing = at * by.outgoing + (far - at) * by.outgoing_step;
+    const Real incoming =
+        incoming_at * by.incoming + (incoming_far - incoming_at) * by.incoming_step;
+    return sum + (outgoing - incoming);
 }
 
-// The weights are quintics with value, slope and curvature 0 at the end, and curvature 0 at the
-// start.
-INLINE InertializationWeights inertialization_weights(Slot slot, ulong tick, bool additive)
+// Returns the parts that are left of the initial difference and of its velocity. They are quintics
+// whose value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
+INLINE float2 decay(float inertialized)
 {
-    const float inertialized = slot_inertialized(slot, tick), to_go = 1.0f - inertialized,
-                cube = to_go * to_go * to_go;
-    const float still = cube * (1.0f + 3.0f * inertialized + 6.0f * inertialized * inertialized);
-    const float moving = inertialized * cube * (1.0f + 3.0f * inertialized),
-                share = slot.start_weight;
-    const InertializationWeights by = { still * share + moving * slot.weight_rate,
-                                        moving * share * sampled_state(0, slot.phase_rate).pace,
+    const float left = 1.0f - inertialized, cube = left * left * left;
+    return (float2)(cube * (1.0f + 3.0f * inertialized + 6.0f * inertialized * inertialized),
+                    inertialized * cube * (1.0f + 3.0f * inertialized));
+}
+
+INLINE InertializationWeights inertialization_weights(InertializationSlot slot, ulong tick,
+                                                      bool additive)
+{
+    const float2 parts = decay(inertialized_at(slot, tick));
+    const float still = parts.x, moving = parts.y, share = slot.share;
+    const InertializationWeights by = { still * share + moving * slot.share_change,
+                                        moving * share * slot.outgoing_pace,
                                         additive ? still * share : 0.0f,
-                                        moving * share * sampled_state(0, slot.weight_tick).pace };
+                                        moving * share * slot.incoming_pace };
     return by;
 }
 
-INLINE Local add_inertialization(const ClipTables *tables, Slot slot, ulong tick, bool additive,
-                                 Body body, uint joint, Local rest, Local sum)
+INLINE Local add_inertialization(const ClipTables *tables, InertializationSlot slot, ulong tick,
+                                 bool additive, Body body, uint joint, Local rest, Local sum)
 {
     const InertializationWeights by = inertialization_weights(slot, tick, additive);
-    const SampledPoses left = sampled_poses(tables, sampled_state(slot.bound_clip, slot.phase_rate),
-                                            additive, body, joint, rest);
-    const SampledPoses taking = sampled_poses(
-        tables, sampled_state(slot.start_phase, slot.weight_tick), additive, body, joint, rest);
-    const Local reference = additive ? left.reference : taking.reference;
-    Local a = quotient(left.at, reference, quat_identity(), 0),
-          f = quotient(left.far, reference, a.r, 0);
-    Local n = quotient(taking.at, taking.reference, quat_identity(), 0),
-          b = quotient(taking.far, taking.reference, n.r, 0);
+    const SampledPoses outgoing =
+        sampled_poses(tables, outgoing_state(slot), additive, body, joint, rest);
+    const SampledPoses incoming =
+        sampled_poses(tables, incoming_state(slot), additive, body, joint, rest);
+    const Local reference = additive ? outgoing.reference : incoming.reference;
+    Local a = quotient(outgoing.at, reference, quat_identity(), 0),
+          f = quotient(outgoing.far, reference, a.r, 0);
+    Local n = quotient(incoming.at, incoming.reference, quat_identity(), 0),
+          b = quotient(incoming.far, incoming.reference, n.r, 0);
     if (!additive) {
         // The difference is applied on top of the incoming clip and moves along with it.
         n = a;
@@ -156,8 +169,8 @@ SELDOM void inertialize(const ClipTables *tables, Inertialization inertializatio
         for (uint s = 0; s < inertialization.count; s++) {
             const Slot slot = inertialization.slots[s];
             if (inertializes_in(slot, layer, inertialization.tick) && slot.start_tick == start)
-                sum = add_inertialization(tables, slot, inertialization.tick, additive, body, joint,
-                                          rest, sum);
+                sum = add_inertialization(tables, as_inertialization(slot), inertialization.tick,
+                                          additive, body, joint, rest, sum);
         }
         const Local added = { vec3_add(trs.t, sum.t), quat_add(trs.r, sum.r),
                               vec3_add(trs.s, sum.s) };

@@ -1,7 +1,7 @@
 // limb.cl - Two-bone inverse kinematics, for one limb or for one limb in each lane.
 //
 // Reads    local transforms of the limb; targets
-// Writes   the model transform of the first joint; rotations of middle joint and end (turns)
+// Writes   the model transform of the first joint; step_rotations of middle joint and end
 //
 // Twin of populace-native/src/constraints/limb.rs: same arithmetic, same order of operations.
 
@@ -43,16 +43,16 @@ INLINE Quat swing_between(Vec3 from, Vec3 to, Real lengths, Vec3 about)
 {
     const Vec3 axis = vec3_cross(from, to);
     const Real w = lengths + vec3_dot(from, to);
-    const Quat turn = { axis.x, axis.y, axis.z, w }, over = { about.x, about.y, about.z, 0.0f };
-    return quat_normalize_or(quat_choose(w > lengths * 1e-6f, turn, over), quat_identity());
+    const Quat rotation = { axis.x, axis.y, axis.z, w }, over = { about.x, about.y, about.z, 0.0f };
+    return quat_normalize_or(quat_choose(w > lengths * 1e-6f, rotation, over), quat_identity());
 }
 
 // Returns the rotation about the line to the goal that brings the middle joint nearest to a pole.
-INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
+INLINE Quat pole_rotation(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 {
     const Vec3 x = { 1.0f, 0.0f, 0.0f }, ahead = vec3_unit_or(limb.to, x),
-               upper = quat_turned(first, limb.upper);
-    const Vec3 bend = vec3_cross(ahead, quat_turned(first, hinge));
+               upper = quat_rotated(first, limb.upper);
+    const Vec3 bend = vec3_cross(ahead, quat_rotated(first, hinge));
     const Vec3 out = vec3_unit_or(vec3_across(upper, ahead), bend);
     const Vec3 drawn = vec3_unit_or(vec3_across(pole, ahead), out);
     return swing_between(out, drawn, 1.0f, ahead);
@@ -61,8 +61,8 @@ INLINE Quat pole_turn(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 // Computes the rotation of the first joint and, after it, of the middle joint that bring the end to
 // its goal. Both are the identity for a limb without length. `pole` is a direction; it counts if
 // `has_pole`.
-INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *first_turn,
-                       Quat *second_turn)
+INLINE void limb_rotations(Limb limb, Vec3 pole, Choice has_pole, Real soft,
+                           Quat *first_rotation, Quat *second_rotation)
 {
     const Vec3 upper = limb.upper, lower = limb.lower;
     const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
@@ -91,20 +91,21 @@ INLINE void limb_turns(Limb limb, Vec3 pole, Choice has_pole, Real soft, Quat *f
     // Then the whole limb, now of the right length, swings to its goal.
     const Vec3 rest = vec3_scale(hinge_axis, along * unit2),
                level = vec3_add_scaled(lower, rest, -1.0f);
-    const Vec3 turned_lower =
+    const Vec3 rotated_lower =
         vec3_add_scaled(vec3_add_scaled(rest, level, cosine), side, sine * unit);
     const Real reached = square_root(aa + bb + (still + most * k * c) * unit2 * 2.0f);
     const Vec3 axis = vec3_scale(hinge_axis, unit);
-    Quat first = swing_between(vec3_add(upper, turned_lower), limb.to, reached * distance, axis);
+    Quat first = swing_between(vec3_add(upper, rotated_lower), limb.to, reached * distance, axis);
     if (ANY(has_pole))
-        first = quat_choose(has_pole, quat_mul(pole_turn(limb, first, axis, pole), first), first);
-    const Vec3 bend = vec3_scale(quat_turned(first, axis), x * half_unit);
+        first =
+            quat_choose(has_pole, quat_mul(pole_rotation(limb, first, axis, pole), first), first);
+    const Vec3 bend = vec3_scale(quat_rotated(first, axis), x * half_unit);
     const Quat second = { bend.x, bend.y, bend.z, w * half_unit };
     const Real size = shorter < distance ? shorter : distance;
     const Choice stands =
         (most < (Real)(LIMB_LARGEST_SQUARE) ? size : (Real)(0.0f)) > (Real)(1e-6f);
-    *first_turn = quat_choose(stands, first, quat_identity());
-    *second_turn = quat_choose(stands, second, quat_identity());
+    *first_rotation = quat_choose(stands, first, quat_identity());
+    *second_rotation = quat_choose(stands, second, quat_identity());
 }
 
 // Puts a limb into a lane.
@@ -130,7 +131,7 @@ APART_STEP void reach(YieldPoint *at, uint count)
     Real has_pole = 0.0f, soft = 0.0f, weight = 0.0f;
     for (uint m = 0; m < count; m++) {
         __global const Constraint *constraint = constraint_of(at + m);
-        float4 places[LINKS_MOST];
+        float4 places[MAX_LINKS];
         float own;
         walk(at[m].s, at[m].joints, constraint, at[m].own, places);
         const float4 target = goal(at[m].s, constraint, places[0], &own),
@@ -143,15 +144,16 @@ APART_STEP void reach(YieldPoint *at, uint count)
         PUT(weight, m, own);
     }
     Quat first, second;
-    limb_turns(limb, pole, has_pole > (Real)(0.0f), soft, &first, &second);
+    limb_rotations(limb, pole, has_pole > (Real)(0.0f), soft, &first, &second);
     const Choice partly = weight < (Real)(1.0f);
     first = quat_choose(partly, quat_part(first, weight), first);
     second = quat_choose(partly, quat_part(second, weight), second);
     const Quat undone = quat_conjugate(quat_mul(second, first));
     for (uint m = 0; m < count; m++) {
-        TURNS float4 *turns = at[m].s->turns + at[m].step.turn;
-        turns[0] = quat_in(second, m);
-        turns[1] = constraint_of(at + m)->keeps_end ? quat_in(undone, m) : IDENTITY_TURN;
-        at[m].own = affine_turned(at[m].own, quat_in(first, m));
+        STEP_ROTATIONS float4 *step_rotations = at[m].s->step_rotations + at[m].step.operand;
+        step_rotations[0] = quat_in(second, m);
+        step_rotations[1] =
+            constraint_of(at + m)->keeps_end ? quat_in(undone, m) : IDENTITY_ROTATION;
+        at[m].own = affine_rotated(at[m].own, quat_in(first, m));
     }
 }

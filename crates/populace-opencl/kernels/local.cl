@@ -8,6 +8,13 @@ typedef struct {
     Vec3 s;
 } Local;
 
+// Returns the ratio of two scales; 1 if the reference is 0 or no number.
+INLINE Real scale_ratio(Real value, Real reference)
+{
+    const Choice divides = (reference < (Real)(0.0f)) | (reference > (Real)(0.0f));
+    return divides ? value / reference : (Real)(1.0f);
+}
+
 // Returns the difference that takes `reference` to `value`, with the rotation in the hemisphere of
 // `side`. Scales that are at rest in both are not divided.
 INLINE Local quotient(Local value, Local reference, Quat side, uint at_rest)
@@ -16,9 +23,9 @@ INLINE Local quotient(Local value, Local reference, Quat side, uint at_rest)
     trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
     trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
     if (at_rest & REST_SCALE) return trs;
-    trs.s.x = reference.s.x == (Real)(0.0f) ? (Real)(1.0f) : value.s.x / reference.s.x;
-    trs.s.y = reference.s.y == (Real)(0.0f) ? (Real)(1.0f) : value.s.y / reference.s.y;
-    trs.s.z = reference.s.z == (Real)(0.0f) ? (Real)(1.0f) : value.s.z / reference.s.z;
+    trs.s.x = scale_ratio(value.s.x, reference.s.x);
+    trs.s.y = scale_ratio(value.s.y, reference.s.y);
+    trs.s.z = scale_ratio(value.s.z, reference.s.z);
     return trs;
 }
 

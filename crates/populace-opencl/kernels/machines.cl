@@ -93,18 +93,19 @@ __kernel void advance(
     const MachineState state = machine_states[at.state];
     bool taken = elapsed < at.fade_ticks; // a transition is under way
     for (uint i = 0; i < state.transition_count && !taken; i++) {
-        const Transition way = transitions[state.transition_first + i];
+        const Transition transition = transitions[state.transition_first + i];
         taken = true;
-        for (uint c = 0; c < way.condition_count && taken; c++)
-            taken = condition_holds(conditions[way.condition_first + c], parameters, elapsed);
+        for (uint c = 0; c < transition.condition_count && taken; c++)
+            taken =
+                condition_holds(conditions[transition.condition_first + c], parameters, elapsed);
         if (!taken) continue;
         at.previous_tick = at.entry_tick;
         at.entry_tick = tick;
         at.previous = at.state;
-        at.state = way.to;
+        at.state = transition.to;
         at.which = 1 - at.which;
-        at.fade_ticks = way.fade_ticks;
-        at.fade_rate = way.fade_rate;
+        at.fade_ticks = transition.fade_ticks;
+        at.fade_rate = transition.fade_rate;
     }
     running[index] = at;
 }

@@ -225,11 +225,11 @@ INLINE uint newest_inertialization(ConstraintTables tables, uint owner, ulong be
 
 // Returns the shift left from a velocity offset within a span, while it fades out as the slot
 // inertializes.
-INLINE Move inertialized_within(Slot slot, float4 excess, ulong from, ulong until)
+INLINE Move inertialized_within(InertializationSlot slot, float4 excess, ulong from, ulong until)
 {
-    const float begin = still_until(slot_inertialized(slot, from));
+    const float begin = still_until(inertialized_at(slot, from));
     const float4 on =
-        excess * ((still_until(slot_inertialized(slot, until)) - begin) / slot.end_weight);
+        excess * ((still_until(inertialized_at(slot, until)) - begin) / slot.per_tick);
     return move_of(on.x, on.y, on.z, on.w, 1.0f);
 }
 
@@ -248,14 +248,15 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
         begins ? newest_inertialization(tables, owner, frame.from) : newest;
     const ulong until = begins ? tables.slots[newest].start_tick : tables.tick;
     if (inertialization != NONE)
-        moved = move_then(moved, inertialized_within(tables.slots[inertialization], last.excess,
-                                                     frame.from, until));
+        moved = move_then(moved,
+                          inertialized_within(as_inertialization(tables.slots[inertialization]),
+                                              last.excess, frame.from, until));
     if (begins && has_last) {
         const Span after = { until, until + tables.elapsed_ticks };
         last.excess =
             last.speed - speed_of(move_within(tables, owner, after), tables.elapsed_ticks);
-        moved = move_then(
-            moved, inertialized_within(tables.slots[newest], last.excess, until, tables.tick));
+        moved = move_then(moved, inertialized_within(as_inertialization(tables.slots[newest]),
+                                                     last.excess, until, tables.tick));
     }
     if (newest == NONE || !slot_inertializes(tables.slots[newest], tables.tick))
         last.excess = (float4)(0.0f);
@@ -274,11 +275,11 @@ APART_STEP float16 moves(const Solver *s, Step step, float16 own)
     const Last kept = { { place.x, place.y, place.z, heading.x, heading.y },
                         s->tables->states_before[state + 2],
                         s->tables->states_before[state + 3] };
-    const bool begun = as_uint(place.w) == step.turn;
+    const bool begun = as_uint(place.w) == step.operand;
     const Last next = next_of(*s->tables, s->control.member, begun ? kept : none, begun);
     const Move now = next.place;
     if (step.joint == 0) {
-        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(step.turn));
+        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(step.operand));
         s->tables->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
         s->tables->states[state + 2] = next.speed;
         s->tables->states[state + 3] = next.excess;

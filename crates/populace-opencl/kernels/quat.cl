@@ -69,13 +69,13 @@ INLINE Quat quat_mul(Quat a, Quat b)
 
 // Returns a fraction of a rotation in the direction that its sign gives: beyond half a turn if w is
 // below 0.
-INLINE Quat quat_part_as_told(Quat turn, Real k)
+INLINE Quat quat_part_as_told(Quat rotation, Real k)
 {
-    return quat_normalize_or(quat_mix(quat_identity(), turn, k), quat_identity());
+    return quat_normalize_or(quat_mix(quat_identity(), rotation, k), quat_identity());
 }
 
 // Returns a fraction of a rotation, the short way.
-INLINE Quat quat_part(Quat turn, Real k)
+INLINE Quat quat_part(Quat rotation, Real k)
 {
-    return quat_part_as_told(quat_hemisphere(turn, quat_identity()), k);
+    return quat_part_as_told(quat_hemisphere(rotation, quat_identity()), k);
 }

@@ -376,7 +376,7 @@ INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body,
     if (!(sample.at_rest & REST_SCALE))
         trs->s = sample_vector(tables, columns, SCALE, at, range + 9 * padded, range + 12 * padded,
                                padded);
-    if (columns.flags & BLOCK_TURNED) {
+    if (columns.flags & BLOCK_CORRECTED) {
         Local turned = *trs;
         correct(tables, bound, body, joint, at, &turned);
         *trs = turned;

@@ -1,6 +1,8 @@
-// slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written. Twin
-// of populace-native/src/slot.rs and populace-device/src/playback.rs: same arithmetic, same order of
-// operations.
+// slot.cl - Rows and weight of a slot, in closed form from the clock. Slots are never written.
+//
+// Twin of populace-native/src/slot.rs, populace-device/src/playback.rs,
+// populace-device/src/playback/inertialize.rs and populace-device/src/tables/rows.rs: same
+// arithmetic, same order of operations.
 
 // Returns a weight that goes from `start` by `rate` per second to `end`.
 INLINE float ramp(ulong elapsed_ticks, float start, float rate, float end)
@@ -14,6 +16,12 @@ INLINE uint slot_mode(Slot slot) { return slot.layer_and_mode & ((1u << SLOT_MOD
 
 INLINE uint slot_layer(Slot slot) { return slot.layer_and_mode >> SLOT_MODE_BITS; }
 
+// Returns the time on the clip's own axis, in seconds, of a slot of SLOT_HELD.
+INLINE float slot_held_secs(Slot slot) { return as_float(slot.start_phase); }
+
+// Returns the delay of a slot of SLOT_LIVE.
+INLINE ulong slot_delay_ticks(Slot slot) { return slot.phase_rate; }
+
 INLINE float slot_weight(Slot slot, ulong tick)
 {
     if (tick < slot.start_tick || slot_mode(slot) == SLOT_INERTIALIZATION) return 0.0f;
@@ -21,16 +29,26 @@ INLINE float slot_weight(Slot slot, ulong tick)
     return ramp(elapsed, slot.start_weight, slot.weight_rate, slot.end_weight);
 }
 
-// Returns the fraction of a slot's inertialization time that has passed.
-INLINE float slot_inertialized(Slot slot, ulong tick)
+// Returns the same bytes as an inertialization slot. The slot's mode must be SLOT_INERTIALIZATION.
+INLINE InertializationSlot as_inertialization(Slot slot)
 {
-    return (float)(tick - slot.start_tick) * slot.end_weight;
+    const union {
+        Slot slot;
+        InertializationSlot inertialization;
+    } bytes = { slot };
+    return bytes.inertialization;
+}
+
+// Returns the fraction of an inertialization's duration that has passed.
+INLINE float inertialized_at(InertializationSlot slot, ulong tick)
+{
+    return (float)(tick - slot.start_tick) * slot.per_tick;
 }
 
 INLINE bool slot_inertializes(Slot slot, ulong tick)
 {
     return slot_mode(slot) == SLOT_INERTIALIZATION && slot.bound_clip != NONE
-           && slot_inertialized(slot, tick) < 1.0f;
+           && inertialized_at(as_inertialization(slot), tick) < 1.0f;
 }
 
 // Returns the mean weight of a slot from one tick to a later one; `from_tick` is not before the
@@ -50,7 +68,7 @@ INLINE float slot_mean_weight(Slot slot, ulong from_tick, ulong to_tick)
 
 INLINE float slot_time(Slot slot, ulong tick, ClipRows clip)
 {
-    if (slot_mode(slot) == SLOT_HELD) return as_float(slot.start_phase);
+    if (slot_mode(slot) == SLOT_HELD) return slot_held_secs(slot);
     const ulong elapsed = tick - slot.start_tick;
     ulong phase = ((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate;
     if (slot_mode(slot) == SLOT_ONCE) {
@@ -112,7 +130,7 @@ INLINE uint ring_place(ClipRows clip, uint behind)
 // ticks back from the newest row.
 INLINE uint find_live_row(ClipRows clip, Slot slot, ulong tick, uint *next, float *between)
 {
-    const ulong shown = tick > slot.phase_rate ? tick - slot.phase_rate : 0;
+    const ulong delay = slot_delay_ticks(slot), shown = tick > delay ? tick - delay : 0;
     const ulong back = clip.newest_tick > shown ? clip.newest_tick - shown : 0;
     const ulong older = back > clip.newest_ticks ? back - clip.newest_ticks : 0;
     // Rows behind the newest one, counting those between it and its predecessor.

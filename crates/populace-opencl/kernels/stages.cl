@@ -28,7 +28,7 @@ INLINE StageJoint stage_joint(StageTables tables, Step step, Control control)
     joint.row0 = joint.row1 = joint.row2 = (float4)(0.0f);
     joint.place = control.place;
     joint.facing = control.facing;
-    joint.values = tables.values[step.turn];
+    joint.values = tables.values[step.operand];
     for (uint i = 0; i < STAGE_PARAMETERS / 4; i++)
         vstore4(tables.values[step.index * (STAGE_PARAMETERS / 4) + i], i, joint.parameters);
     joint.ticks = tables.tick > FIRST_TICK ? tables.tick - FIRST_TICK : 0;
@@ -119,13 +119,13 @@ INLINE float4 stage_to_model(const StageJoint *joint, float4 direction)
                sine * direction.x + cosine * direction.z);
 }
 
-INLINE void stage_turn(StageJoint *joint, float4 quaternion)
+INLINE void stage_rotate(StageJoint *joint, float4 quaternion)
 {
     const float16 model = (float16)(joint->row0, joint->row1, joint->row2, (float4)(0.0f));
-    const float16 turned = affine_turned(model, quaternion);
-    joint->row0 = turned.s0123;
-    joint->row1 = turned.s4567;
-    joint->row2 = turned.s89ab;
+    const float16 rotated = affine_rotated(model, quaternion);
+    joint->row0 = rotated.s0123;
+    joint->row1 = rotated.s4567;
+    joint->row2 = rotated.s89ab;
 }
 
 // Initializes StageTables as the last field of a list, after a comma.

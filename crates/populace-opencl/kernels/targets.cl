@@ -34,12 +34,13 @@ typedef struct {
     const ConstraintTables *tables;
     Control control;
     uint index;
-    TURNS float4 *turns;
+    STEP_ROTATIONS float4 *step_rotations;
 } Solver;
 
-INLINE Solver solver_of(const ConstraintTables *tables, uint control, TURNS float4 *turns)
+INLINE Solver solver_of(const ConstraintTables *tables, uint control,
+                        STEP_ROTATIONS float4 *step_rotations)
 {
-    const Solver solver = { tables, tables->controls[control], control, turns };
+    const Solver solver = { tables, tables->controls[control], control, step_rotations };
     return solver;
 }
 

@@ -7,8 +7,8 @@
 // Reads    translations, rotations, scales; rows of the level above; controls and the tables that
 //          they index; watched joints that earlier phases wrote
 // Writes   row0, row1, row2 of model_from_joint (a rotated child under non-uniform scale shears, so
-//          translation, rotation and scale would not do); turns: rotations for the levels below;
-//          states and watched joints
+//          translation, rotation and scale would not do); step_rotations for the levels below; states
+//          and watched joints
 // Oracle   populace-testkit/src/oracle/transform.rs
 // Twin of populace-native/src/transform.rs: same arithmetic, same order of operations.
 
@@ -31,7 +31,7 @@ __kernel void transform(
     // Constraint programs.
     CONSTRAINT_PARAMETERS,
     // Rotations handed down.
-    __global float4 *turns,
+    __global float4 *step_rotations,
     // Output.
     __global float4 *row0, __global float4 *row1, __global float4 *row2)
 {
@@ -59,8 +59,8 @@ __kernel void transform(
             controls, steps, overrides, constraints, links, targets, ground, heights, states_before,
             watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
             layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-        const Solver s =
-            solver_of(&constraint_tables, member.control, turns + member.control * TURNS_MOST);
+        const Solver s = solver_of(&constraint_tables, member.control,
+                                   step_rotations + member.control * MAX_STEP_ROTATIONS);
         model = solve_joint(&s, joints, joint, model, above, parent != NONE);
     }
     row0[place] = model.s0123;

@@ -63,7 +63,7 @@ INLINE Vec3 vec3_any_across(Vec3 a)
 }
 
 // Rotates a vector by a unit quaternion: v + 2 w (q x v) + 2 q x (q x v).
-INLINE Vec3 quat_turned(Quat q, Vec3 v)
+INLINE Vec3 quat_rotated(Quat q, Vec3 v)
 {
     const Vec3 axis = { q.x, q.y, q.z }, twice = vec3_scale(vec3_cross(axis, v), 2.0f);
     return vec3_add(vec3_add_scaled(v, twice, q.w), vec3_cross(axis, twice));
@@ -71,7 +71,7 @@ INLINE Vec3 quat_turned(Quat q, Vec3 v)
 
 // Vectors and rotations of one joint.
 
-#define IDENTITY_TURN ((float4)(0.0f, 0.0f, 0.0f, 1.0f))
+#define IDENTITY_ROTATION ((float4)(0.0f, 0.0f, 0.0f, 1.0f))
 
 INLINE float4 vec(float x, float y, float z) { return (float4)(x, y, z, 0.0f); }
 
@@ -105,16 +105,19 @@ INLINE float4 any_across(float4 a)
     return unit_or(across(along, a), vec(0.0f, 0.0f, 1.0f));
 }
 
-INLINE float turn_dot(float4 a, float4 b) { return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w; }
-
-// Scales to length 1. The result is the identity if `a` has no length.
-INLINE float4 turn_unit(float4 a)
+INLINE float rotation_dot(float4 a, float4 b)
 {
-    const float squared = turn_dot(a, a);
-    return squared > LEAST_SQUARE ? a * inverse_root(squared) : IDENTITY_TURN;
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
-INLINE float4 turn_mul(float4 a, float4 b)
+// Scales to length 1. The result is the identity if `a` has no length.
+INLINE float4 rotation_unit(float4 a)
+{
+    const float squared = rotation_dot(a, a);
+    return squared > LEAST_SQUARE ? a * inverse_root(squared) : IDENTITY_ROTATION;
+}
+
+INLINE float4 rotation_mul(float4 a, float4 b)
 {
     return (float4)(a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
                     a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
@@ -122,7 +125,7 @@ INLINE float4 turn_mul(float4 a, float4 b)
                     a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z);
 }
 
-INLINE float4 turned(float4 q, float4 v)
+INLINE float4 rotated(float4 q, float4 v)
 {
     const float4 axis = vec(q.x, q.y, q.z), twice = vec_cross(axis, v) * 2.0f;
     return add_scaled(v, twice, q.w) + vec_cross(axis, twice);
@@ -130,17 +133,17 @@ INLINE float4 turned(float4 q, float4 v)
 
 // Returns the shortest rotation from one unit vector to another. If they are opposite, it rotates
 // about the axis nearest to `about`.
-INLINE float4 turn_between(float4 from, float4 to, float4 about)
+INLINE float4 rotation_between(float4 from, float4 to, float4 about)
 {
     const float4 axis = vec_cross(from, to);
     const float w = 1.0f + vec_dot(from, to);
-    if (w > 1e-6f) return turn_unit((float4)(axis.xyz, w));
+    if (w > 1e-6f) return rotation_unit((float4)(axis.xyz, w));
     return unit_or(across(about, from), any_across(from));
 }
 
 // Returns a fraction of a rotation, the short way.
-INLINE float4 part_of(float4 turn, float k)
+INLINE float4 part_of(float4 rotation, float k)
 {
-    const float4 near = turn * (turn.w < 0.0f ? -1.0f : 1.0f);
-    return turn_unit(IDENTITY_TURN + (near - IDENTITY_TURN) * k);
+    const float4 near = rotation * (rotation.w < 0.0f ? -1.0f : 1.0f);
+    return rotation_unit(IDENTITY_ROTATION + (near - IDENTITY_ROTATION) * k);
 }

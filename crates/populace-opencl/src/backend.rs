@@ -8,8 +8,8 @@ use opencl3::event::Event;
 use opencl3::kernel::Kernel;
 use populace_device::layout::Float4;
 use populace_device::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
-    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use crate::context::FrameContext;
@@ -419,8 +419,8 @@ impl PaletteSource for OpenClBackend {
         self.pages.set_target(&self.device, &self.queue, target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let set = self.pages.hand_over();
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        let set = self.pages.release();
         set.map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
     }
 

@@ -28,7 +28,7 @@ pub(crate) struct InteropPages {
     /// The set of the last frame, or of the first frame before there is one.
     current: usize,
     /// True if OpenGL draws from the current set, so that the next frame goes into the other.
-    handed_over: bool,
+    released: bool,
     /// True if the current set, of shared pages, is acquired from OpenGL.
     acquired: bool,
     /// The only queue that uses the pages.
@@ -71,7 +71,7 @@ impl InteropPages {
         Ok(Some(Self {
             sets,
             current: 0,
-            handed_over: false,
+            released: false,
             acquired: false,
             queue: Arc::clone(queue),
         }))
@@ -103,15 +103,15 @@ impl InteropPages {
 
     /// Switches to a set that OpenGL does not draw from.
     pub(crate) fn begin_frame(&mut self) -> Result<(), ClError> {
-        if std::mem::take(&mut self.handed_over) {
+        if std::mem::take(&mut self.released) {
             self.current = (self.current + 1) % PAGE_SETS;
         }
         self.acquire()
     }
 
     /// Waits for the frame and releases the set to OpenGL. Returns the set's index.
-    pub(crate) fn hand_over(&mut self) -> Result<usize, ClError> {
-        if !self.handed_over {
+    pub(crate) fn release_current(&mut self) -> Result<usize, ClError> {
+        if !self.released {
             self.release()?;
             for page in &mut self.sets[self.current] {
                 // The host sees what a device wrote into host memory only after mapping it.
@@ -119,7 +119,7 @@ impl InteropPages {
                     page.buffer.map(&self.queue, &mut |_| ())?;
                 }
             }
-            self.handed_over = true;
+            self.released = true;
         }
         Ok(self.current)
     }
@@ -130,7 +130,7 @@ impl InteropPages {
         &mut self,
         job: impl FnOnce(&mut Self) -> Result<R, ClError>,
     ) -> Result<R, ClError> {
-        if !self.handed_over {
+        if !self.released {
             self.acquire()?;
             return job(self);
         }

@@ -47,7 +47,7 @@ pub(crate) enum WriteTarget {
 }
 
 /// Reads in progress at most. A device that is further behind skips reads.
-const READS_MOST: usize = 3;
+const MAX_READS: usize = 3;
 
 impl History {
     pub(crate) fn new(device: &OpenClDevice) -> Result<Self, BackendError> {
@@ -159,7 +159,7 @@ impl History {
         count: usize,
     ) -> Result<(), ClError> {
         self.collect_reads()?;
-        if self.reads.len() < READS_MOST {
+        if self.reads.len() < MAX_READS {
             let mut read = AsyncRead::default();
             self.watched[self.now].read_async(queue, count, &mut read)?;
             queue.flush()?;

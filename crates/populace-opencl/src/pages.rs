@@ -5,7 +5,7 @@ use std::sync::Arc;
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
-use populace_device::{BackendError, HandedOver, PaletteTarget, Tables, TargetMark};
+use populace_device::{BackendError, PaletteTarget, ReleasedPalettes, Tables, TargetMark};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
@@ -159,9 +159,9 @@ impl Pages {
         Ok(())
     }
 
-    pub(crate) fn hand_over(&mut self) -> Result<Option<HandedOver>, ClError> {
-        let set = self.interop.as_mut().map(InteropPages::hand_over).transpose()?;
-        Ok(self.mark.clone().map(|mark| HandedOver { mark, set }))
+    pub(crate) fn release(&mut self) -> Result<Option<ReleasedPalettes>, ClError> {
+        let set = self.interop.as_mut().map(InteropPages::release_current).transpose()?;
+        Ok(self.mark.clone().map(|mark| ReleasedPalettes { mark, set }))
     }
 
     fn with_buffer<R>(

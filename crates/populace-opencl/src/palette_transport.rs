@@ -5,7 +5,8 @@ use std::sync::Arc;
 use opencl3::command_queue::CommandQueue;
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport, TargetMark,
+    BackendError, GlContext, PaletteSource, PaletteTarget, PaletteTransport, ReleasedPalettes,
+    TargetMark,
 };
 
 use crate::OpenClDevice;
@@ -52,8 +53,8 @@ impl PaletteSource for EmptyPalettes {
         self.pages.set_target(&self.device, &self.queue, target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.pages.hand_over().map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        self.pages.release().map_err(|e| self.device.failed("release its palettes to OpenGL", &e))
     }
 
     fn with_page(

@@ -96,3 +96,6 @@ impl Form {
         parts.chain([stages]).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

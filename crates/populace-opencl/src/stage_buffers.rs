@@ -2,7 +2,7 @@
 
 use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use populace_device::layout::{Float4, SlotSample, TURNS_MOST};
+use populace_device::layout::{Float4, MAX_STEP_ROTATIONS, SlotSample};
 use populace_device::{BackendError, StageBuffer, Tables};
 
 use crate::OpenClDevice;
@@ -17,7 +17,7 @@ pub(crate) struct StageBuffers {
     /// Rows of `model_from_joint`.
     pub(crate) models: [Buffer<Float4>; 3],
     /// Rotations that constraint programs hand down from level to level.
-    pub(crate) turns: Buffer<Float4>,
+    pub(crate) step_rotations: Buffer<Float4>,
 }
 
 impl StageBuffers {
@@ -29,7 +29,7 @@ impl StageBuffers {
             rotations: empty()?,
             scales: empty()?,
             models: [empty()?, empty()?, empty()?],
-            turns: empty()?,
+            step_rotations: empty()?,
         })
     }
 
@@ -53,7 +53,12 @@ impl StageBuffers {
         for rows in &mut self.models {
             grow(device, rows, joints, "model transforms")?;
         }
-        grow(device, &mut self.turns, turn_count(tables), "turns of members")?;
+        grow(
+            device,
+            &mut self.step_rotations,
+            step_rotation_count(tables),
+            "rotations of members",
+        )?;
         Ok(())
     }
 
@@ -62,14 +67,14 @@ impl StageBuffers {
         let joints =
             [&self.translations, &self.rotations, &self.scales].into_iter().chain(&self.models);
         tables.member_places() * tables.slots_per_member() <= self.samples.len()
-            && turn_count(tables) <= self.turns.len()
+            && step_rotation_count(tables) <= self.step_rotations.len()
             && joints.into_iter().all(|buffer| tables.joint_places() <= buffer.len())
     }
 
     pub(crate) fn bytes(&self) -> usize {
         let joints = [&self.translations, &self.rotations, &self.scales];
         let all = joints.into_iter().chain(&self.models);
-        self.samples.bytes() + self.turns.bytes() + all.map(Buffer::bytes).sum::<usize>()
+        self.samples.bytes() + self.step_rotations.bytes() + all.map(Buffer::bytes).sum::<usize>()
     }
 
     /// Returns a buffer of joints; `None` for other kinds.
@@ -116,8 +121,8 @@ impl StageBuffers {
     }
 }
 
-fn turn_count(tables: &Tables) -> usize {
-    tables.controls().as_slice().len() * TURNS_MOST as usize
+fn step_rotation_count(tables: &Tables) -> usize {
+    tables.controls().as_slice().len() * MAX_STEP_ROTATIONS as usize
 }
 
 fn grow<T: Element>(

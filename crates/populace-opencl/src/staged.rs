@@ -205,7 +205,7 @@ impl Staged {
         context
             .history
             .parameters(launch, context.tables, frame, WriteTarget::Frame)
-            .buffer("turns", &self.buffers.turns)
+            .buffer("step_rotations", &self.buffers.step_rotations)
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])

@@ -14,7 +14,7 @@ use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 
 /// Upload batches in flight at most. A host that is further ahead waits for the oldest.
-const BATCHES_MOST: usize = 64;
+const MAX_BATCHES: usize = 64;
 /// Runs of more bytes are written from the table itself, and the host waits. They come with
 /// loading, and a second copy would take memory that loading needs.
 const STAGED_BYTES: usize = 32 << 20;
@@ -297,7 +297,7 @@ impl Uploader {
             Some(oldest) => oldest.changes.is_done()? && oldest.runs.is_done()?,
             None => false,
         };
-        let mut batch = if oldest_is_done || self.sent.len() >= BATCHES_MOST {
+        let mut batch = if oldest_is_done || self.sent.len() >= MAX_BATCHES {
             self.sent.pop_front().unwrap_or_default()
         } else {
             UploadBatch::default()

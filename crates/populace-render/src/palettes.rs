@@ -250,7 +250,7 @@ impl Palettes {
         &self,
         source: &mut dyn PaletteSource,
     ) -> Result<Option<(usize, Option<usize>)>, BackendError> {
-        let Some(frame) = source.hand_over()? else { return Ok(None) };
+        let Some(frame) = source.release_palettes()? else { return Ok(None) };
         let connection = self.connections.iter().position(|c| c.mark == frame.mark);
         Ok(connection.map(|connection| (connection, frame.set)))
     }

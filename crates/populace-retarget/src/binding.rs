@@ -5,9 +5,9 @@ use populace_clip::{Clip, MotionOrigin, Range, RowBlock, Storage};
 use populace_model::humanoid::RoleMap;
 use populace_model::{JointIndex, Property, Skeleton, Trs, f64math};
 
-use crate::Error;
 use crate::common::{Chain, ColumnMotion, Common, Figure, Soles, Value};
 use crate::fit::BindingReport;
+use crate::{BindingFault, Error};
 
 /// Flag in a joint map: the rotation comes from the clip's rows.
 pub const MAP_ROTATION: u32 = 1 << 31;
@@ -30,8 +30,8 @@ const GROUND_POSES: usize = 128;
 pub struct Binding {
     joint_map: Vec<u32>,
     ranges: Vec<[Range; 3]>,
-    corrections: Vec<Vec<Turn>>,
-    footing: Option<Footing>,
+    corrections: Vec<Vec<Correction>>,
+    foot_correction: Option<FootCorrection>,
     bound_joint_count: usize,
     /// Scale of root motion: distance moved by the body per distance moved by the clip's own
     /// skeleton.
@@ -39,9 +39,9 @@ pub struct Binding {
     report: BindingReport,
 }
 
-/// A retarget correction of one joint; see `TURN_PLANES` of populace-device.
+/// A retarget correction of one joint; see `CORRECTION_PLANES` of populace-device.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct Correction {
     /// The clip's column and `MAP_` flags of what its rows drive.
     pub map: u32,
     /// The range of the clip's rotation that the correction applies.
@@ -54,7 +54,7 @@ pub struct Turn {
     pub after: [f32; 4],
 }
 
-impl Turn {
+impl Correction {
     /// The correction that changes nothing.
     pub const NONE: Self = Self {
         map: 0,
@@ -74,9 +74,9 @@ impl Turn {
 /// The correction that keeps the feet of a retargeted clip above the ground. It comes last and has
 /// its own rows, one for each row of the clip.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Footing {
+pub struct FootCorrection {
     /// One correction per joint.
-    pub corrections: Vec<Turn>,
+    pub corrections: Vec<Correction>,
     /// All rows, one after the other; empty if the correction is constant.
     pub rows: Vec<u32>,
     /// Words from one row to the next.
@@ -85,7 +85,7 @@ pub struct Footing {
     pub blocks: Vec<RowBlock>,
 }
 
-impl Footing {
+impl FootCorrection {
     /// Returns `None` if no foot needs a correction.
     fn new(clip: &Clip, soles: &Soles<'_>, joint_count: usize) -> Option<Self> {
         // Live clips have no rows yet.
@@ -96,7 +96,7 @@ impl Footing {
         if rows.iter().all(|row| Soles::are_negligible(row)) {
             return None;
         }
-        let mut corrections = vec![Turn::NONE; joint_count];
+        let mut corrections = vec![Correction::NONE; joint_count];
         let joints = soles.joints();
         if clip.row_stride() == 0 {
             // The clip does not move, so that all rows are equal.
@@ -109,7 +109,7 @@ impl Footing {
         for ((column, joint), [_, rotation, _]) in (0..).zip(joints).zip(ranges) {
             let map = column | MAP_ROTATION;
             corrections[joint.index()] =
-                Turn { map, rotation, step_w: rotation.step, ..Turn::NONE };
+                Correction { map, rotation, step_w: rotation.step, ..Correction::NONE };
         }
         Some(Self { corrections, rows: words, stride, blocks })
     }
@@ -122,7 +122,7 @@ impl Binding {
             joint_map,
             ranges,
             corrections,
-            footing: None,
+            foot_correction: None,
             bound_joint_count: 0,
             motion_scale,
             report,
@@ -188,16 +188,12 @@ impl Binding {
         match driven.filter(|_| by_name.bound_joint_count == 0) {
             None => Ok(by_name),
             Some(first) => {
-                let first = clip.skeleton().name(first);
-                let has = |roles: Option<&RoleMap>| if roles.is_some() { "has" } else { "has not" };
-                let what = format!(
-                    "no joint of the skeleton has the name of a joint that the clip drives, such \
-                     as \"{first}\"; humanoid roles are needed on both skeletons, but this \
-                     skeleton {} them and the clip's own {}; give roles with RoleMap::from_names",
-                    has(roles),
-                    has(clip_roles)
-                );
-                Err(Error::CannotBind { clip: clip.name().to_owned(), what })
+                let fault = BindingFault::NoCommonName {
+                    joint: clip.skeleton().name(first).to_owned(),
+                    skeleton_has_roles: roles.is_some(),
+                    clip_has_roles: clip_roles.is_some(),
+                };
+                Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
             }
         }
     }
@@ -230,13 +226,11 @@ impl Binding {
         skeleton: &Skeleton,
         roles: &RoleMap,
     ) -> Result<Self, Error> {
-        let refused = |what: String| Err(Error::CannotBind { clip: clip.name().to_owned(), what });
+        let refused = |fault| Err(Error::CannotBind { clip: clip.name().to_owned(), fault });
         for (map, own) in [(clip_roles, clip.skeleton()), (roles, skeleton)] {
             if map.joint_count() != own.joint_count() {
-                let (wanted, has) = (map.joint_count(), own.joint_count());
-                return refused(format!(
-                    "its role map is for {wanted} joints, but the skeleton has {has}"
-                ));
+                let (wanted, joints) = (map.joint_count(), own.joint_count());
+                return refused(BindingFault::OtherSkeleton { wanted, joints });
             }
         }
         let mut common =
@@ -245,7 +239,7 @@ impl Binding {
             |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.drives(source));
         let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
         if bound_joint_count == 0 {
-            return refused("it drives no joint with a humanoid role that both bodies have".into());
+            return refused(BindingFault::NoCommonRole);
         }
         let every = clip.row_count().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.row_poses(every).collect();
@@ -260,9 +254,11 @@ impl Binding {
         } else {
             common.leg_ratio()
         };
-        let footing = soles.and_then(|soles| Footing::new(clip, &soles, skeleton.joint_count()));
+        let foot_correction =
+            soles.and_then(|soles| FootCorrection::new(clip, &soles, skeleton.joint_count()));
         let report = BindingReport::by_roles(clip, skeleton, &common);
-        let mut binding = Self { bound_joint_count, footing, ..Self::empty(motion_scale, report) };
+        let mut binding =
+            Self { bound_joint_count, foot_correction, ..Self::empty(motion_scale, report) };
         let motion = |joint: JointIndex| motion(clip, joint);
         for joint in skeleton.joints() {
             binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
@@ -284,13 +280,13 @@ impl Binding {
         self.joint_map.push(map);
         self.ranges.push(ranges);
         for correction in &mut self.corrections {
-            correction.push(Turn::NONE);
+            correction.push(Correction::NONE);
         }
         for (at, link) in links.iter().enumerate() {
             if self.corrections.len() <= at {
-                self.corrections.push(vec![Turn::NONE; joint + 1]);
+                self.corrections.push(vec![Correction::NONE; joint + 1]);
             }
-            let mut correction = Turn { map: link.column.0, ..Turn::NONE };
+            let mut correction = Correction { map: link.column.0, ..Correction::NONE };
             correction.after = f64math::to_f32(link.after.normalize().to_array());
             let [translation, rotation, _] = clip.ranges()[link.column.index()];
             if link.rotates {
@@ -331,14 +327,14 @@ impl Binding {
     /// The corrections that poses go through one after the other, each with one element per joint;
     /// empty if the clip is bound by name.
     #[must_use]
-    pub fn corrections(&self) -> &[Vec<Turn>] {
+    pub fn corrections(&self) -> &[Vec<Correction>] {
         &self.corrections
     }
 
     /// The foot correction, which comes after those.
     #[must_use]
-    pub fn footing(&self) -> Option<&Footing> {
-        self.footing.as_ref()
+    pub fn foot_correction(&self) -> Option<&FootCorrection> {
+        self.foot_correction.as_ref()
     }
 
     /// Scale of root motion: distance moved by the body per distance moved by the clip's skeleton.

@@ -158,7 +158,7 @@ impl<'a> Common<'a> {
     }
 
     /// Angle of a target joint between rest and common pose, in radians.
-    pub(crate) fn turned_rad(&self, joint: JointIndex) -> f64 {
+    pub(crate) fn rotated_rad(&self, joint: JointIndex) -> f64 {
         self.rotation[joint.index()].angle_between(self.target.rotation[joint.index()])
     }
 

@@ -3,8 +3,8 @@
 use populace_clip::Clip;
 use populace_model::{JointIndex, Skeleton, f64math};
 
-use crate::Error;
 use crate::common::Common;
+use crate::{BindingFault, Error};
 
 /// Method of matching a clip's joints with those of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,14 +21,14 @@ pub enum BindingMethod {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BindingReport {
     /// Method by which joints were matched.
-    pub way: BindingMethod,
+    pub method: BindingMethod,
     /// Number of joints that the clip moves; for a clip that moves none, those that it sets.
     pub moving_joints: usize,
     /// Number of these joints that affect the skeleton.
     pub bound_joints: usize,
     /// Mean angle between the rest poses over bound joints, in radians. By names: between local
     /// rotations. By roles: between the body's rest and the common pose.
-    pub rest_turn_rad: f32,
+    pub rest_angle_rad: f32,
     /// Mean difference of local translations at rest over bound joints, as a fraction of the larger
     /// body's size. 0 by roles, which keep the body's own translations.
     pub rest_shift: f32,
@@ -56,18 +56,12 @@ impl BindingReport {
     ///
     /// [`Error::CannotBind`] if the share is below [`LEAST_SHARE`](Self::LEAST_SHARE).
     pub fn check(&self, clip: &str) -> Result<(), Error> {
-        if self.way != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
+        if self.method != BindingMethod::Names || self.share() >= Self::LEAST_SHARE {
             return Ok(());
         }
-        let what = format!(
-            "only {} of the {} joints that the clip moves are found by name, less than {:.0} %, \
-             and humanoid roles are not known for both skeletons; give roles with \
-             RoleMap::from_names, or play the clip as it is with ClipPlayback::partial",
-            self.bound_joints,
-            self.moving_joints,
-            100.0 * Self::LEAST_SHARE
-        );
-        Err(Error::CannotBind { clip: clip.to_owned(), what })
+        let (bound, moving) = (self.bound_joints, self.moving_joints);
+        let fault = BindingFault::FewJoints { bound, moving, least_share: Self::LEAST_SHARE };
+        Err(Error::CannotBind { clip: clip.to_owned(), fault })
     }
 
     pub(crate) fn by_name(clip: &Clip, skeleton: &Skeleton) -> Self {
@@ -78,18 +72,18 @@ impl BindingReport {
         let size = f64::from(skeleton.size_m().max(own.size_m()));
         let apart = |(a, b): &(JointIndex, JointIndex)| {
             let (a, b) = (own.rest(*a), skeleton.rest(*b));
-            let turned = f64math::quat(a.rotation).angle_between(f64math::quat(b.rotation));
+            let rotated = f64math::quat(a.rotation).angle_between(f64math::quat(b.rotation));
             let shifted = f64math::vec3(a.translation).distance(f64math::vec3(b.translation));
-            [turned, shifted / size]
+            [rotated, shifted / size]
         };
-        let [rest_turn_rad, rest_shift] = mean(pairs.iter().map(apart));
-        let way =
+        let [rest_angle_rad, rest_shift] = mean(pairs.iter().map(apart));
+        let method =
             if clip.is_made_for(skeleton) { BindingMethod::SameRest } else { BindingMethod::Names };
         Self {
-            way,
+            method,
             moving_joints: moving.len(),
             bound_joints: pairs.len(),
-            rest_turn_rad,
+            rest_angle_rad,
             rest_shift,
         }
     }
@@ -106,12 +100,12 @@ impl BindingReport {
         let moving = moving(clip);
         let bound_joints = moving.iter().filter(|joint| leads(joint)).count();
         let paired = skeleton.joints().filter(|joint| common.partner(*joint).is_some());
-        let [rest_turn_rad, _] = mean(paired.map(|joint| [common.turned_rad(joint), 0.0]));
+        let [rest_angle_rad, _] = mean(paired.map(|joint| [common.rotated_rad(joint), 0.0]));
         Self {
-            way: BindingMethod::Roles,
+            method: BindingMethod::Roles,
             moving_joints: moving.len(),
             bound_joints,
-            rest_turn_rad,
+            rest_angle_rad,
             rest_shift: 0.0,
         }
     }

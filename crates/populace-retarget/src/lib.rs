@@ -10,6 +10,8 @@ mod common;
 mod error;
 mod fit;
 
-pub use binding::{Binding, Footing, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, Turn};
-pub use error::Error;
+pub use binding::{
+    Binding, Correction, FootCorrection, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION,
+};
+pub use error::{BindingFault, Error};
 pub use fit::{BindingMethod, BindingReport};

@@ -137,7 +137,7 @@ impl<'a> TestCrowd<'a> {
     fn inertialization_slot(&mut self, inertialization: &Inertialization, body: usize) -> Slot {
         let states = [inertialization.outgoing, inertialization.incoming].map(|play| {
             let slot = self.slot(&play, body);
-            self.tables.stand(&slot, inertialization.tick)
+            self.tables.sampled_state(&slot, inertialization.tick)
         });
         let share = [inertialization.share, inertialization.share_per_sec];
         Slot::inertialization(inertialization.tick, inertialization.ticks, states, share)
@@ -153,7 +153,7 @@ impl<'a> TestCrowd<'a> {
     /// on the clip's own axis.
     pub(crate) fn sampled_secs(&self, play: &Play, body: usize, tick: u64) -> [f64; 2] {
         let bound = self.bound_clips[&(play.clip, body)];
-        let state = self.tables.stand(&self.slot_of(play, bound), tick);
+        let state = self.tables.sampled_state(&self.slot_of(play, bound), tick);
         let clip = self.tables.clips().as_slice()[self.clips[&play.clip] as usize];
         let neighbour = far_row(state.row, clip.row_count - 1);
         let neighbour_secs = if clip.row_count == 1 {

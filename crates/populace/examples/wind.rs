@@ -32,7 +32,7 @@ void wind(StageJoint *joint)
     x -= floor(x);
     const float lean = p[0] * (0.25f + 6.0f * (x - x * x * x) * (x - x * x * x));
     const float4 axis = stage_to_model(joint, (float4)(0.0f, 0.0f, -1.0f, 0.0f));
-    stage_turn(joint, (float4)(axis.xyz * lean, 1.0f - 0.5f * lean * lean));
+    stage_rotate(joint, (float4)(axis.xyz * lean, 1.0f - 0.5f * lean * lean));
 }
 ";
 
@@ -42,7 +42,7 @@ fn wind(joint: &mut StageJoint) {
     let x = x - x.floor();
     let lean = p[0] * (0.25 + 6.0 * (x - x * x * x) * (x - x * x * x));
     let [x, y, z] = joint.to_model([0.0, 0.0, -1.0]).map(|c| c * lean);
-    joint.turn([x, y, z, 1.0 - 0.5 * lean * lean]);
+    joint.rotate([x, y, z, 1.0 - 0.5 * lean * lean]);
 }
 
 /// Creates a stalk: a chain of joints, and rings of three vertices skinned to the joint at their

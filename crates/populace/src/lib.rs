@@ -42,11 +42,11 @@ mod stage;
 
 pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
 pub use populace_device::{
-    After, BackendError, Error as TablesError, Feet, Foot, GazeLimits, Ground, Instance,
-    JointOverride, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, Schedule, Space, Stage,
-    StageJoint, UserStage,
+    After, BackendError, ConstraintFault, ConstraintPart, Error as TablesError, Feet, Foot,
+    GazeLimits, Ground, Instance, JointOverride, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS,
+    Schedule, Space, Stage, StageFault, StageJoint, UserStage,
 };
-pub use populace_model::{Affine, JointIndex, Mask, Trs, nearest_names};
+pub use populace_model::{Affine, ErrorKind, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};
 
 pub use blend_space::{BlendSpace, SpacePoint};
@@ -71,8 +71,8 @@ pub use stage::StageUse;
 pub mod model {
     pub use populace_model::{
         Affine, ClipSource, Error, Finger, Interpolation, JointIndex, JointSource, LARGEST,
-        LARGEST_SCALE, Mask, Phalanx, Property, Role, RoleMap, Side, Skeleton, Track, Trs,
-        UnknownName, did_you_mean, nearest_names,
+        LARGEST_SCALE, Mask, Phalanx, Property, Role, RoleFault, RoleMap, Side, Skeleton, Track,
+        TrackFault, Trs, UnknownName, did_you_mean, nearest_names,
     };
 
     /// Arithmetic of quaternions and vectors, as devices do it.
@@ -84,8 +84,8 @@ pub mod model {
 /// Clips and the clock of playback.
 pub mod clip {
     pub use populace_clip::{
-        Clip, ClipStats, Error, Footstep, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
-        RootMotion, Streamed, TICKS_PER_SEC, ticks_from_secs,
+        Clip, ClipStats, Error, Footstep, LiveFault, LiveSettings, MotionFault, MotionOrigin,
+        MotionSettings, MotionSource, RootMotion, Streamed, TICKS_PER_SEC, ticks_from_secs,
     };
 }
 
@@ -100,15 +100,15 @@ pub mod character {
 
 /// Bindings of clips to skeletons that they were not made for.
 pub mod retarget {
-    pub use populace_retarget::{Binding, BindingMethod, BindingReport, Error};
+    pub use populace_retarget::{Binding, BindingFault, BindingMethod, BindingReport, Error};
 }
 
 /// Buffer interop of palettes with renderers.
-pub mod hand_over {
+pub mod interop {
     pub use populace_device::layout::{Float4, PAGE_ENTRIES};
     pub use populace_device::{
-        DrawSource, EglHandles, GlContext, HandedOver, MappedPage, PAGE_SETS, PaletteSource,
-        PaletteTarget, PaletteTransport, SharedPage, TargetMark,
+        DrawSource, EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
+        PaletteTransport, ReleasedPalettes, SharedPage, TargetMark,
     };
 }
 

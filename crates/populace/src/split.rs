@@ -11,8 +11,8 @@ use std::thread::{self, ScopedJoinHandle};
 
 use populace_device::layout::{Float4, JOINT_BLOCK, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_device::{
-    Backend, BackendError, Frame, GlContext, HandedOver, PaletteSource, PaletteTarget,
-    PaletteTransport, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
 use balance::Balance;
@@ -410,17 +410,17 @@ impl PaletteSource for SplitBackend {
         self.parts[0].backend.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        self.parts[0].backend.refuses(way, context)
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        self.parts[0].backend.refuses(transport, context)
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
         self.parts[0].backend.set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
         self.gather()?;
-        self.parts[0].backend.hand_over()
+        self.parts[0].backend.release_palettes()
     }
 
     fn with_page(

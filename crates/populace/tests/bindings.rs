@@ -71,10 +71,10 @@ fn binding_reports_bound_joints_and_rest_differences() {
         let clip = crowd.character_mut(id).unwrap().add_clip(clip).unwrap();
         let report = crowd.character(id).unwrap().binding(clip).unwrap();
         (
-            report.way,
+            report.method,
             report.bound_joints,
             report.moving_joints,
-            report.rest_turn_rad,
+            report.rest_angle_rad,
             report.rest_shift,
         )
     };
@@ -85,12 +85,12 @@ fn binding_reports_bound_joints_and_rest_differences() {
     // A clip that moves only the tip of a skeleton with the same rest pose binds fully.
     let tip = clip("Tip", &skeleton(&BODY, 0.0), &["tip"]);
     assert_eq!(report_of(&tip), (BindingMethod::SameRest, 1, 1, 0.0, 0.0));
-    let (way, bound, moving, turned, shift) =
+    let (method, bound, moving, turned, shift) =
         report_of(&clip("Turned", &skeleton(&BODY, 0.5), &BODY));
-    assert_eq!((way, bound, moving, shift), (BindingMethod::Names, 4, 4, 0.0));
+    assert_eq!((method, bound, moving, shift), (BindingMethod::Names, 4, 4, 0.0));
     assert!((turned - 0.5).abs() < 1e-3, "{turned}");
     let report = crowd.character(id).unwrap().binding(own).unwrap();
-    assert_eq!((report.way, report.share()), (BindingMethod::SameRest, 1.0));
+    assert_eq!((report.method, report.share()), (BindingMethod::SameRest, 1.0));
 }
 
 #[test]

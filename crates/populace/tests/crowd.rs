@@ -329,7 +329,7 @@ fn palettes_on_the_second_page_are_correct(device: Device) {
     assert_near(palette[0].rows[1][3], 10.5);
     assert!(palette.iter().all(|matrix| *matrix == palette[0]));
     let last = crowd.instances().last().unwrap();
-    assert_eq!(last.palette_first, populace::hand_over::PAGE_ENTRIES);
+    assert_eq!(last.palette_first, populace::interop::PAGE_ENTRIES);
     let mut seen = Vec::new();
     crowd.with_page(1, &mut |page| seen = page[..3].to_vec()).unwrap();
     assert_near(seen[1].0[3], 10.5);

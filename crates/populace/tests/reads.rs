@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
-use populace::hand_over::PaletteSource;
+use populace::interop::PaletteSource;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BackendError, ClipId, ClipPlayback, Crowd, Device, Devices, Error, Gaze, GazeLimits,
@@ -124,7 +124,7 @@ fn reads_give_the_same_result_in_every_state() {
         let no_pages = [(); 2].map(|()| Err(Error::Backend(BackendError::NotEvaluated)));
         assert_not_evaluated(&mut crowd, member, &at("new"));
         assert_eq!(pages(&mut crowd), no_pages, "{}", at("new"));
-        assert!(PaletteSource::hand_over(&mut crowd).unwrap().is_none(), "{}", at("new"));
+        assert!(PaletteSource::release_palettes(&mut crowd).unwrap().is_none(), "{}", at("new"));
         assert_eq!(
             crowd.member_mut(member).and_then(|mut m| m.moved_placement()),
             Ok(Placement::at([0.0; 3]))

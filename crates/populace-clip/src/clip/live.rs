@@ -3,17 +3,17 @@
 use populace_model::{ClipSource, Property, Skeleton, Trs};
 
 use super::Clip;
-use crate::Error;
 use crate::clock::TICKS_PER_SEC;
 use crate::contacts::Contacts;
 use crate::row::PROPERTIES;
 use crate::rows::Rows;
 use crate::storage::Storage;
+use crate::{Error, LiveFault};
 
 /// Allowed rows per second of a live clip.
 const ROWS_PER_SEC: std::ops::RangeInclusive<f32> = 1.0..=1000.0;
 /// Maximum number of rows kept: an hour at 1000 rows per second.
-const ROWS_MOST: f32 = 3.6e6;
+const MAX_ROWS: f32 = 3.6e6;
 
 /// Selects joints of which a live clip receives translations or scales. Rotations of all joints are
 /// received.
@@ -107,16 +107,14 @@ impl Clip {
 }
 
 fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
-    let bad = |what: String| Err(Error::BadLive { clip: name.to_owned(), what });
+    let bad = |fault| Err(Error::BadLive { clip: name.to_owned(), fault });
     let LiveSettings { rows_per_sec, secs, .. } = *settings;
     if !ROWS_PER_SEC.contains(&rows_per_sec) {
-        return bad(format!("has {rows_per_sec} rows per second; it must be from 1 to 1000"));
+        return bad(LiveFault::RowRate { rows_per_sec });
     }
     let rows = (rows_per_sec * secs).ceil();
-    if !(secs > 0.0 && rows <= ROWS_MOST) {
-        return bad(format!(
-            "keeps {secs} seconds of rows; it must be above 0 s and at most 3.6 million rows"
-        ));
+    if !(secs > 0.0 && rows <= MAX_ROWS) {
+        return bad(LiveFault::RingLength { secs });
     }
     #[expect(
         clippy::cast_possible_truncation,

@@ -5,8 +5,8 @@ use populace_model::humanoid::{Role, RoleMap};
 use populace_model::{ClipSource, Interpolation, JointIndex, Property, Track, f64math};
 
 use super::Clip;
-use crate::Error;
 use crate::curves::{Curves, Side};
+use crate::{Error, MotionFault};
 
 /// Minimum rows per second; rows divide the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
@@ -155,8 +155,13 @@ impl RootMotion {
     /// Mean speed along the path in metres per second; 0 for a clip of length 0.
     #[must_use]
     pub fn metres_per_sec(&self) -> f32 {
-        let way: f64 = self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
-        if self.duration_secs > 0.0 { f64math::to_f32([way / self.duration_secs])[0] } else { 0.0 }
+        let distance_m: f64 =
+            self.rows.windows(2).map(|pair| pair[0].shift.distance(pair[1].shift)).sum();
+        if self.duration_secs > 0.0 {
+            f64math::to_f32([distance_m / self.duration_secs])[0]
+        } else {
+            0.0
+        }
     }
 
     /// Returns whether the motion moves a body of this size noticeably, or turns it.
@@ -224,16 +229,13 @@ impl Clip {
     /// [`UnknownJoints`](populace_model::Error::UnknownJoints) with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
-            return self.no_motion("is live, or its root motion has been taken out already");
+            return self.no_motion(MotionFault::Taken);
         }
         match &settings.from {
             MotionSource::Auto => self.with_automatic_motion(settings),
             MotionSource::Feet => match self.contacts.speed {
                 Some(speed) => Ok(self.with_even_motion(f64::from(speed), MotionOrigin::Feet)),
-                None => self.no_motion(
-                    "has no touch-down of a joint with a known foot name, so its walking speed is \
-                     unknown",
-                ),
+                None => self.no_motion(MotionFault::NoTouchDown),
             },
             from => {
                 let taken = self.with_motion_of(self.carrier(from)?, settings, |_| true)?;
@@ -304,8 +306,8 @@ impl Clip {
         self.motion.as_ref()
     }
 
-    fn no_motion<T>(&self, what: impl Into<String>) -> Result<T, Error> {
-        Err(Error::NoMotion { clip: self.name().to_owned(), what: what.into() })
+    fn no_motion<T>(&self, fault: MotionFault) -> Result<T, Error> {
+        Err(Error::NoMotion { clip: self.name().to_owned(), fault })
     }
 
     /// Adds a motion straight ahead at a speed in metres per second.
@@ -330,14 +332,14 @@ impl Clip {
         };
         if let MotionSource::Joint(name) = from {
             let [joint] = self.skeleton.find_all(std::slice::from_ref(name))?[..] else {
-                return self.no_motion("has more than one joint of the requested name");
+                return self.no_motion(MotionFault::AmbiguousJoint);
             };
             let path = above(joint);
             return match path[..path.len() - 1].iter().find(|joint| moves(joint)) {
-                Some(moving) => self.no_motion(format!(
-                    "moves \"{}\", an ancestor of \"{name}\"; choose that joint or one above it",
-                    self.skeleton.name(*moving)
-                )),
+                Some(moving) => self.no_motion(MotionFault::MovingAncestor {
+                    ancestor: self.skeleton.name(*moving).to_owned(),
+                    joint: name.clone(),
+                }),
                 None => Ok(joint),
             };
         }
@@ -351,10 +353,7 @@ impl Clip {
         };
         match found {
             Some(joint) => Ok(joint),
-            None => self.no_motion(
-                "has no moving joint from the root down to the hips; for a clip that walks in \
-                 place use MotionSource::Feet",
-            ),
+            None => self.no_motion(MotionFault::NoMovingJoint),
         }
     }
 }

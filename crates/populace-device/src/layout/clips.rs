@@ -56,89 +56,16 @@ device_struct! {
     }
 }
 
+pub use populace_clip::RowBlock;
+
 device_struct! {
-    /// Location of a block of 16 columns within a row.
-    ///
-    /// A row is a run of 32-bit words. For each property that moves in the block, planes of words
-    /// follow each other from the property's first word:
-    ///
-    /// | Format | Property | Plane | Words | Lane `i` |
-    /// |---|---|---|---|---|
-    /// | 16-bit | rotation | 0 | `lanes` | word `i`: `x` in bits 0 to 15, `y` in 16 to 31 |
-    /// | 16-bit | rotation | 1 | `lanes` | word `i`: `z` in bits 0 to 15, `w` in 16 to 31 |
-    /// | 16-bit | others | 0 | `lanes` | word `i`: `x` in bits 0 to 15, `y` in 16 to 31 |
-    /// | 16-bit | others | 1 | `lanes / 2` | word `i / 2`: `z`, low half for even `i`, else high |
-    /// | float | rotation | 0 to 3 | 16 each | word `i`: `x`, `y`, `z`, `w` as `f32` |
-    /// | float | others | 0 to 2 | 16 each | word `i`: `x`, `y`, `z` as `f32` |
-    ///
-    /// *Others* are translation and scale; `lanes / 2` is rounded up.
-    ///
-    /// The fields of each property:
-    ///
-    /// | Field | Bits | Content |
-    /// |---|---|---|
-    /// | `*_first` | 0 to 31 | first word within the row, or [`NONE`] if nothing moves |
-    /// | `*_lanes` | 31 | [`ROW_FLOATS`]: the planes hold floats |
-    /// | `*_lanes` | 0 to 30 | columns per plane, up to the last column that moves |
-    ///
-    /// A 16-bit number `n` stands for `offset + step * n`, see [`RANGE_PLANES`].
-    pub struct RowBlock {
-        /// First word of the rotations, or [`NONE`].
-        pub rotation_first: u32,
-        /// Columns per rotation plane, and [`ROW_FLOATS`].
-        pub rotation_lanes: u32,
-        /// First word of the translations, or [`NONE`].
-        pub translation_first: u32,
-        /// Columns per translation plane, and [`ROW_FLOATS`].
-        pub translation_lanes: u32,
-        /// First word of the scales, or [`NONE`].
-        pub scale_first: u32,
-        /// Columns per scale plane, and [`ROW_FLOATS`].
-        pub scale_lanes: u32,
-    }
-}
-
-impl RowBlock {
-    /// A block without any moving property.
-    pub const STILL: Self = Self {
-        rotation_first: NONE,
-        rotation_lanes: 0,
-        translation_first: NONE,
-        translation_lanes: 0,
-        scale_first: NONE,
-        scale_lanes: 0,
-    };
-
-    /// Merges two blocks into one that only tells what moves in either, and whether either stores
-    /// it as floats ([`ROW_FLOATS`]). First words are those of one of the two.
-    #[must_use]
-    pub const fn or_moving(mut self, other: &Self) -> Self {
-        if other.rotation_first != NONE {
-            (self.rotation_first, self.rotation_lanes) =
-                (other.rotation_first, self.rotation_lanes | other.rotation_lanes);
-        }
-        if other.translation_first != NONE {
-            (self.translation_first, self.translation_lanes) =
-                (other.translation_first, self.translation_lanes | other.translation_lanes);
-        }
-        if other.scale_first != NONE {
-            (self.scale_first, self.scale_lanes) =
-                (other.scale_first, self.scale_lanes | other.scale_lanes);
-        }
-        self
-    }
-}
-
-impl From<&populace_clip::RowBlock> for RowBlock {
-    fn from(block: &populace_clip::RowBlock) -> Self {
-        Self {
-            rotation_first: block.rotation_first,
-            rotation_lanes: block.rotation_lanes,
-            translation_first: block.translation_first,
-            translation_lanes: block.translation_lanes,
-            scale_first: block.scale_first,
-            scale_lanes: block.scale_lanes,
-        }
+    use populace_clip::RowBlock {
+        rotation_first: u32,
+        rotation_lanes: u32,
+        translation_first: u32,
+        translation_lanes: u32,
+        scale_first: u32,
+        scale_lanes: u32,
     }
 }
 
@@ -157,8 +84,8 @@ device_struct! {
         /// The body it is bound to; [`NONE`] for a retarget correction, which slots must not name.
         pub body: u32,
         /// Index into `bound_clips`: the correction that the sampled pose goes through next, or
-        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`TURN_PLANES`]. Blocks
-        /// without [`BLOCK_TURNED`] skip it.
+        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`CORRECTION_PLANES`].
+        /// Blocks without [`BLOCK_CORRECTED`] skip it.
         pub next: u32,
         /// Scale of root motion: distance moved by the body per distance moved by the clip's
         /// skeleton.
@@ -192,7 +119,8 @@ device_struct! {
         pub scale_first: u32,
         /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
-        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_TURNED`], [`REST_TRANSLATION`] and [`REST_SCALE`].
+        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_CORRECTED`], [`REST_TRANSLATION`] and
+        /// [`REST_SCALE`].
         pub flags: u32,
         /// Offset into `sources`.
         pub source_first: u32,
@@ -225,27 +153,5 @@ device_struct! {
         /// Offset into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`]
         /// if it follows another block.
         pub lanes_first: u32,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn merged_blocks_keep_float_flags_in_either_order() {
-        let block = |lanes| RowBlock {
-            rotation_first: 0,
-            rotation_lanes: lanes,
-            translation_first: 8,
-            translation_lanes: lanes,
-            scale_first: 16,
-            scale_lanes: lanes,
-        };
-        let (floats, halves) = (block(ROW_FLOATS | 16), block(3));
-        for merged in [floats.or_moving(&halves), halves.or_moving(&floats)] {
-            let lanes = [merged.rotation_lanes, merged.translation_lanes, merged.scale_lanes];
-            assert!(lanes.iter().all(|lanes| lanes & ROW_FLOATS != 0), "{merged:?}");
-        }
     }
 }

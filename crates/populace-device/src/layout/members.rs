@@ -54,7 +54,7 @@ device_struct! {
     /// |---|---|---|
     /// | `palette_first` | 20 to 31 | palette page |
     /// | `palette_first` | 0 to 19 | first palette entry within the page |
-    /// | `layers_and_phase` | 8 to 31 | phase, 0 to [`PHASES_MOST`]` - 1` |
+    /// | `layers_and_phase` | 8 to 31 | phase, 0 to [`MAX_PHASES`]` - 1` |
     /// | `layers_and_phase` | 0 to 7 | layers in use, 1 to [`LAYERS_PER_MEMBER`] |
     ///
     /// A page has [`PAGE_ENTRIES`] entries, and [`MEMBER_LAYER_BITS`] bits count layers. The phase
@@ -117,7 +117,7 @@ device_struct! {
         /// The first of the member's rotations that the step writes, or the one that it applies.
         /// [`STEP_STAGE`]: offset into `stage_values`. [`STEP_ATTACH`]: index into `overrides`.
         /// [`STEP_MOTION`]: epoch of the root motion.
-        pub turn: u32,
+        pub operand: u32,
     }
 }
 

@@ -4,7 +4,9 @@
 
 use populace_clip::TICKS_PER_SEC;
 
-use crate::layout::{NONE, SLOT_HELD, SLOT_INERTIALIZATION, SLOT_LOOP, SLOT_ONCE, Slot};
+use crate::layout::{
+    InertializationSlot, NONE, SLOT_HELD, SLOT_INERTIALIZATION, SLOT_LOOP, SLOT_ONCE, Slot,
+};
 
 /// The sampled state of a clip at one instant: its row and its pace.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -46,39 +48,15 @@ pub fn row_before(at: f32, last: u32) -> u32 {
 
 impl Slot {
     /// Creates a slot that holds the difference at `tick` between an outgoing clip and the incoming
-    /// clip that replaces it. The difference decays in `ticks`, at least 1. `share` is the weight
-    /// of the outgoing clip in the layer's mix, and the change of that weight per second. The
-    /// shares of all clips that are replaced at once sum to 1, in an additive layer to their total
-    /// weight.
+    /// clip that replaces it. See [`InertializationSlot::new`].
     #[must_use]
     pub fn inertialization(
         tick: u64,
         ticks: u64,
-        [outgoing, incoming]: [SampledState; 2],
+        states: [SampledState; 2],
         share: [f32; 2],
     ) -> Self {
-        let secs = secs_of(ticks);
-        Self {
-            start_tick: tick,
-            phase_rate: pack(outgoing.row, outgoing.pace * secs),
-            weight_tick: pack(incoming.row, incoming.pace * secs),
-            start_phase: incoming.bound_clip,
-            bound_clip: outgoing.bound_clip,
-            layer_and_mode: SLOT_INERTIALIZATION,
-            start_weight: share[0],
-            weight_rate: share[1] * secs,
-            end_weight: per_tick(ticks),
-        }
-    }
-
-    /// Changes the incoming clip and the duration of a slot of [`SLOT_INERTIALIZATION`] whose
-    /// incoming clip has never been evaluated. The start tick stays.
-    pub fn inertialize_into(&mut self, incoming: SampledState, ticks: u64) {
-        let (outgoing, before) = (self.left(), secs_of(1) / self.end_weight);
-        let outgoing = SampledState { pace: outgoing.pace / before, ..outgoing };
-        let share = [self.start_weight, self.weight_rate / before];
-        *self = Self::inertialization(self.start_tick, ticks, [outgoing, incoming], share)
-            .on_layer(self.layer());
+        InertializationSlot::new(tick, ticks, states, share).into()
     }
 
     /// Returns whether the slot's clip is a function of the clock alone and can be inertialized: it
@@ -96,51 +74,115 @@ impl Slot {
         self.mode() == SLOT_INERTIALIZATION
     }
 
-    /// The elapsed fraction of an inertialization slot's duration. The slot has no effect from 1
-    /// on, nor before its start. Twin of `slot_inertialized` in `kernels/slot.cl`.
+    /// The same bytes as an inertialization slot; `None` for a slot of another mode. Twin of
+    /// `as_inertialization` in `kernels/slot.cl`, whose callers check the mode.
     #[inline]
     #[must_use]
-    pub const fn inertialized_at(&self, tick: u64) -> f32 {
-        tick.wrapping_sub(self.start_tick) as f32 * self.end_weight
+    pub fn as_inertialization(&self) -> Option<&InertializationSlot> {
+        self.is_inertialization().then(|| bytemuck::must_cast_ref(self))
     }
 
     /// Returns whether the slot is an inertialization slot that still has an effect. Twin of
     /// `slot_inertializes` in `kernels/slot.cl`.
     #[inline]
     #[must_use]
-    pub const fn inertializes(&self, tick: u64) -> bool {
-        self.is_inertialization() && self.bound_clip != NONE && self.inertialized_at(tick) < 1.0
+    pub fn inertializes(&self, tick: u64) -> bool {
+        self.as_inertialization()
+            .is_some_and(|slot| slot.outgoing_clip != NONE && slot.inertialized_at(tick) < 1.0)
+    }
+}
+
+impl From<InertializationSlot> for Slot {
+    /// Takes over the bytes. The mode becomes [`SLOT_INERTIALIZATION`], whatever it was.
+    fn from(inertialization: InertializationSlot) -> Self {
+        let slot: Self = bytemuck::must_cast(inertialization);
+        Self { layer_and_mode: SLOT_INERTIALIZATION, ..slot }.on_layer(slot.layer())
+    }
+}
+
+impl InertializationSlot {
+    /// Creates a slot of layer 0 that holds the difference at `tick` between an outgoing clip and
+    /// the incoming clip that replaces it. The difference decays in `ticks`, at least 1. `share` is
+    /// the weight of the outgoing clip in the layer's mix, and the change of that weight per
+    /// second. The shares of all clips that are replaced at once sum to 1, in an additive layer to
+    /// their total weight.
+    #[must_use]
+    pub fn new(
+        tick: u64,
+        ticks: u64,
+        [outgoing, incoming]: [SampledState; 2],
+        share: [f32; 2],
+    ) -> Self {
+        let secs = secs_of(ticks);
+        Self {
+            start_tick: tick,
+            outgoing_row: outgoing.row,
+            outgoing_pace: outgoing.pace * secs,
+            incoming_row: incoming.row,
+            incoming_pace: incoming.pace * secs,
+            incoming_clip: incoming.bound_clip,
+            outgoing_clip: outgoing.bound_clip,
+            layer_and_mode: SLOT_INERTIALIZATION,
+            share: share[0],
+            share_change: share[1] * secs,
+            per_tick: per_tick(ticks),
+        }
     }
 
-    /// A tick at which an inertialization slot has no effect any more, at most a few ticks after
-    /// the first such tick.
+    /// Returns the slot with another incoming clip and another duration in ticks. The start tick
+    /// stays. Meant for a slot whose incoming clip has never been evaluated.
     #[must_use]
-    pub fn inertialization_tick(&self) -> u64 {
+    pub fn with_incoming(&self, incoming: SampledState, ticks: u64) -> Self {
+        let (outgoing, before) = (self.outgoing_state(), secs_of(1) / self.per_tick);
+        let outgoing = SampledState { pace: outgoing.pace / before, ..outgoing };
+        let share = [self.share, self.share_change / before];
+        let slot = Self::new(self.start_tick, ticks, [outgoing, incoming], share);
+        Self { layer_and_mode: self.layer_and_mode, ..slot }
+    }
+
+    /// The elapsed fraction of the duration. The slot has no effect from 1 on, nor before its
+    /// start. Twin of `inertialized_at` in `kernels/slot.cl`.
+    #[inline]
+    #[must_use]
+    pub const fn inertialized_at(&self, tick: u64) -> f32 {
+        tick.wrapping_sub(self.start_tick) as f32 * self.per_tick
+    }
+
+    /// A tick at which the slot has no effect any more, at most a few ticks after the first such
+    /// tick.
+    #[must_use]
+    pub fn end_tick(&self) -> u64 {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "`as` saturates"
         )]
-        let ticks = (1.0 / f64::from(self.end_weight)).ceil() as u64;
+        let ticks = (1.0 / f64::from(self.per_tick)).ceil() as u64;
         self.start_tick.saturating_add(ticks)
     }
 
-    /// The sampled state of the outgoing clip of an inertialization slot. Its pace is per duration
-    /// of the inertialization, not per second.
+    /// The sampled state of the outgoing clip. Its pace is per duration of the inertialization, not
+    /// per second. Twin of `outgoing_state` in `kernels/inertialize.cl`.
     #[inline]
     #[must_use]
-    pub const fn left(&self) -> SampledState {
-        let [row, pace] = unpack(self.phase_rate);
-        SampledState { bound_clip: self.bound_clip, row, pace }
+    pub const fn outgoing_state(&self) -> SampledState {
+        SampledState {
+            bound_clip: self.outgoing_clip,
+            row: self.outgoing_row,
+            pace: self.outgoing_pace,
+        }
     }
 
-    /// The sampled state of the incoming clip of an inertialization slot, with the pace per
-    /// duration as well.
+    /// The sampled state of the incoming clip, with the pace per duration as well. Twin of
+    /// `incoming_state` in `kernels/inertialize.cl`.
     #[inline]
     #[must_use]
-    pub const fn taking(&self) -> SampledState {
-        let [row, pace] = unpack(self.weight_tick);
-        SampledState { bound_clip: self.start_phase, row, pace }
+    pub const fn incoming_state(&self) -> SampledState {
+        SampledState {
+            bound_clip: self.incoming_clip,
+            row: self.incoming_row,
+            pace: self.incoming_pace,
+        }
     }
 }
 
@@ -154,18 +196,10 @@ fn per_tick(ticks: u64) -> f32 {
     if ticks as f32 * per_tick < 1.0 { per_tick.next_up() } else { per_tick }
 }
 
-fn pack(low: f32, high: f32) -> u64 {
-    u64::from(high.to_bits()) << 32 | u64::from(low.to_bits())
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "its two halves")]
-const fn unpack(packed: u64) -> [f32; 2] {
-    [f32::from_bits(packed as u32), f32::from_bits((packed >> 32) as u32)]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::{SLOT_LIVE, SLOT_MACHINE, SLOT_MODE_BITS};
     use populace_clip::FIRST_TICK;
 
     #[test]
@@ -173,25 +207,60 @@ mod tests {
         for ticks in [1, 3, 7, 211_680, 705_600, 1_000_003] {
             let states =
                 [1, 2].map(|clip| SampledState { bound_clip: clip, row: 3.25, pace: -2.0 });
-            let mut slot = Slot::inertialization(FIRST_TICK, ticks, states, [0.5, 4.0]).on_layer(2);
-            for ticks in [ticks, 2 * ticks] {
-                assert!(
-                    slot.inertialized_at(FIRST_TICK + ticks) >= 1.0
-                        && slot.inertialized_at(FIRST_TICK - 1) >= 1.0
-                );
-                assert!(slot.inertialized_at(FIRST_TICK + ticks - 1) < 1.0, "{ticks}");
-                assert!(slot.inertialization_tick().abs_diff(FIRST_TICK + ticks) <= 1, "{ticks}");
+            let slot = Slot::inertialization(FIRST_TICK, ticks, states, [0.5, 4.0]).on_layer(2);
+            let view = *slot.as_inertialization().unwrap();
+            for (view, ticks) in [(view, ticks), (view.with_incoming(states[0], 7), 7)] {
+                let end = FIRST_TICK + ticks;
+                assert!(view.inertialized_at(end) >= 1.0);
+                assert!(view.inertialized_at(FIRST_TICK - 1) >= 1.0);
+                assert!(view.inertialized_at(end - 1) < 1.0, "{ticks}");
+                assert!(view.end_tick().abs_diff(end) <= 1, "{ticks}");
+                let slot = Slot::from(view);
+                assert!(slot.inertializes(end - 1) && !slot.inertializes(end), "{ticks}");
                 assert_eq!(
                     (slot.weight_at(FIRST_TICK + 1), slot.layer(), slot.is_inertialization()),
                     (0.0, 2, true)
                 );
                 let secs = ticks as f32 / TICKS_PER_SEC as f32;
                 let near = |found: f32, wanted: f32| (found - wanted).abs() <= wanted.abs() * 1e-5;
-                assert!(near(slot.left().pace, -2.0 * secs) && near(slot.weight_rate, 4.0 * secs));
-                assert_eq!((slot.left().bound_clip, slot.taking().row), (1, 3.25));
-                slot.inertialize_into(SampledState { bound_clip: 7, ..states[1] }, 2 * ticks);
-                assert_eq!(slot.taking().bound_clip, 7);
+                assert!(
+                    near(view.outgoing_pace, -2.0 * secs) && near(view.share_change, 4.0 * secs)
+                );
+                assert_eq!((view.outgoing_clip, view.incoming_row), (1, 3.25));
             }
+            assert_eq!(view.with_incoming(states[0], ticks).incoming_clip, 1);
+        }
+    }
+
+    #[test]
+    fn inertialization_slot_is_the_bytes_of_a_slot() {
+        let states = [1, 2].map(|clip| SampledState {
+            bound_clip: clip,
+            row: clip as f32 + 0.25,
+            pace: -1.5 * clip as f32,
+        });
+        let slot = Slot::inertialization(9, TICKS_PER_SEC, states, [0.5, 4.0]).on_layer(3);
+        let view = slot.as_inertialization().unwrap();
+        assert_eq!([view.outgoing_state(), view.incoming_state()], states);
+        assert_eq!(Slot::from(*view), slot);
+        let halves =
+            |low: f32, high: f32| u64::from(high.to_bits()) << 32 | u64::from(low.to_bits());
+        let same = Slot {
+            start_tick: 9,
+            phase_rate: halves(1.25, -1.5),
+            weight_tick: halves(2.25, -3.0),
+            start_phase: 2,
+            bound_clip: 1,
+            layer_and_mode: 3 << SLOT_MODE_BITS | SLOT_INERTIALIZATION,
+            start_weight: 0.5,
+            weight_rate: 4.0,
+            end_weight: view.per_tick,
+        };
+        assert_eq!(slot, same);
+        let other_mode = InertializationSlot { layer_and_mode: 3 << SLOT_MODE_BITS, ..*view };
+        assert_eq!(Slot::from(other_mode), slot, "the conversion sets the mode");
+        for mode in [SLOT_LOOP, SLOT_ONCE, SLOT_HELD, SLOT_LIVE, SLOT_MACHINE] {
+            assert_eq!(Slot { layer_and_mode: mode, ..slot }.as_inertialization(), None);
         }
     }
 

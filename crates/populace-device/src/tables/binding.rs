@@ -1,15 +1,15 @@
 //! Clips bound to bodies: the ranges and the column of each joint, and retarget corrections.
 
 use populace_model::convert::u32_from;
-use populace_retarget::{Binding, Footing, Turn};
+use populace_retarget::{Binding, Correction, FootCorrection};
 
 use super::runs::{Asset, Runs};
 use super::{BodyIndex, Tables, padded};
 use crate::Error;
 use crate::layout::{
-    BLOCK_STRAIGHT, BLOCK_TURNED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN,
-    MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE, REST_TRANSLATION,
-    RowBlock, Source, TURN_PLANES,
+    BLOCK_CORRECTED, BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, CORRECTION_PLANES, JOINT_BLOCK,
+    MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE,
+    REST_TRANSLATION, RowBlock, Source,
 };
 
 /// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
@@ -25,11 +25,11 @@ impl CorrectedBlocks {
         Self { corrections: blocks.clone(), arms: blocks }
     }
 
-    fn of(corrections: &[Turn], body: &Body) -> Self {
+    fn of(corrections: &[Correction], body: &Body) -> Self {
         let mut some = Self::none(body);
         for (joint, correction) in corrections.iter().enumerate() {
             let block = joint / JOINT_BLOCK as usize;
-            some.corrections[block] |= *correction != Turn::NONE;
+            some.corrections[block] |= *correction != Correction::NONE;
             some.arms[block] |= correction.has_arm();
         }
         some
@@ -78,10 +78,11 @@ impl Tables {
             BoundClip { clip, row_block_first, body: NONE, next: NONE, ..BoundClip::default() };
         // Corrections are added last to first, so that each can name the next.
         let (mut next, mut later) = (NONE, CorrectedBlocks::none(&body_row));
-        if let Some(footing) = binding.footing() {
-            let bound = self.add_footing(footing, of_clip, runs)?;
+        if let Some(foot_correction) = binding.foot_correction() {
+            let bound = self.add_foot_correction(foot_correction, of_clip, runs)?;
+            let corrections = &foot_correction.corrections;
             (next, later) =
-                self.add_correction(&footing.corrections, bound, (next, later), &body_row, runs)?;
+                self.add_correction(corrections, bound, (next, later), &body_row, runs)?;
         }
         for corrections in binding.corrections().iter().rev() {
             (next, later) =
@@ -93,7 +94,7 @@ impl Tables {
             |(first, (corrected, arms))| {
                 let moved = u32::from(*arms) * REST_TRANSLATION;
                 (self.rest_flags(&body_row, range_first, first) & !moved)
-                    | (u32::from(*corrected) * BLOCK_TURNED)
+                    | (u32::from(*corrected) * BLOCK_CORRECTED)
             },
         );
         let flags = flags.collect();
@@ -126,7 +127,7 @@ impl Tables {
     /// it or a later correction affects.
     fn add_correction(
         &mut self,
-        corrections: &[Turn],
+        corrections: &[Correction],
         of: BoundClip,
         (next, later): (u32, CorrectedBlocks),
         body: &Body,
@@ -137,7 +138,7 @@ impl Tables {
         let own = CorrectedBlocks::of(corrections, body);
         let flags = own.arms.iter().zip(&later.corrections).map(|(arms, corrected)| {
             let still = if *arms { 0 } else { REST_TRANSLATION };
-            still | (u32::from(*corrected) * BLOCK_TURNED)
+            still | (u32::from(*corrected) * BLOCK_CORRECTED)
         });
         let index =
             self.add_bound(BoundClip { range_first, next, ..of }, &map, flags.collect(), runs)?;
@@ -145,19 +146,19 @@ impl Tables {
     }
 
     /// Adds the rows of a foot correction. A constant correction has no rows of its own.
-    fn add_footing(
+    fn add_foot_correction(
         &mut self,
-        footing: &Footing,
+        foot_correction: &FootCorrection,
         of: BoundClip,
         runs: &mut Runs,
     ) -> Result<BoundClip, Error> {
-        if footing.rows.is_empty() {
+        let FootCorrection { rows, blocks, stride, .. } = foot_correction;
+        if rows.is_empty() {
             return Ok(of);
         }
-        let row_first = self.add_words(footing.rows.iter().copied(), runs)?;
-        let blocks = footing.blocks.iter().map(RowBlock::from);
-        let row_block_first = runs.add(&mut self.all.row_blocks, blocks)?;
-        Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(footing.stride), ..of })
+        let row_first = self.add_words(rows.iter().copied(), runs)?;
+        let row_block_first = runs.add(&mut self.all.row_blocks, blocks.iter().copied())?;
+        Ok(BoundClip { row_block_first, row_first, row_stride: u32_from(*stride), ..of })
     }
 
     /// Builds the location of the columns that 16 joints follow. `blocks` is the offset of the
@@ -227,12 +228,12 @@ impl Tables {
     }
 }
 
-fn correction_planes(corrections: &[Turn]) -> Vec<f32> {
+fn correction_planes(corrections: &[Correction]) -> Vec<f32> {
     let padded = padded(corrections.len());
-    let mut planes = vec![0.0; TURN_PLANES * padded];
+    let mut planes = vec![0.0; CORRECTION_PLANES * padded];
     for joint in 0..padded {
-        let Turn { rotation, step_w, arm, after, .. } =
-            corrections.get(joint).copied().unwrap_or(Turn::NONE);
+        let Correction { rotation, step_w, arm, after, .. } =
+            corrections.get(joint).copied().unwrap_or(Correction::NONE);
         let ([qx, qy, qz, qw], [tx, ty, tz, _], [ax, ay, az, aw]) =
             (rotation.offset, arm.offset, after);
         let values = [qx, qy, qz, qw, rotation.step, step_w, tx, ty, tz, arm.step, ax, ay, az, aw];

@@ -9,8 +9,9 @@ use super::table::Table;
 use super::{BodyIndex, Tables};
 use crate::Error;
 use crate::layout::{
-    Body, BoundClip, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer, MEMBER_LAYER_BITS, Member,
-    NONE, PAGE_ENTRIES, PALETTE_BLOCK, PHASES_MOST, SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
+    Body, BoundClip, InertializationSlot, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer,
+    MAX_PHASES, MEMBER_LAYER_BITS, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK, SLOT_LIVE, SLOT_LOOP,
+    SLOT_MACHINE, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -199,12 +200,13 @@ impl Tables {
         if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
             return bad("slot mode for this clip", slot.mode());
         }
-        let taking = slot.taking().bound_clip;
-        if slot.bound_clip != NONE
-            && slot.is_inertialization()
-            && bound_of(taking).is_none_or(|bound| bound.body != member.body || is_live(bound))
+        if let Some(&InertializationSlot { outgoing_clip, incoming_clip, .. }) =
+            slot.as_inertialization()
+            && outgoing_clip != NONE
+            && bound_of(incoming_clip)
+                .is_none_or(|bound| bound.body != member.body || is_live(bound))
         {
-            return bad("bound clip to inertialize into", taking);
+            return bad("bound clip to inertialize into", incoming_clip);
         }
         Ok(())
     }
@@ -259,11 +261,11 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] if the member does not exist or the phase is [`PHASES_MOST`] or
+    /// [`Error::BadPlayback`] if the member does not exist or the phase is [`MAX_PHASES`] or
     /// above.
     pub fn set_phase(&mut self, member_index: u32, phase: u32) -> Result<(), Error> {
         let mut member = self.used_member(member_index)?;
-        if phase >= PHASES_MOST {
+        if phase >= MAX_PHASES {
             return Err(Error::BadPlayback { what: "phase", value: phase });
         }
         if phase == member.phase() {
@@ -411,7 +413,7 @@ mod tests {
         assert_eq!(tables.phase_count(), 2);
         tables.set_phase(first, 0).unwrap();
         assert_eq!(tables.phase_count(), 1);
-        tables.set_phase(first, PHASES_MOST).unwrap_err();
+        tables.set_phase(first, MAX_PHASES).unwrap_err();
         tables.set_phase(second, 0).unwrap_err();
     }
 

@@ -15,7 +15,7 @@ impl Tables {
     ///
     /// If the slot is empty.
     #[must_use]
-    pub fn stand(&self, slot: &Slot, tick: u64) -> SampledState {
+    pub fn sampled_state(&self, slot: &Slot, tick: u64) -> SampledState {
         let bound = self.bound_clips().as_slice()[slot.bound_clip as usize];
         let clip = self.clips().as_slice()[bound.clip as usize];
         let (row, between) =
@@ -34,16 +34,16 @@ impl Tables {
     fn far_rate(&self, clip: &ClipRows, at: f32) -> f32 {
         let last = clip.row_count - 1;
         let far = far_row(at, last);
-        let way = far as f32 - at;
-        if last == 0 || way == 0.0 {
+        let distance = far as f32 - at;
+        if last == 0 || distance == 0.0 {
             return 0.0;
         }
         if clip.rows_per_sec > 0.0 {
-            return clip.rows_per_sec / way;
+            return clip.rows_per_sec / distance;
         }
         let first = clip.time_first as usize + row_before(at, last).min(far) as usize;
         let times = self.row_times().as_slice();
         let gap = times[first + 1] - times[first];
-        if gap < STEP_SECS { 0.0 } else { 1.0 / (gap * way) }
+        if gap < STEP_SECS { 0.0 } else { 1.0 / (gap * distance) }
     }
 }

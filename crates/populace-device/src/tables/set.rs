@@ -27,7 +27,7 @@ macro_rules! with_tables {
             /// Palette entries of all bodies.
             entries: Entry,
             /// Rest poses (`POSE_PLANES` planes each), ranges of bound clips (`RANGE_PLANES` planes
-            /// each) and of their retarget corrections (`TURN_PLANES` planes each).
+            /// each) and of their retarget corrections (`CORRECTION_PLANES` planes each).
             poses: f32,
             /// Clips.
             clips: ClipRows,

@@ -2,7 +2,8 @@
 
 use super::names::Name;
 use super::schemes::{ALL, Scheme};
-use super::{NEEDED, Role, RoleMap, Side, all_roles};
+use super::{NEEDED, Role, RoleMap, Side};
+use crate::role::all_roles;
 use crate::{JointIndex, Skeleton};
 
 impl RoleMap {

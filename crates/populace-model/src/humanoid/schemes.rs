@@ -1,6 +1,7 @@
 //! Joint names of widespread rigs.
 
-use super::{FINGERS, Finger, PHALANGES, Phalanx, Role, Side};
+use super::{Finger, Phalanx, Role, Side};
+use crate::role::{FINGERS, PHALANGES};
 
 /// The joint names of one kind of rig, without sides, separators and capitals. If a role has
 /// several names, the first one found counts.

@@ -86,8 +86,8 @@ impl Affine {
     /// Rotates the transform by a unit quaternion about its own origin, which stays in place.
     #[inline]
     #[must_use]
-    pub fn turned(&self, turn: [f32; 4]) -> Self {
-        let [a, b, c, _, e, f, g, _, i, j, k, _] = components([0.0; 3], turn, [1.0; 3]);
+    pub fn rotated(&self, rotation: [f32; 4]) -> Self {
+        let [a, b, c, _, e, f, g, _, i, j, k, _] = components([0.0; 3], rotation, [1.0; 3]);
         let mut rows =
             Self { rows: [[a, b, c, 0.0], [e, f, g, 0.0], [i, j, k, 0.0]] }.mul(self).rows;
         for (row, place) in rows.iter_mut().zip(self.origin()) {

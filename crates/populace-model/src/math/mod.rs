@@ -4,8 +4,8 @@
 //! operations. Devices therefore agree bit for bit wherever only `+ - *` and copies are used, and
 //! within the rounding of `/` elsewhere. Most twins carry the module's name: `quat::mul` is
 //! `quat_mul`, `vec3::add` is `vec3_add`. Exceptions are `vec3::root` (`square_root`),
-//! `vec3::between` (`turn_between`), `vec3::turned` (`quat_turned`), `vec3::part_of` (`quat_part`),
-//! `vec3::part_as_told` (`quat_part_as_told`) and `angle::sin_cos` (`sin_cos`).
+//! `vec3::between` (`rotation_between`), `vec3::rotated` (`quat_rotated`), `vec3::part_of`
+//! (`quat_part`), `vec3::part_as_told` (`quat_part_as_told`) and `angle::sin_cos` (`sin_cos`).
 
 pub mod affine;
 pub mod angle;

@@ -89,7 +89,7 @@ pub fn across<R: Real>(a: Vec3<R>, axis: Vec3<R>) -> Vec3<R> {
 /// Rotates `v` by a unit quaternion.
 #[inline(always)]
 #[must_use]
-pub fn turned<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
+pub fn rotated<R: Real>(q: [R; 4], v: Vec3<R>) -> Vec3<R> {
     let axis = [q[0], q[1], q[2]];
     let twice = scale(cross(axis, v), R::splat(2.0));
     add(add_scaled(v, twice, q[3]), cross(axis, twice))
@@ -119,16 +119,16 @@ pub fn any_across(a: Vec3) -> Vec3 {
 /// Scales a rotation along the shorter arc: `k` of 0 gives the identity, 1 the whole rotation.
 #[inline(always)]
 #[must_use]
-pub fn part_of<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
-    part_as_told(quat::hemisphere(turn, quat::identity()), k)
+pub fn part_of<R: Real>(rotation: [R; 4], k: R) -> [R; 4] {
+    part_as_told(quat::hemisphere(rotation, quat::identity()), k)
 }
 
 /// Scales a rotation along the arc given by its sign, which is longer than half a turn if `w` is
 /// negative.
 #[inline(always)]
 #[must_use]
-pub fn part_as_told<R: Real>(turn: [R; 4], k: R) -> [R; 4] {
-    quat::normalize_or(quat::mix(quat::identity(), turn, k), quat::identity())
+pub fn part_as_told<R: Real>(rotation: [R; 4], k: R) -> [R; 4] {
+    quat::normalize_or(quat::mix(quat::identity(), rotation, k), quat::identity())
 }
 
 #[cfg(test)]
@@ -147,7 +147,7 @@ mod tests {
         ];
         for from in vectors.map(unit) {
             for to in vectors.map(unit) {
-                let arrived = turned(between(from, to, [0.3, 0.5, -0.1]), from);
+                let arrived = rotated(between(from, to, [0.3, 0.5, -0.1]), from);
                 assert!(length(sub(arrived, to)) < 1e-6, "{from:?} {to:?} {arrived:?}");
             }
         }

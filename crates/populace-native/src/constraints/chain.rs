@@ -4,7 +4,7 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_device::layout::{CHAIN_PASSES, LINKS_MOST, Step};
+use populace_device::layout::{CHAIN_PASSES, MAX_LINKS, Step};
 use populace_model::math::{quat, vec3};
 
 use super::limb::soft_distance;
@@ -26,7 +26,7 @@ impl Solver<'_> {
         let own = joints.model_of(joint);
         let Chain { positions, .. } = Self::walk(joints, links, own);
         let last = links.len() - 1;
-        let mut lengths = [0.0; LINKS_MOST as usize];
+        let mut lengths = [0.0; MAX_LINKS as usize];
         let mut total = 0.0;
         for at in 0..last {
             lengths[at] = vec3::length(vec3::sub(positions[at + 1], positions[at]));
@@ -50,21 +50,21 @@ impl Solver<'_> {
                 }
             }
         }
-        let mut turned = quat::identity();
+        let mut rotated_by = quat::identity();
         for at in 0..last {
             let was = vec3::unit_or(
-                vec3::turned(turned, vec3::sub(positions[at + 1], positions[at])),
+                vec3::rotated(rotated_by, vec3::sub(positions[at + 1], positions[at])),
                 [0.0; 3],
             );
             let is = vec3::unit_or(vec3::sub(points[at + 1], points[at]), was);
-            let turn = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
+            let rotation = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
             if at == 0 {
-                joints.keep_model(joint, own.turned(turn));
+                joints.keep_model(joint, own.rotated(rotation));
             } else {
-                self.turns[step.turn as usize + at - 1] = turn;
+                self.step_rotations[step.operand as usize + at - 1] = rotation;
             }
-            turned = quat::mul(turn, turned);
+            rotated_by = quat::mul(rotation, rotated_by);
         }
-        self.turns[step.turn as usize + last - 1] = quat::identity();
+        self.step_rotations[step.operand as usize + last - 1] = quat::identity();
     }
 }

@@ -11,7 +11,7 @@
 
 use populace_device::Tables;
 use populace_device::layout::{
-    Constraint, FEET_MOST, FOOT_RELEASE_SECS, Float4, Link, PELVIS_SINK_MOST, Step,
+    Constraint, FOOT_RELEASE_SECS, Float4, Link, MAX_FEET, MAX_PELVIS_SINK, Step,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
@@ -56,7 +56,7 @@ fn ground_at(tables: &Tables, x: f32, z: f32) -> (f32, [f32; 3]) {
 }
 
 /// Goal of a foot.
-struct Footing {
+struct FootGoal {
     /// The ankle's position in model space.
     ankle: [f32; 3],
     /// The ground's unit normal in model space, and how much the foot follows the slope: 1 while
@@ -107,7 +107,7 @@ impl Stride {
     }
 }
 
-const FEET: usize = FEET_MOST as usize;
+const FEET: usize = MAX_FEET as usize;
 
 /// One lane for each leg of a member.
 type Feet = Simd<FEET>;
@@ -115,7 +115,7 @@ type Feet = Simd<FEET>;
 /// Legs of a member.
 struct Legs {
     limb: Limb<Feet>,
-    /// As [`Footing::follows`].
+    /// As [`FootGoal::follows`].
     follows: [Feet; 4],
 }
 
@@ -140,7 +140,7 @@ impl Legs {
     fn sinks(&self, soft: f32) -> Feet {
         let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
         let (reach, most) =
-            (length * Feet::splat(1.0 - soft), length * Feet::splat(PELVIS_SINK_MOST));
+            (length * Feet::splat(1.0 - soft), length * Feet::splat(MAX_PELVIS_SINK));
         let [x, y, z] = self.limb.to;
         let needed = -y - vec3::root(reach * reach - x * x - z * z);
         Feet::choose(most.less(needed), most, needed)
@@ -186,7 +186,7 @@ impl Solver<'_> {
 
     /// Returns the goal of a foot, and writes its state. `ankle` is its position before the
     /// constraint, in model space.
-    fn footing(&mut self, foot: u32, constraint: &Constraint, ankle: [f32; 3]) -> Footing {
+    fn foot_goal(&mut self, foot: u32, constraint: &Constraint, ankle: [f32; 3]) -> FootGoal {
         let [rest, planted_below, lifted_above, held_most] = constraint.up.0;
         let size = self.control.place.0[3];
         let clip = self.to_world(ankle);
@@ -210,7 +210,7 @@ impl Solver<'_> {
         let height = height + (rest / normal[1] + lift) * size;
         let ankle = self.to_model([position[0], height, position[2]]);
         let [x, y, z] = self.direction_to_model(normal);
-        Footing { ankle, follows: [x, y, z, follows] }
+        FootGoal { ankle, follows: [x, y, z, follows] }
     }
 
     /// Walks down a leg's chain from link `start`. `from` is the model transform of its joint.
@@ -241,11 +241,11 @@ impl Solver<'_> {
 
     /// Solves legs. Writes three rotations for each of the first `count`: hip, knee and ankle.
     #[inline(never)]
-    fn leg_turns(&mut self, legs: &Legs, constraint: &Constraint, turn: u32, count: usize) {
+    fn leg_rotations(&mut self, legs: &Legs, constraint: &Constraint, first: u32, count: usize) {
         let [soft, weight, ..] = constraint.limits.0;
-        let [mut hip, mut knee] = legs.limb.turns(None, soft);
+        let [mut hip, mut knee] = legs.limb.rotations(None, soft);
         if weight < 1.0 {
-            [hip, knee] = [hip, knee].map(|turn| vec3::part_of(turn, Feet::splat(weight)));
+            [hip, knee] = [hip, knee].map(|rotation| vec3::part_of(rotation, Feet::splat(weight)));
         }
         // The ankle keeps its rotation from before the constraint, and follows the slope: by the
         // rotation from up to the normal.
@@ -254,9 +254,10 @@ impl Solver<'_> {
         let slope = quat::normalize_or(tilt, quat::identity());
         let slope = vec3::part_as_told(slope, follows * Feet::splat(weight));
         let ankle = quat::mul(slope, quat::conjugate(quat::mul(knee, hip)));
-        let turns = self.turns[turn as usize..].as_chunks_mut::<3>().0;
-        for (lane, of_leg) in turns.iter_mut().take(count).enumerate() {
-            *of_leg = [hip, knee, ankle].map(|turn| turn.map(|component| component.0[lane]));
+        let rotations = self.step_rotations[first as usize..].as_chunks_mut::<3>().0;
+        for (lane, of_leg) in rotations.iter_mut().take(count).enumerate() {
+            *of_leg =
+                [hip, knee, ankle].map(|rotation| rotation.map(|component| component.0[lane]));
         }
     }
 
@@ -271,11 +272,11 @@ impl Solver<'_> {
         for (foot, stride) in (0..first.target_count).zip(&mut strides) {
             let constraint = &self.tables.constraints().as_slice()[(step.index + foot) as usize];
             let leg = Self::walk_leg(joints, self.links(constraint), constraint, 0, own);
-            let footing = self.footing(foot, constraint, leg.ankle);
-            *stride = Stride::new(&leg, footing.ankle, footing.follows);
-            let ([x, y, z], turn) = (footing.ankle, (step.turn + 3 * foot) as usize);
-            self.turns[turn] = [x, y, z, 0.0];
-            self.turns[turn + 1] = footing.follows;
+            let foot_goal = self.foot_goal(foot, constraint, leg.ankle);
+            *stride = Stride::new(&leg, foot_goal.ankle, foot_goal.follows);
+            let ([x, y, z], first) = (foot_goal.ankle, (step.operand + 3 * foot) as usize);
+            self.step_rotations[first] = [x, y, z, 0.0];
+            self.step_rotations[first + 1] = foot_goal.follows;
         }
         let mut legs = Legs::new(&strides);
         let mut drop = 0.0;
@@ -288,7 +289,7 @@ impl Solver<'_> {
         joints.keep_model(joint, Affine { rows });
         if first.at_once != 0 {
             legs.limb.to[1] = legs.limb.to[1] + Feet::splat(drop);
-            self.leg_turns(&legs, first, step.turn, count);
+            self.leg_rotations(&legs, first, step.operand, count);
         }
     }
 
@@ -300,11 +301,11 @@ impl Solver<'_> {
         let own = joints.model_of(joint);
         let links = self.links(constraint);
         let leg = Self::walk_leg(joints, links, constraint, constraint.upper as usize, own);
-        let turn = step.turn as usize;
-        let [x, y, z, _] = self.turns[turn];
+        let first = step.operand as usize;
+        let [x, y, z, _] = self.step_rotations[first];
         let mut strides = [Stride::default(); FEET];
-        strides[0] = Stride::new(&leg, [x, y, z], self.turns[turn + 1]);
-        self.leg_turns(&Legs::new(&strides), constraint, step.turn, 1);
-        joints.keep_model(joint, own.turned(self.turns[turn]));
+        strides[0] = Stride::new(&leg, [x, y, z], self.step_rotations[first + 1]);
+        self.leg_rotations(&Legs::new(&strides), constraint, step.operand, 1);
+        joints.keep_model(joint, own.rotated(self.step_rotations[first]));
     }
 }

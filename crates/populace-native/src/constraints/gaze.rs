@@ -40,7 +40,7 @@ struct HalfYaw {
 }
 
 /// A rotation in model space, and its weight from 0 to 1.
-struct WeightedTurn {
+struct WeightedRotation {
     rotation: [f32; 4],
     weight: f32,
 }
@@ -79,7 +79,7 @@ impl Frame {
     /// Returns the rotation of `start` by a yaw, and to the pitch of cosine `level` and sine
     /// `height`.
     #[inline(always)]
-    fn gaze_turn(&self, start: Sight, yaw: HalfYaw, level: f32, height: f32) -> [f32; 4] {
+    fn gaze_rotation(&self, start: Sight, yaw: HalfYaw, level: f32, height: f32) -> [f32; 4] {
         let HalfYaw { side, ahead } = yaw;
         let rise = start.level * height - start.up * level;
         let on = 1.0 + (start.level * level + start.up * height);
@@ -138,7 +138,7 @@ impl Solver<'_> {
         let k = 1.0 / total;
         let (side, ahead) = angle::sin_cos(0.5 * (yaw * k - angle::of(start.left, start.front)));
         let (height, level) = angle::sin_cos(pitch * k);
-        frame.gaze_turn(start, HalfYaw { side, ahead }, level, height)
+        frame.gaze_rotation(start, HalfYaw { side, ahead }, level, height)
     }
 
     /// Returns the rotation from facing `start` to facing the targets as seen from a point, and the
@@ -150,7 +150,7 @@ impl Solver<'_> {
         frame: &Frame,
         start: Sight,
         from: [f32; 3],
-    ) -> WeightedTurn {
+    ) -> WeightedRotation {
         let (mut to, mut total, mut count) = (Sight::default(), 0.0, 0);
         for target in self.targets(constraint) {
             let WeightedPoint { position, weight } = self.sight(target, from);
@@ -164,7 +164,7 @@ impl Solver<'_> {
         }
         let weight = if total < 1.0 { total } else { 1.0 };
         if count == 0 {
-            return WeightedTurn { rotation: quat::identity(), weight };
+            return WeightedRotation { rotation: quat::identity(), weight };
         }
         // Tangents of the limits. If start and target are both in front, the shortest rotation
         // passes the front.
@@ -175,12 +175,12 @@ impl Solver<'_> {
             && -to.up <= down * to.level;
         if count > 1 || !within || start.front <= 0.0 {
             let rotation = self.aim_by_angles(constraint, frame, start, from);
-            return WeightedTurn { rotation, weight };
+            return WeightedRotation { rotation, weight };
         }
         let side = start.front * to.left - start.left * to.front;
         let ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
-        let rotation = frame.gaze_turn(start, HalfYaw { side, ahead }, to.level, to.up);
-        WeightedTurn { rotation, weight }
+        let rotation = frame.gaze_rotation(start, HalfYaw { side, ahead }, to.level, to.up);
+        WeightedRotation { rotation, weight }
     }
 
     /// Turns a chain towards its targets.
@@ -204,30 +204,30 @@ impl Solver<'_> {
         let (mut so_far, mut position, mut shared) = (quat::identity(), positions[0], 0.0);
         for (at, link) in links.iter().enumerate().take(last) {
             let share = link.share * whole.weight;
-            let mut turn = quat::identity();
+            let mut rotation = quat::identity();
             if share > 0.0 {
                 shared += share;
                 let now = vec3::part_as_told(whole.rotation, shared);
-                turn = quat::mul(now, quat::conjugate(so_far));
+                rotation = quat::mul(now, quat::conjugate(so_far));
                 so_far = now;
             }
             if at > 0 {
-                self.turns[step.turn as usize + at - 1] = turn;
+                self.step_rotations[step.operand as usize + at - 1] = rotation;
             } else {
-                joints.keep_model(joint, own.turned(turn));
+                joints.keep_model(joint, own.rotated(rotation));
             }
             let bone = vec3::sub(positions[at + 1], positions[at]);
-            position = vec3::add(position, vec3::turned(so_far, bone));
+            position = vec3::add(position, vec3::rotated(so_far, bone));
         }
         // The other joints have moved the last one. It looks from its new position, and rotates by
         // the remainder.
-        let WeightedTurn { rotation, weight } = self.aim(constraint, &frame, start, position);
+        let WeightedRotation { rotation, weight } = self.aim(constraint, &frame, start, position);
         let there = if weight < 1.0 { vec3::part_as_told(rotation, weight) } else { rotation };
         let left = quat::mul(there, quat::conjugate(so_far));
         if last == 0 {
-            joints.keep_model(joint, own.turned(left));
+            joints.keep_model(joint, own.rotated(left));
         } else {
-            self.turns[step.turn as usize + last - 1] = left;
+            self.step_rotations[step.operand as usize + last - 1] = left;
         }
     }
 }

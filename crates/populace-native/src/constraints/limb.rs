@@ -45,8 +45,8 @@ pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32
 fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -> [R; 4] {
     let ([x, y, z], w) = (vec3::cross(from, to), lengths + vec3::dot(from, to));
     let over = [about[0], about[1], about[2], R::splat(0.0)];
-    let turn = quat::choose::<R>((lengths * R::splat(1e-6)).less(w), [x, y, z, w], over);
-    quat::normalize_or(turn, quat::identity())
+    let rotation = quat::choose::<R>((lengths * R::splat(1e-6)).less(w), [x, y, z, w], over);
+    quat::normalize_or(rotation, quat::identity())
 }
 
 impl<R: Real> Limb<R> {
@@ -69,10 +69,10 @@ impl<R: Real> Limb<R> {
     /// Returns the rotation about the line from the first joint to the goal that brings the middle
     /// joint nearest to a pole.
     #[inline(always)]
-    fn pole_turn(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
+    fn pole_rotation(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
         let ahead = vec3::unit_or(self.to, [1.0, 0.0, 0.0].map(R::splat));
-        let upper = vec3::turned(first, self.upper);
-        let bend = vec3::cross(ahead, vec3::turned(first, hinge));
+        let upper = vec3::rotated(first, self.upper);
+        let bend = vec3::cross(ahead, vec3::rotated(first, hinge));
         let out = vec3::unit_or(vec3::across(upper, ahead), bend);
         let drawn = vec3::unit_or(vec3::across(pole, ahead), out);
         swing_between(out, drawn, R::splat(1.0), ahead)
@@ -82,7 +82,7 @@ impl<R: Real> Limb<R> {
     /// the middle joint after the first one's. Identities for a limb of no length. `pole` is a
     /// direction in model space.
     #[inline(never)]
-    pub(super) fn turns(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
+    pub(super) fn rotations(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
         let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
         let (aa, bb) = (vec3::dot(upper, upper), vec3::dot(lower, lower));
@@ -121,14 +121,14 @@ impl<R: Real> Limb<R> {
         let axis = vec3::scale(hinge, unit);
         let mut first = swing_between(vec3::add(upper, lower), self.to, reached * distance, axis);
         if let Some(pole) = pole {
-            first = quat::mul(self.pole_turn(first, axis, pole.map(R::splat)), first);
+            first = quat::mul(self.pole_rotation(first, axis, pole.map(R::splat)), first);
         }
-        let bend = vec3::scale(vec3::turned(first, axis), x * half_unit);
+        let bend = vec3::scale(vec3::rotated(first, axis), x * half_unit);
         let second = [bend[0], bend[1], bend[2], w * half_unit];
         let size = R::choose(shorter.less(distance), shorter, distance);
         let size = R::choose(most.less(R::splat(LIMB_LARGEST_SQUARE)), size, zero);
         let stands = R::splat(1e-6).less(size);
-        [first, second].map(|turn| quat::choose::<R>(stands, turn, quat::identity()))
+        [first, second].map(|rotation| quat::choose::<R>(stands, rotation, quat::identity()))
     }
 }
 
@@ -149,18 +149,19 @@ impl Solver<'_> {
             bend: own.transform_vector(constraint.axis.xyz()),
             to: vec3::sub(target, positions[0]),
         };
-        let mut turns = [quat::identity(); 2];
+        let mut rotations = [quat::identity(); 2];
         if weight > 0.0 {
-            turns = limb.turns((has_pole > 0.0).then_some([x, y, z]), constraint.limits.0[0]);
+            rotations =
+                limb.rotations((has_pole > 0.0).then_some([x, y, z]), constraint.limits.0[0]);
         }
         if weight < 1.0 {
-            turns = turns.map(|turn| vec3::part_of(turn, weight));
+            rotations = rotations.map(|rotation| vec3::part_of(rotation, weight));
         }
-        let [first, second] = turns;
+        let [first, second] = rotations;
         let undone = quat::conjugate(quat::mul(second, first));
-        joints.keep_model(joint, own.turned(first));
-        self.turns[step.turn as usize] = second;
-        self.turns[step.turn as usize + 1] =
+        joints.keep_model(joint, own.rotated(first));
+        self.step_rotations[step.operand as usize] = second;
+        self.step_rotations[step.operand as usize + 1] =
             if constraint.keeps_end != 0 { undone } else { quat::identity() };
     }
 }

@@ -10,8 +10,8 @@
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_device::layout::{
-    BoundClip, ClipRows, FEET_MOST, Float4, LEAST_WEIGHT, MOTION_ELEMENTS, MOTION_STATE, NONE,
-    SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    BoundClip, ClipRows, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET, MOTION_ELEMENTS,
+    MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, vec3};
@@ -42,7 +42,7 @@ impl Move {
         }
     }
 
-    fn turned(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    fn rotated(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
         let [sin, cos] = self.heading;
         [cos * x + sin * z, y, cos * z - sin * x]
     }
@@ -50,13 +50,13 @@ impl Move {
     /// Combines two moves: `next`, relative to where this one leads.
     fn then(&self, next: &Self) -> Self {
         let ([s, c], [t, d]) = (self.heading, next.heading);
-        Self::new(vec3::add(self.shift, self.turned(next.shift)), [s * d + c * t, c * d - s * t])
+        Self::new(vec3::add(self.shift, self.rotated(next.shift)), [s * d + c * t, c * d - s * t])
     }
 
     /// Returns the inverse.
     fn undone(&self) -> Self {
         let back = Self { shift: [0.0; 3], heading: [-self.heading[0], self.heading[1]] };
-        Self { shift: vec3::scale(back.turned(self.shift), -1.0), ..back }
+        Self { shift: vec3::scale(back.rotated(self.shift), -1.0), ..back }
     }
 
     /// Repeats the move `count` times.
@@ -153,10 +153,10 @@ fn still_until(inertialized: f32) -> f32 {
 
 /// Returns the move within a span that comes of a difference in velocity, while it decays as a slot
 /// inertializes.
-fn inertialized_within(slot: &Slot, excess: Speed, within: Span) -> Move {
+fn inertialized_within(slot: &InertializationSlot, excess: Speed, within: Span) -> Move {
     let [from, until] =
         [within.from, within.until].map(|tick| still_until(slot.inertialized_at(tick)));
-    let ticks = (until - from) / slot.end_weight;
+    let ticks = (until - from) / slot.per_tick;
     let [x, y, z, turn] = excess.map(|per_tick| per_tick * ticks);
     Move::new([x, y, z], [turn, 1.0])
 }
@@ -267,15 +267,15 @@ impl Solver<'_> {
     }
 
     /// Returns the member's newest inertialization of the root that began before a tick.
-    fn newest_inertialization(&self, before: u64) -> Option<&Slot> {
+    fn newest_inertialization(&self, before: u64) -> Option<&InertializationSlot> {
         let slots = member_slots(self.tables, self.control.member);
-        let inertialization = |slot: &&Slot| {
-            slot.is_inertialization()
-                && slot.bound_clip != NONE
+        let begun = |slot: &&Slot| {
+            slot.bound_clip != NONE
                 && slot.start_tick < before
                 && self.weight_at_root(slot.layer()) > 0.0
         };
-        slots.iter().filter(inertialization).max_by_key(|slot| slot.start_tick)
+        let slots = slots.iter().filter(|slot| slot.is_inertialization()).filter(begun);
+        slots.filter_map(Slot::as_inertialization).max_by_key(|slot| slot.start_tick)
     }
 
     /// Returns the member's motion state after this frame.
@@ -305,7 +305,11 @@ impl Solver<'_> {
             excess = [0, 1, 2, 3].map(|i: usize| speed[i] - incoming[i]);
             moved = moved.then(&inertialized_within(slot, excess, Span { from, until: tick }));
         }
-        excess = if newest.is_some_and(|slot| slot.inertializes(tick)) { excess } else { [0.0; 4] };
+        excess = if newest.is_some_and(|slot| slot.inertialized_at(tick) < 1.0) {
+            excess
+        } else {
+            [0.0; 4]
+        };
         Last { offset: offset.then(&moved), speed: moved.speed(elapsed), excess }
     }
 
@@ -315,7 +319,7 @@ impl Solver<'_> {
         let [shift, heading, speed, excess] =
             [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
         // The state of another epoch belongs to an earlier use of root motion.
-        let last = (shift[3].to_bits() == step.turn).then(|| Last {
+        let last = (shift[3].to_bits() == step.operand).then(|| Last {
             offset: Move {
                 shift: [shift[0], shift[1], shift[2]],
                 heading: [heading[0], heading[1]],
@@ -326,7 +330,7 @@ impl Solver<'_> {
         let Last { offset: now, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
-            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.turn)]));
+            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.operand)]));
             self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
             self.keep_state(MOTION_STATE + 2, Float4(speed));
             self.keep_state(MOTION_STATE + 3, Float4(excess));
@@ -338,6 +342,6 @@ impl Solver<'_> {
 }
 
 const _: () = assert!(
-    MOTION_STATE == FEET_MOST && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    MOTION_STATE == MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
     "the states of feet come first, then that of root motion"
 );

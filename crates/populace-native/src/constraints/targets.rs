@@ -6,8 +6,8 @@
 
 use populace_device::Tables;
 use populace_device::layout::{
-    Constraint, Control, Float4, LINKS_MOST, Link, STATES_PER_CONTROL, Step, TARGET_DIRECTION,
-    TARGET_FAR_M, TARGET_WATCHED, TARGET_WORLD, TURNS_MOST, Target,
+    Constraint, Control, Float4, Link, MAX_LINKS, MAX_STEP_ROTATIONS, STATES_PER_CONTROL, Step,
+    TARGET_DIRECTION, TARGET_FAR_M, TARGET_WATCHED, TARGET_WORLD, Target,
 };
 use populace_model::Affine;
 use populace_model::math::{quat, vec3};
@@ -26,7 +26,7 @@ pub(crate) struct Solver<'a> {
     index: u32,
     pub(super) writes: &'a mut DeferredWrites,
     /// Rotations in model space, from steps that compute them to steps that apply them.
-    pub(super) turns: [[f32; 4]; TURNS_MOST as usize],
+    pub(super) step_rotations: [[f32; 4]; MAX_STEP_ROTATIONS as usize],
 }
 
 /// A point in model space, and its weight from 0 to 1.
@@ -38,7 +38,7 @@ pub(super) struct WeightedPoint {
 
 /// Joints of a chain in model space, before the constraint.
 pub(super) struct Chain {
-    pub(super) positions: [[f32; 3]; LINKS_MOST as usize],
+    pub(super) positions: [[f32; 3]; MAX_LINKS as usize],
     /// Model transform of the last joint.
     pub(super) end: Affine,
 }
@@ -53,8 +53,8 @@ impl<'a> Solver<'a> {
         let tables = inputs.tables;
         let control = control_of(tables, member)?;
         let index = tables.members().as_slice()[member as usize].control;
-        let turns = [quat::identity(); TURNS_MOST as usize];
-        Some(Self { inputs, tables, control, index, writes, turns })
+        let step_rotations = [quat::identity(); MAX_STEP_ROTATIONS as usize];
+        Some(Self { inputs, tables, control, index, writes, step_rotations })
     }
 
     #[inline(always)]
@@ -155,7 +155,7 @@ impl<'a> Solver<'a> {
     /// Walks down a chain by its local transforms. `from` is the first joint's model transform.
     #[inline(always)]
     pub(super) fn walk(joints: &impl Hierarchy, links: &[Link], from: Affine) -> Chain {
-        let mut positions = [[0.0; 3]; LINKS_MOST as usize];
+        let mut positions = [[0.0; 3]; MAX_LINKS as usize];
         let mut end = from;
         positions[0] = end.origin();
         for (position, link) in positions.iter_mut().zip(links).skip(1) {

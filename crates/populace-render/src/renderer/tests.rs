@@ -1,7 +1,9 @@
 use std::time::Duration;
 
 use populace_character::{AlphaMode, CharacterSource, Influences, Material, Mesh, PaletteEntry};
-use populace_device::{BackendError, HandedOver, PaletteTarget, PaletteTransport, TargetMark};
+use populace_device::{
+    BackendError, PaletteTarget, PaletteTransport, ReleasedPalettes, TargetMark,
+};
 use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 use super::*;
@@ -39,8 +41,8 @@ impl PaletteSource for Still {
         Ok(())
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        Ok(Some(HandedOver { mark: self.mark.clone(), set: Some(self.set) }))
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        Ok(Some(ReleasedPalettes { mark: self.mark.clone(), set: Some(self.set) }))
     }
 
     fn with_page(&mut self, _: usize, _: &mut dyn FnMut(&[Float4])) -> Result<(), BackendError> {

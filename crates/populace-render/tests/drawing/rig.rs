@@ -6,8 +6,8 @@ use std::sync::Arc;
 use populace_character::{Character, Image};
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, DrawSource, GlContext, HandedOver, Instance, PaletteSource, PaletteTarget,
-    PaletteTransport, TargetMark,
+    BackendError, DrawSource, GlContext, Instance, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, TargetMark,
 };
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Error, Highlights, Renderer, Scene, Sky, Sun};
@@ -81,8 +81,8 @@ impl PaletteSource for Pages {
         Ok(())
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        Ok(Some(HandedOver { mark: self.mark.clone(), set: None }))
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        Ok(Some(ReleasedPalettes { mark: self.mark.clone(), set: None }))
     }
 
     fn with_page(

@@ -17,7 +17,7 @@ use std::error::Error;
 use glam::{Mat4, Vec3, camera::rh};
 use glow::HasContext;
 use populace::character::{Character, Part};
-use populace::hand_over::PAGE_ENTRIES;
+use populace::interop::PAGE_ENTRIES;
 use populace::{ClipPlayback, Crowd, Device, Placement};
 
 /// The picture is drawn at twice this size, for smooth edges.

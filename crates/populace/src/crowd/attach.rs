@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use populace_device::layout::PHASES_MOST;
+use populace_device::layout::MAX_PHASES;
 use populace_model::{JointIndex, Trs};
 
 use super::MemberId;
@@ -177,7 +177,7 @@ impl Attachments {
             }
             above = self.parent(member).map(|parent| parent.member);
         }
-        let (levels, most) = (phase(base, to) + 1 + self.levels(child), PHASES_MOST - 1);
+        let (levels, most) = (phase(base, to) + 1 + self.levels(child), MAX_PHASES - 1);
         if levels > most {
             return refused(format!(
                 "attachments would be {levels} levels deep; at most {most} are possible, so attach \

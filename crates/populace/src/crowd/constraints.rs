@@ -4,7 +4,9 @@ use std::collections::{BTreeSet, HashMap};
 use std::mem::{Discriminant, discriminant};
 
 use populace_device::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
-use populace_device::{BodyIndex, Chain, Constraint, Controls, Feet, JointOverride, Limb, Space};
+use populace_device::{
+    BodyIndex, Chain, Constraint, ConstraintFault, Controls, Feet, JointOverride, Limb, Space,
+};
 use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
 use super::MemberId;
@@ -515,11 +517,8 @@ fn set_targets(constraint: &mut Constraint, targets: Vec<layout::Target>) {
 fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
     let bad = || {
         let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
-        let joint = known.map_or_else(|| reach.end.0.to_string(), |name| format!("\"{name}\""));
-        let what = format!(
-            "joint {joint} does not end a limb of two bones: it needs a parent and a grandparent"
-        );
-        Error::from(populace_device::Error::BadConstraint { what })
+        let (joint, name) = (reach.end.0, known.map(str::to_owned));
+        Error::Tables(ConstraintFault::NoLimb { joint, name }.into())
     };
     let there =
         |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };

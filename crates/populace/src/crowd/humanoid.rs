@@ -2,7 +2,7 @@
 
 use std::f32::consts::PI;
 
-use populace_device::{Feet, Foot, GazeLimits};
+use populace_device::{ConstraintFault, Feet, Foot, GazeLimits};
 use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
 
 use super::base::Base;
@@ -67,13 +67,9 @@ impl Constraints {
         let legs: Vec<Foot> = [Side::Left, Side::Right].into_iter().filter_map(foot).collect();
         let own = &base.character_state(character)?.character;
         if let Some((shin, foot)) = roles.loose_feet(&own.skeleton).next() {
-            let [shin, foot] = [shin, foot].map(|joint| own.skeleton.name(joint));
-            let what = format!(
-                "the foot \"{foot}\" of \"{}\" is not a child of its leg \"{shin}\" and would not \
-                 follow it; add the character that Character::with_feet_on_legs returns instead",
-                own.name
-            );
-            return Err(populace_device::Error::BadConstraint { what }.into());
+            let [shin, foot] = [shin, foot].map(|joint| own.skeleton.name(joint).to_owned());
+            let fault = ConstraintFault::LooseFoot { character: own.name.clone(), shin, foot };
+            return Err(Error::Tables(fault.into()));
         }
         // Legs may hang on a joint other than the hips: the joint above both is lowered.
         let carries =
@@ -104,13 +100,10 @@ fn usual_gaze(base: &Base, character: CharacterId) -> Result<Vec<Gaze>, Error> {
     Ok([gaze(trunk.collect(), HEAD)].into_iter().chain(eyes).collect())
 }
 
-fn no_roles(base: &Base, character: CharacterId, part: &str) -> Error {
-    let name = base.character_state(character).map_or("", |state| state.character.name.as_str());
-    let what = format!(
-        "the names of the joints of \"{name}\" do not tell which are its {part}; set them with \
-         CharacterMut::set_roles, or name the joints in the call"
-    );
-    populace_device::Error::BadConstraint { what }.into()
+fn no_roles(base: &Base, character: CharacterId, part: &'static str) -> Error {
+    let state = base.character_state(character);
+    let character = state.map_or_else(|_| String::new(), |state| state.character.name.clone());
+    Error::Tables(ConstraintFault::UnknownRoles { character, part }.into())
 }
 
 /// Returns the first joint whose name contains "head".

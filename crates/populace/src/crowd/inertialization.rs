@@ -57,12 +57,13 @@ impl Player {
         tick: u64,
     ) -> Result<f32, Error> {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
-        let taking = base.tables.stand(starting, tick);
+        let target = base.tables.sampled_state(starting, tick);
         let unevaluated = self.unevaluated(base, member_index, layer, tick);
         for &index in &unevaluated {
-            let mut slot = base.slots(member_index)[index];
-            slot.inertialize_into(taking, ticks);
-            base.tables.set_slot(member_index, index, slot)?;
+            if let Some(slot) = base.slots(member_index)[index].as_inertialization() {
+                let slot = slot.with_incoming(target, ticks).into();
+                base.tables.set_slot(member_index, index, slot)?;
+            }
         }
         let weighing = self.weighing(base, member_index, layer, tick);
         let all =
@@ -78,8 +79,8 @@ impl Player {
             }
             let part = weight / total[0];
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
-            let stands = [base.tables.stand(&slot, tick), taking];
-            let inertialization = Slot::inertialization(tick, ticks, stands, share).on_layer(layer);
+            let states = [base.tables.sampled_state(&slot, tick), target];
+            let inertialization = Slot::inertialization(tick, ticks, states, share).on_layer(layer);
             self.put_slot(base, member_index, index, inertialization, Started::default())?;
             self.leave(base, member_index, slot, tick)?;
         }

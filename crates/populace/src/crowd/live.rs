@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_clip::{Clip, LiveRing, TICKS_PER_SEC, ticks_from_secs};
+use populace_clip::{Clip, LiveFault, LiveRing, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::{LiveNewest, Tables};
 use populace_model::Trs;
 use populace_model::convert::single;
@@ -139,10 +139,7 @@ impl LiveClips {
         let known = base.live_clip(clip)?;
         let tick = base.clock.tick;
         let Some(stream) = self.streams.get_mut(&clip.index) else {
-            return refused(
-                &known,
-                "has no pose yet; its first pose aligns it with the crowd's clock".into(),
-            );
+            return refused(&known, LiveFault::NoPose);
         };
         check_time(&known, time_secs, stream.first_secs)?;
         let (after, before) =
@@ -166,7 +163,7 @@ impl LiveClips {
     ) -> Result<(), Error> {
         let Some(stream) = self.streams.get_mut(&index) else {
             check_time(clip, time_secs, time_secs)?;
-            let Some(ring) = clip.ring() else { return refused(clip, NOT_LIVE.into()) };
+            let Some(ring) = clip.ring() else { return refused(clip, LiveFault::NotLive) };
             let mut stream = Stream {
                 ring,
                 first_secs: time_secs,
@@ -185,11 +182,8 @@ impl LiveClips {
         check_time(clip, time_secs, stream.first_secs)?;
         let at = stream.ticks_at(time_secs);
         if at <= stream.newest {
-            let last = stream.first_secs + stream.newest as f64 / TICKS_PER_SEC as f64;
-            return refused(
-                clip,
-                format!("got a pose at {time_secs} s after one at {last} s; times must increase"),
-            );
+            let last_secs = stream.first_secs + stream.newest as f64 / TICKS_PER_SEC as f64;
+            return refused(clip, LiveFault::TimeOrder { time_secs, last_secs });
         }
         for (now, before) in pose.iter_mut().zip(&stream.pose) {
             let dot: f32 = now.rotation.iter().zip(before.rotation).map(|(a, b)| a * b).sum();
@@ -222,53 +216,47 @@ impl Base {
     pub(super) fn check_mode(&self, clip: ClipId, mode: Mode) -> Result<(), Error> {
         let known = self.known_clip(clip)?;
         match (known.ring(), mode) {
-            (None, Mode::Live { .. }) => refused(known, NOT_LIVE.into()),
-            (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => refused(
-                known,
-                "is live and has neither end nor cycle; play it with ClipPlayback::live".into(),
-            ),
+            (None, Mode::Live { .. }) => refused(known, LiveFault::NotLive),
+            (Some(_), Mode::Looping | Mode::Once | Mode::Held { .. }) => {
+                refused(known, LiveFault::NoEnd)
+            }
             _ => Ok(()),
         }
     }
 
     fn live_clip(&self, clip: ClipId) -> Result<Arc<Clip>, Error> {
         let known = self.known_clip(clip)?;
-        if known.ring().is_some() { Ok(Arc::clone(known)) } else { refused(known, NOT_LIVE.into()) }
+        if known.ring().is_some() {
+            Ok(Arc::clone(known))
+        } else {
+            refused(known, LiveFault::NotLive)
+        }
     }
 }
 
-const NOT_LIVE: &str = "is not live; CharacterMut::add_live_clip and Clip::live make live clips";
-
-fn refused<T>(clip: &Clip, what: String) -> Result<T, Error> {
-    Err(populace_clip::Error::BadLive { clip: clip.name().to_owned(), what }.into())
+fn refused<T>(clip: &Clip, fault: LiveFault) -> Result<T, Error> {
+    Err(populace_clip::Error::BadLive { clip: clip.name().to_owned(), fault }.into())
 }
 
 fn check_time(clip: &Clip, time_secs: f64, first_secs: f64) -> Result<(), Error> {
     if time_secs.is_finite() && (time_secs - first_secs).abs() <= MAX_STREAM_SECS {
         return Ok(());
     }
-    refused(
-        clip,
-        format!(
-            "got the time {time_secs} s; it must be finite and within 1e10 s of the first pose's"
-        ),
-    )
+    refused(clip, LiveFault::Time { time_secs })
 }
 
 /// Checks a pose for the clip's skeleton and returns it with rotations of length 1.
 fn checked(clip: &Clip, pose: &[Trs]) -> Result<Vec<Trs>, Error> {
     let skeleton = clip.skeleton();
     if pose.len() != skeleton.joint_count() {
-        let (has, joints) = (pose.len(), skeleton.joint_count());
-        return refused(clip, format!("got a pose of {has} joints; its skeleton has {joints}"));
+        let (count, joints) = (pose.len(), skeleton.joint_count());
+        return refused(clip, LiveFault::PoseLength { count, joints });
     }
     let one = |(joint, trs): (_, &Trs)| {
         let length = trs.rotation.iter().map(|c| f64::from(*c).powi(2)).sum::<f64>().sqrt();
         if !(trs.is_bounded() && length.is_finite() && length > 1e-6) {
-            let name = skeleton.name(joint);
-            let rule = "numbers must be finite, translations at most 1e9, scales at most 10,000, \
-                        and rotations have a length";
-            return refused(clip, format!("got {trs:?} for the joint \"{name}\"; {rule}"));
+            let joint = skeleton.name(joint).to_owned();
+            return refused(clip, LiveFault::Transform { joint, transform: *trs });
         }
         Ok(Trs { rotation: trs.rotation.map(|c| single(f64::from(c) / length)), ..*trs })
     };

@@ -161,7 +161,7 @@ impl Player {
         let started = self.started(base, member.index, index);
         let ends = slot.end_tick(tick).filter(|_| started.once);
         let time_secs = match slot.mode() {
-            SLOT_LIVE => live.live_secs(base, clip, slot.phase_rate),
+            SLOT_LIVE => live.live_secs(base, clip, slot.delay_ticks()),
             _ => slot.time_at(tick, rows.start_secs, rows.duration_secs),
         };
         let playing = ActiveClip {

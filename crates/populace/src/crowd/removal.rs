@@ -199,7 +199,7 @@ fn plays_clip(slot: &Slot, tables: &Tables, clip: ClipIndex) -> bool {
     if slot.machine_instance().is_some() || slot.bound_clip == NONE {
         return false;
     }
-    let target = slot.is_inertialization().then(|| slot.taking().bound_clip);
+    let target = slot.as_inertialization().map(|slot| slot.incoming_state().bound_clip);
     [Some(slot.bound_clip), target].into_iter().flatten().any(|b| bound_to(tables, b, clip))
 }
 

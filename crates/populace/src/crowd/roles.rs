@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace_clip::Clip;
 use populace_device::BodyIndex;
-use populace_model::RoleMap;
+use populace_model::{Role, RoleFault, RoleMap};
 
 use super::base::{Assets, Base};
 use super::{CharacterId, ClipId};
@@ -72,9 +72,7 @@ impl Assets {
 }
 
 fn other_skeleton(name: &str, roles: &RoleMap, joints: usize) -> Error {
-    let what = format!(
-        "the roles are for a skeleton of {} joints, but the skeleton of \"{name}\" has {joints}",
-        roles.joint_count()
-    );
-    populace_model::Error::BadRole { role: "hips".into(), what }.into()
+    let (name, wanted) = (name.to_owned(), roles.joint_count());
+    let fault = RoleFault::OtherSkeletonOf { name, wanted, joints };
+    populace_model::Error::BadRole { role: Role::Hips, fault }.into()
 }

@@ -172,10 +172,10 @@ impl Player {
         plans: &[Plan],
     ) -> (Vec<usize>, Vec<usize>) {
         let slots = base.slots(member_index);
-        let rank = |i: usize| match slots[i].is_inertialization() {
-            true => (1, slots[i].inertialization_tick()),
-            false if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
-            false => (2, 0),
+        let rank = |i: usize| match slots[i].as_inertialization() {
+            Some(inertialization) => (1, inertialization.end_tick()),
+            None if plans[i] == Plan::Leaves || slots[i].end_weight <= 0.0 => (0, 0),
+            None => (2, 0),
         };
         let is_second =
             |i: usize| self.partner(base, member_index, i).is_some_and(|partner| partner < i);
@@ -211,8 +211,8 @@ impl Player {
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in evicted {
             let mut slot = base.slots(member_index)[index];
-            if slot.is_inertialization() {
-                due = due.max(slot.inertialization_tick());
+            if let Some(inertialization) = slot.as_inertialization() {
+                due = due.max(inertialization.end_tick());
                 continue;
             }
             let weight = slot.weight_at(tick);

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use populace_device::layout::{STAGE_PARAMETERS, STAGES_MOST};
-use populace_device::{After, UserStage, layout};
+use populace_device::layout::{MAX_STAGES, STAGE_PARAMETERS};
+use populace_device::{After, StageFault, UserStage, layout};
 use populace_model::JointIndex;
 
 use super::base::Base;
@@ -43,24 +43,14 @@ impl UserStages {
     /// Returns the stages with one more, and its number.
     fn with(&self, stage: UserStage) -> Result<(Vec<Option<UserStage>>, usize), Error> {
         stage.check()?;
-        let refused = |stage: &UserStage, what| {
-            Error::from(populace_device::Error::BadStage { stage: stage.name().into(), what })
-        };
         let mut all = self.all.clone();
         let number = all.iter().position(Option::is_none).unwrap_or(all.len());
-        if number >= STAGES_MOST as usize {
-            let what = format!(
-                "the crowd already has {STAGES_MOST} stages, the most that are possible; remove \
-                 one first"
-            );
-            return Err(refused(&stage, what));
+        if number >= MAX_STAGES as usize {
+            return Err(bad_stage(&stage, StageFault::TooMany));
         }
         if let Some(other) = all.iter().flatten().find(|other| collide(other, &stage)) {
-            let what = format!(
-                "another stage defines a different function \"{}\"; rename one of them",
-                other.name()
-            );
-            return Err(refused(&stage, what));
+            let other = other.name().to_owned();
+            return Err(bad_stage(&stage, StageFault::NameTaken { other }));
         }
         all.resize(all.len().max(number + 1), None);
         all[number] = Some(stage);
@@ -192,3 +182,7 @@ fn collide(a: &UserStage, b: &UserStage) -> bool {
 }
 
 const _: () = assert!(layout::STAGE_PARAMETERS == 16, "the documentation says so");
+
+fn bad_stage(stage: &UserStage, fault: StageFault) -> Error {
+    populace_device::Error::BadStage { stage: stage.name().into(), fault }.into()
+}

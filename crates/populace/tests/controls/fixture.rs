@@ -55,7 +55,7 @@ pub(crate) fn skeleton() -> Skeleton {
                 None => (quat::identity(), [0.0; 3]),
             };
             let rest = Trs {
-                translation: vec3::turned(parent_from_model, vec3::sub(position, from)),
+                translation: vec3::rotated(parent_from_model, vec3::sub(position, from)),
                 rotation: quat::mul(parent_from_model, axes(index)),
                 scale: [1.0; 3],
             };
@@ -81,7 +81,7 @@ pub(crate) fn swing(name: &str, secs: f32, turns: &[(&str, [f32; 3], f32, f32)])
         let parent = skeleton
             .parent(joint)
             .map_or(quat::identity(), |p| axes(skeleton.source_from_joint(p)));
-        let axis = vec3::turned(quat::conjugate(parent), axis);
+        let axis = vec3::rotated(quat::conjugate(parent), axis);
         let times = (0..KEYS).map(|key| key as f32 / (KEYS - 1) as f32 * secs);
         let value = |key: usize| {
             let cycle = key as f32 / (KEYS - 1) as f32 + phase;

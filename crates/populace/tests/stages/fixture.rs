@@ -38,7 +38,7 @@ static void bend(StageJoint *joint)
 
 static void lift(StageJoint *joint)
 {
-    stage_turn(joint, vload4(0, joint->parameters));
+    stage_rotate(joint, vload4(0, joint->parameters));
     joint->row1.w += joint->parameters[4] + joint->values.y;
 }
 
@@ -76,7 +76,7 @@ fn bend(joint: &mut StageJoint) {
 
 fn lift(joint: &mut StageJoint) {
     let p = joint.parameters;
-    joint.turn([p[0], p[1], p[2], p[3]]);
+    joint.rotate([p[0], p[1], p[2], p[3]]);
     joint.model.rows[1][3] += p[4] + joint.values[1];
 }
 

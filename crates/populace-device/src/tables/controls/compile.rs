@@ -2,16 +2,17 @@
 //! each step.
 
 use populace_model::convert::{not_finite, u32_from};
-use populace_model::{JointIndex, LARGEST, LARGEST_SCALE, Skeleton, Trs, f64math};
+use populace_model::{JointIndex, LARGEST, Skeleton, Trs, f64math};
 
 use crate::Error;
 use crate::control::{
     Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
+use crate::fault::{ConstraintFault, ConstraintPart};
 use crate::layout::{
-    self, FEET_MOST, Float4, Link, NONE, Override, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
-    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_STAGE, STEP_TURN,
-    STEP_WATCH, Step, TURNS_MOST, Target,
+    self, Float4, Link, MAX_FEET, MAX_STEP_ROTATIONS, NONE, Override, STEP_ATTACH, STEP_CARRY,
+    STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH,
+    STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, Target,
 };
 
 /// Fraction of a leg's length over which it straightens. It is small because clips of standing
@@ -43,22 +44,22 @@ pub(super) struct Program {
     rotation_count: usize,
 }
 
-fn bad<T>(what: impl Into<String>) -> Result<T, Error> {
-    Err(Error::BadConstraint { what: what.into() })
+fn bad<T>(fault: ConstraintFault) -> Result<T, Error> {
+    Err(fault.into())
 }
 
-fn check_finite(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_finite(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
     match not_finite(values) {
         None => Ok(()),
-        Some(_) => bad(format!("{what} has a value that is not finite")),
+        Some(_) => bad(ConstraintFault::NotFinite { part }),
     }
 }
 
-fn check_bounded(what: &str, values: &[f32]) -> Result<(), Error> {
+fn check_bounded(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
     if values.iter().all(|v| v.abs() <= LARGEST) {
         Ok(())
     } else {
-        bad(format!("{what} has a value that is not finite or whose magnitude exceeds {LARGEST:e}"))
+        bad(ConstraintFault::NotBounded { part })
     }
 }
 
@@ -71,13 +72,10 @@ fn direction(of: [f32; 3]) -> [f32; 3] {
 }
 
 /// Converts a transform that the host sets.
-fn transform(what: &str, given: &Trs, weight: f32) -> Result<Override, Error> {
+fn transform(part: ConstraintPart, given: &Trs, weight: f32) -> Result<Override, Error> {
     let length: f32 = given.rotation.iter().map(|v| v * v).sum();
     if !given.is_bounded() || !(0.9..1.1).contains(&length) {
-        return bad(format!(
-            "{what} needs finite values, a translation of at most {LARGEST:e}, scales of at most \
-                         {LARGEST_SCALE:e} and a rotation of length 1"
-        ));
+        return bad(ConstraintFault::Transform { part });
     }
     let [x, y, z] = given.translation;
     Ok(Override {
@@ -125,13 +123,8 @@ impl Program {
         }
         program.attach(skeleton, controls.attached)?;
         program.solve_legs_with_pelvis();
-        if program.rotation_count > TURNS_MOST as usize {
-            let what = format!(
-                "the constraints of a member rotate {} joints in sequence; at most {TURNS_MOST} \
-                 are supported",
-                program.rotation_count
-            );
-            return bad(what);
+        if program.rotation_count > MAX_STEP_ROTATIONS as usize {
+            return bad(ConstraintFault::TooManyRotations { count: program.rotation_count });
         }
         // Stable sort. Root motion comes first, then attachments. Constraints of one joint keep
         // their order, followed by stages, overrides and watched joints.
@@ -141,8 +134,8 @@ impl Program {
         Ok(program)
     }
 
-    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, turn: usize) {
-        self.steps.push(Step { joint: joint.0, kind, index, turn: u32_from(turn) });
+    fn step(&mut self, joint: JointIndex, kind: u32, index: u32, operand: usize) {
+        self.steps.push(Step { joint: joint.0, kind, index, operand: u32_from(operand) });
     }
 
     /// Allocates `count` rotations that later steps apply, and returns the first index.
@@ -158,9 +151,9 @@ impl Program {
         targets: &[Target],
     ) -> Result<u32, Error> {
         for target in targets {
-            check_bounded("a target", &target.point.0)?;
+            check_bounded(ConstraintPart::Target, &target.point.0)?;
             check_finite(
-                "the weight of a target",
+                ConstraintPart::TargetWeight,
                 &[target.start_weight, target.weight_rate, target.end_weight],
             )?;
         }
@@ -182,7 +175,7 @@ impl Program {
 
     fn gaze(&mut self, skeleton: &Skeleton, gaze: &Gaze) -> Result<(), Error> {
         let (Some(&(first, _)), Some(&(last, _))) = (gaze.chain.first(), gaze.chain.last()) else {
-            return bad("a gaze needs at least one joint");
+            return bad(ConstraintFault::EmptyGaze);
         };
         let sum: f32 = gaze.chain.iter().map(|(_, share)| share).sum();
         let good =
@@ -192,12 +185,9 @@ impl Program {
         let in_range = (0.0..half).contains(&limits.yaw_rad)
             && [limits.up_rad, limits.down_rad].iter().all(|v| (0.0..half / 2.0).contains(v));
         if !good || !in_range {
-            return bad(
-                "a gaze needs shares that are not negative and sum to more than 0, a yaw limit \
-                 below pi, and up and down limits below pi / 2",
-            );
+            return bad(ConstraintFault::GazeRange);
         }
-        check_finite("the facing direction of a gaze", &gaze.facing)?;
+        check_finite(ConstraintPart::GazeFacing, &gaze.facing)?;
         let joints = path(skeleton, first, last)?;
         let share_of = |joint: &JointIndex| {
             let parts = gaze.chain.iter().filter(|(j, _)| j == joint);
@@ -217,10 +207,10 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &gaze.targets)?;
-        let turn = self.allocate_rotations(joints.len() - 1);
-        self.step(first, STEP_GAZE, index, turn);
+        let first_rotation = self.allocate_rotations(joints.len() - 1);
+        self.step(first, STEP_GAZE, index, first_rotation);
         for (at, link) in links.iter().enumerate().skip(1).filter(|(_, link)| link.share > 0.0) {
-            self.step(JointIndex(link.joint), STEP_TURN, index, turn + at - 1);
+            self.step(JointIndex(link.joint), STEP_ROTATION, index, first_rotation + at - 1);
         }
         Ok(())
     }
@@ -229,14 +219,11 @@ impl Program {
         let (links, middle) =
             limb_links(skeleton, limb.first, [limb.first, limb.middle, limb.end])?;
         if !(limb.soft > 0.0 && limb.soft <= 0.5) {
-            return bad(format!(
-                "the `soft` fraction of a limb is {}; it must be above 0 and at most 0.5",
-                limb.soft
-            ));
+            return bad(ConstraintFault::LimbSoft { soft: limb.soft });
         }
-        check_finite("the bend direction of a limb", &limb.bend)?;
+        check_finite(ConstraintPart::LimbBend, &limb.bend)?;
         let pole = limb.pole.unwrap_or([0.0; 3]);
-        check_finite("a pole", &pole)?;
+        check_finite(ConstraintPart::Pole, &pole)?;
         let row = layout::Constraint {
             axis: float4(in_joint(skeleton, Some(limb.first), direction(limb.bend)), 0.0),
             front: float4(direction(pole), f32::from(u8::from(limb.pole.is_some()))),
@@ -246,23 +233,20 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &limb.targets)?;
-        let turn = self.allocate_rotations(2);
-        self.step(limb.first, STEP_REACH, index, turn);
-        self.step(limb.middle, STEP_TURN, index, turn);
-        self.step(limb.end, STEP_TURN, index, turn + 1);
+        let first_rotation = self.allocate_rotations(2);
+        self.step(limb.first, STEP_REACH, index, first_rotation);
+        self.step(limb.middle, STEP_ROTATION, index, first_rotation);
+        self.step(limb.end, STEP_ROTATION, index, first_rotation + 1);
         Ok(())
     }
 
     fn chain(&mut self, skeleton: &Skeleton, chain: &Chain) -> Result<(), Error> {
         let joints = path(skeleton, chain.first, chain.end)?;
         if joints.len() < 2 {
-            return bad("a chain needs at least two joints");
+            return bad(ConstraintFault::ShortChain);
         }
         if !(chain.soft > 0.0 && chain.soft <= 0.5) {
-            return bad(format!(
-                "the `soft` fraction of a chain is {}; it must be above 0 and at most 0.5",
-                chain.soft
-            ));
+            return bad(ConstraintFault::ChainSoft { soft: chain.soft });
         }
         let links: Vec<Link> =
             joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect();
@@ -271,39 +255,36 @@ impl Program {
             ..layout::Constraint::default()
         };
         let index = self.add(row, &links, &chain.targets)?;
-        let turn = self.allocate_rotations(joints.len() - 1);
-        self.step(chain.first, STEP_CHAIN, index, turn);
+        let first_rotation = self.allocate_rotations(joints.len() - 1);
+        self.step(chain.first, STEP_CHAIN, index, first_rotation);
         for (at, joint) in joints.iter().enumerate().skip(1) {
-            self.step(*joint, STEP_TURN, index, turn + at - 1);
+            self.step(*joint, STEP_ROTATION, index, first_rotation + at - 1);
         }
         Ok(())
     }
 
     fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
-        if feet.feet.is_empty() || feet.feet.len() > FEET_MOST as usize {
-            return bad(format!(
-                "{} feet are given; 1 to {FEET_MOST} are supported",
-                feet.feet.len()
-            ));
+        if feet.feet.is_empty() || feet.feet.len() > MAX_FEET as usize {
+            return bad(ConstraintFault::FootCount { count: feet.feet.len() });
         }
         if !(0.0..=1.0).contains(&feet.weight) {
-            return bad(format!("the weight of feet is {}; it must be from 0 to 1", feet.weight));
+            return bad(ConstraintFault::FeetWeight { weight: feet.weight });
         }
         if self.steps.iter().any(|step| step.kind == STEP_PELVIS) {
-            return bad("a member has two feet constraints; only one is supported");
+            return bad(ConstraintFault::SecondFeet);
         }
-        let turn = self.allocate_rotations(3 * feet.feet.len());
+        let first_rotation = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
             let (row, links) = foot_row(skeleton, feet, foot)?;
             let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
             let index = self.add(row, &links, &[])?;
-            let turn = turn + 3 * nth;
-            self.step(foot.hip, STEP_FOOT, index, turn);
-            self.step(foot.knee, STEP_TURN, index, turn + 1);
-            self.step(foot.ankle, STEP_TURN, index, turn + 2);
+            let first_rotation = first_rotation + 3 * nth;
+            self.step(foot.hip, STEP_FOOT, index, first_rotation);
+            self.step(foot.knee, STEP_ROTATION, index, first_rotation + 1);
+            self.step(foot.ankle, STEP_ROTATION, index, first_rotation + 2);
         }
-        self.step(feet.pelvis, STEP_PELVIS, first, turn);
+        self.step(feet.pelvis, STEP_PELVIS, first, first_rotation);
         Ok(())
     }
 
@@ -324,7 +305,7 @@ impl Program {
         }
         for step in self.steps.iter_mut().filter(is_foot) {
             self.constraints[step.index as usize].at_once = 1;
-            step.kind = STEP_TURN;
+            step.kind = STEP_ROTATION;
         }
     }
 
@@ -332,17 +313,11 @@ impl Program {
         let of = |space: Space| overrides.iter().filter(move |o| o.space == space);
         for given in of(Space::Local).chain(of(Space::Model)) {
             path(skeleton, given.joint, given.joint)?;
-            let name = skeleton.name(given.joint);
-            if !(0.0..=1.0).contains(&given.weight) {
-                return bad(format!(
-                    "the weight of the override of joint \"{name}\" must be from 0 to 1"
-                ));
+            let (joint, weight) = (skeleton.name(given.joint).to_owned(), given.weight);
+            if !(0.0..=1.0).contains(&weight) {
+                return bad(ConstraintFault::OverrideWeight { joint, weight });
             }
-            let row = transform(
-                &format!("the override of joint \"{name}\""),
-                &given.transform,
-                given.weight,
-            )?;
+            let row = transform(ConstraintPart::Override { joint }, &given.transform, weight)?;
             self.overrides.push(Override { joint: given.joint.0, ..row });
             if given.space == Space::Model {
                 self.step(given.joint, STEP_OVERRIDE, u32_from(self.overrides.len() - 1), 0);
@@ -357,7 +332,7 @@ impl Program {
     fn attach(&mut self, skeleton: &Skeleton, attached: Option<(u32, Trs)>) -> Result<(), Error> {
         let Some((watched, offset)) = attached else { return Ok(()) };
         let at = self.overrides.len();
-        self.overrides.push(transform("the offset of an attachment", &offset, 1.0)?);
+        self.overrides.push(transform(ConstraintPart::AttachmentOffset, &offset, 1.0)?);
         for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
             self.step(root, STEP_ATTACH, watched, at);
         }
@@ -379,7 +354,7 @@ impl Program {
                 STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
                 _ => u32_from(constraints),
             };
-            step.turn += match step.kind {
+            step.operand += match step.kind {
                 STEP_STAGE => u32_from(values),
                 STEP_ATTACH => u32_from(overrides),
                 _ => 0,
@@ -414,16 +389,11 @@ fn limb_links(
     let joints = path(skeleton, from, end)?;
     let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
     let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
-        let (middle, end) = (skeleton.name(middle), skeleton.name(end));
-        return bad(format!(
-            "joint \"{middle}\" is not between the first joint of its limb and joint \"{end}\""
-        ));
+        let [middle, end] = [middle, end].map(|joint| skeleton.name(joint).to_owned());
+        return bad(ConstraintFault::NotBetween { middle, end });
     };
     if !(upper < bends && bends + 1 < joints.len()) {
-        return bad(format!(
-            "a limb needs three joints, each below the one before; this limb ends at \"{}\"",
-            skeleton.name(end)
-        ));
+        return bad(ConstraintFault::LimbOrder { end: skeleton.name(end).to_owned() });
     }
     Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
 }
@@ -438,10 +408,8 @@ fn foot_row(
     let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
     let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
     if upper == 0 {
-        return bad(format!(
-            "the leg of \"{}\" must begin below the pelvis, not at it",
-            skeleton.name(foot.ankle)
-        ));
+        let ankle = skeleton.name(foot.ankle).to_owned();
+        return bad(ConstraintFault::LegAtPelvis { ankle });
     }
     let models = skeleton.rest_models();
     let place = |joint: JointIndex| models[joint.index()].translation;

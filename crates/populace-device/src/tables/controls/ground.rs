@@ -4,6 +4,7 @@ use populace_model::LARGEST;
 use populace_model::convert::u32_from;
 
 use crate::Error;
+use crate::fault::{ConstraintFault, ConstraintPart};
 use crate::layout;
 use crate::tables::Tables;
 
@@ -27,11 +28,7 @@ impl Ground {
                 layout::Ground { offset: height, slope_x, slope_z, ..layout::Ground::default() };
             return Ok(Self { plane, heights: Vec::new() });
         }
-        let what = format!(
-            "the plane of the ground has a value that is not finite or whose magnitude exceeds \
-                         {LARGEST:e}"
-        );
-        Err(Error::BadConstraint { what })
+        Err(ConstraintFault::NotBounded { part: ConstraintPart::GroundPlane }.into())
     }
 
     /// Creates a height field from heights in metres. The grid begins at `corner` (world x and z in
@@ -54,13 +51,8 @@ impl Ground {
         let grid = count_x >= 2 && count_z >= 2 && count_x * count_z == heights.len();
         let per_metre = 1.0 / spacing_m;
         if !(numbers && grid && spacing_m > 0.0 && per_metre.is_finite() && per_metre > 0.0) {
-            let what = format!(
-                "a height field has {} heights in rows of {count_x}, {spacing_m} m apart; it needs \
-                 whole rows, at least two samples in each direction, heights of at most \
-                 {LARGEST:e} m, and a spacing above 0 m",
-                heights.len()
-            );
-            return Err(Error::BadConstraint { what });
+            let heights = heights.len();
+            return Err(ConstraintFault::HeightField { heights, count_x, spacing_m }.into());
         }
         let plane = layout::Ground {
             grid_x: corner[0],

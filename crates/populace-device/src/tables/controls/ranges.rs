@@ -3,8 +3,9 @@
 use super::Tables;
 use crate::Error;
 use crate::layout::{
-    Control, NONE, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_WATCH, Step, WATCHED_ELEMENTS,
+    Control, MAX_STAGES, MAX_STEP_ROTATIONS, NONE, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT,
+    STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_STAGE,
+    STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
 
 impl Tables {
@@ -61,13 +62,13 @@ impl Tables {
 
     fn check_step(&self, control: usize, step: &Step) -> Result<(), Error> {
         let all = &self.all;
-        let index = step.index as usize;
+        let (index, operand) = (step.index as usize, step.operand as usize);
         match step.kind {
             STEP_WATCH | STEP_CARRY | STEP_ATTACH => {
                 let watched = self.watched_elements() / WATCHED_ELEMENTS as usize;
                 within("watched", control, index, 1, watched)?;
                 let given = usize::from(step.kind == STEP_ATTACH);
-                within("overrides", control, step.turn as usize * given, given, all.overrides.len())
+                within("overrides", control, operand * given, given, all.overrides.len())
             }
             STEP_OVERRIDE => within("overrides", control, index, 1, all.overrides.len()),
             STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_PELVIS | STEP_FOOT => {
@@ -87,7 +88,16 @@ impl Tables {
                 let (first, count) = (row.target_first as usize, row.target_count as usize);
                 within("targets", control, first, count, all.targets.len())
             }
-            _ => Ok(()),
+            STEP_ROTATION => {
+                within("step rotations", control, operand, 1, MAX_STEP_ROTATIONS as usize)
+            }
+            STEP_STAGE => {
+                within("stages", control, index, 1, MAX_STAGES as usize)?;
+                within("stage_values", control, operand, 1, all.stage_values.len())
+            }
+            // Its operand is an epoch.
+            STEP_MOTION => Ok(()),
+            kind => within("step kinds", control, kind as usize, 1, STEP_MOTION as usize + 1),
         }
     }
 }
@@ -108,7 +118,7 @@ fn within(
 #[cfg(test)]
 mod tests {
     use crate::control::Controls;
-    use crate::layout::Control;
+    use crate::layout::{Control, STEP_MOTION, STEP_ROTATION, STEP_STAGE, Step};
     use crate::{Error, JointOverride, Space, Tables};
     use populace_model::{JointIndex, JointSource, Skeleton, Trs};
 
@@ -155,10 +165,24 @@ mod tests {
         let row = Control { step_first: 1, ..tables.all.controls.as_slice()[0] };
         tables.all.controls.set(0, row);
         assert_found(&tables, "steps");
-        let mut tables = good;
-        let mut step = tables.all.steps.as_slice()[0];
-        step.index = 2;
-        tables.all.steps.set(0, step);
-        assert_found(&tables, "overrides");
+        let with_step = |change: fn(&mut Step)| {
+            let mut tables = good.clone();
+            let mut step = tables.all.steps.as_slice()[0];
+            change(&mut step);
+            tables.all.steps.set(0, step);
+            tables
+        };
+        assert_found(&with_step(|step| step.index = 2), "overrides");
+        assert_found(
+            &with_step(|step| (step.kind, step.operand) = (STEP_ROTATION, 48)),
+            "step rotations",
+        );
+        assert_found(&with_step(|step| (step.kind, step.index) = (STEP_STAGE, 8)), "stages");
+        assert_found(
+            &with_step(|step| (step.kind, step.operand) = (STEP_STAGE, 99)),
+            "stage_values",
+        );
+        assert_found(&with_step(|step| step.kind = 12), "step kinds");
+        assert_eq!(with_step(|step| step.kind = STEP_MOTION).check_ranges(), Ok(()));
     }
 }

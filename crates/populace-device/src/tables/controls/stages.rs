@@ -6,7 +6,7 @@ use populace_model::convert::u32_from;
 use super::compile::Program;
 use super::write;
 use crate::control::path;
-use crate::layout::{Float4, STAGE_PARAMETERS, STAGES_MOST, STEP_STAGE, Step};
+use crate::layout::{Float4, MAX_STAGES, STAGE_PARAMETERS, STEP_STAGE, Step};
 use crate::tables::Tables;
 use crate::tables::space::Space;
 use crate::{After, Error, StageUse};
@@ -14,7 +14,7 @@ use crate::{After, Error, StageUse};
 /// Elements of one stage's parameters.
 const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
 /// Elements of all stages' parameters; the values of members follow them.
-pub(in crate::tables) const PARAMETER_ELEMENTS: usize = STAGES_MOST as usize * ELEMENTS;
+pub(in crate::tables) const PARAMETER_ELEMENTS: usize = MAX_STAGES as usize * ELEMENTS;
 
 /// Creates the allocation of member values, with the parameters reserved.
 pub(super) fn space() -> Space {
@@ -28,13 +28,13 @@ impl Tables {
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] if `stage` is [`STAGES_MOST`] or above.
+    /// [`Error::BadPlayback`] if `stage` is [`MAX_STAGES`] or above.
     pub fn set_stage_parameters(
         &mut self,
         stage: u32,
         parameters: &[f32; STAGE_PARAMETERS as usize],
     ) -> Result<(), Error> {
-        if stage >= STAGES_MOST {
+        if stage >= MAX_STAGES {
             return Err(Error::BadPlayback { what: "stage", value: stage });
         }
         let elements = parameters.as_chunks::<4>().0.iter().map(|four| Float4(*four));
@@ -53,7 +53,7 @@ impl Program {
     ) -> Result<Vec<Step>, Error> {
         let mut pose_steps = Vec::new();
         for given in uses {
-            if given.stage >= STAGES_MOST {
+            if given.stage >= MAX_STAGES {
                 return Err(Error::BadPlayback { what: "stage", value: given.stage });
             }
             let value = u32_from(self.values.len());
@@ -61,7 +61,7 @@ impl Program {
             for joint in &given.joints {
                 path(skeleton, *joint, *joint)?;
                 let step =
-                    Step { joint: joint.0, kind: STEP_STAGE, index: given.stage, turn: value };
+                    Step { joint: joint.0, kind: STEP_STAGE, index: given.stage, operand: value };
                 if given.after == After::Pose { &mut pose_steps } else { &mut self.steps }
                     .push(step);
             }

@@ -1,5 +1,5 @@
 //! Measures the time of each transport. Run it by `cargo test --release -p populace-cli --test
-//! hand_over times -- --ignored --nocapture`.
+//! interop times -- --ignored --nocapture`.
 
 use std::time::Instant;
 

@@ -2,8 +2,8 @@
 
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, DrawSource, GlContext, HandedOver, Instance, PaletteSource, PaletteTarget,
-    PaletteTransport, TargetMark,
+    BackendError, DrawSource, GlContext, Instance, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, TargetMark,
 };
 
 use super::Crowd;
@@ -17,20 +17,20 @@ impl PaletteSource for Crowd {
         self.state.base.tables.page_lengths().collect()
     }
 
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String> {
-        let not_for_gl =
-            self.device.opened.not_for_gl.clone().filter(|_| way == PaletteTransport::Shared);
-        not_for_gl.or_else(|| self.device.backend().refuses(way, context))
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String> {
+        let is_shared = transport == PaletteTransport::Shared;
+        let not_for_gl = self.device.opened.not_for_gl.clone().filter(|_| is_shared);
+        not_for_gl.or_else(|| self.device.backend().refuses(transport, context))
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
         self.device.backend_mut().set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        let handed = self.device.backend_mut().hand_over()?;
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        let released = self.device.backend_mut().release_palettes()?;
         self.update_offsets()?;
-        Ok(handed)
+        Ok(released)
     }
 
     fn with_page(

@@ -4,9 +4,9 @@ use std::sync::{Arc, OnceLock};
 
 use populace::BackendError;
 use populace::character::{Character, Image};
-use populace::hand_over::{
-    DrawSource, Float4, GlContext, HandedOver, PaletteSource, PaletteTarget, PaletteTransport,
-    TargetMark,
+use populace::interop::{
+    DrawSource, Float4, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
+    ReleasedPalettes, TargetMark,
 };
 use populace::{Affine, CharacterId, ClipPlayback, Crowd, Devices, Instance, Placement};
 use populace_render::{Camera, PaletteInterop, Renderer, Scene};
@@ -21,16 +21,16 @@ impl PaletteSource for ByCopy<'_> {
         self.0.page_lengths()
     }
 
-    fn refuses(&self, way: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
-        (way != PaletteTransport::Copied).then(|| "this test uses copies".into())
+    fn refuses(&self, transport: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
+        (transport != PaletteTransport::Copied).then(|| "this test uses copies".into())
     }
 
     fn set_target(&mut self, target: PaletteTarget, mark: &TargetMark) -> Result<(), BackendError> {
         self.0.set_target(target, mark)
     }
 
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError> {
-        self.0.hand_over()
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        self.0.release_palettes()
     }
 
     fn with_page(
@@ -115,9 +115,9 @@ impl RenderSession {
 
     /// Connects a crowd's palettes. Fails if they would be copied.
     pub(crate) fn link(&mut self, crowd: &mut Crowd) -> PaletteInterop {
-        let hand_over = self.renderer.connect_palettes(crowd).unwrap();
-        assert_ne!(hand_over.transport, PaletteTransport::Copied, "{hand_over}");
-        hand_over
+        let interop = self.renderer.connect_palettes(crowd).unwrap();
+        assert_ne!(interop.transport, PaletteTransport::Copied, "{interop}");
+        interop
     }
 
     pub(crate) fn draw(&mut self, instances: &[Instance<'_>]) {

@@ -7,7 +7,7 @@ mod lifetimes;
 mod times;
 
 use populace::character::Image;
-use populace::hand_over::PaletteTransport;
+use populace::interop::PaletteTransport;
 use populace::{Device, Devices, Split};
 
 use fixture::{Kept, PeopleCrowd, RenderSession, pictures_by_copy};
@@ -142,18 +142,18 @@ fn palettes_can_be_read_back_from_any_memory(device: &Devices) {
 fn transport_is_reported_with_reasons(device: &Devices) {
     let mut session = RenderSession::new();
     let mut people = PeopleCrowd::new(device, 1, &session);
-    let hand_over = session.link(&mut people.crowd);
-    if hand_over.transport == PaletteTransport::Mapped {
+    let interop = session.link(&mut people.crowd);
+    if interop.transport == PaletteTransport::Mapped {
         let native = device.as_slice()[0] == Device::native();
         let reason = if native {
             "it needs an OpenCL device"
         } else {
             "its driver does not offer cl_khr_gl_sharing"
         };
-        assert_eq!(hand_over.refused, [(PaletteTransport::Shared, reason.to_owned())]);
-        assert!(hand_over.to_string().contains(reason), "{hand_over}");
+        assert_eq!(interop.refused, [(PaletteTransport::Shared, reason.to_owned())]);
+        assert!(interop.to_string().contains(reason), "{interop}");
     } else {
-        assert_eq!(hand_over.refused, [], "sharing is the best transport");
+        assert_eq!(interop.refused, [], "sharing is the best transport");
     }
     let copied = session.renderer.connect_palettes(&mut people.by_copy()).unwrap();
     assert_eq!((copied.transport, copied.refused.len()), (PaletteTransport::Copied, 2));

@@ -6,7 +6,7 @@ use populace::character::{
     Character, CharacterSource, Image, Influences, Mesh, PaletteEntry, Part,
 };
 use populace::clip::Clip;
-use populace::hand_over::PAGE_ENTRIES;
+use populace::interop::PAGE_ENTRIES;
 use populace::model::{
     Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
 };

@@ -3,7 +3,7 @@
 //!
 //! A renderer provides OpenGL memory to a device as a [`PaletteTarget`]: two sets of pages, so that
 //! the device writes one while OpenGL draws from the other. After each frame,
-//! [`PaletteSource::hand_over`] waits for the device and returns the set that it wrote. Before the
+//! [`PaletteSource::release_palettes`] waits for the device and returns the set that it wrote. Before the
 //! next frame, the renderer waits until OpenGL has finished with the other set.
 //!
 //! Provided memory is owned: it stays valid until the device drops it, even if the renderer is
@@ -133,7 +133,7 @@ pub enum PaletteTarget {
 impl PaletteTarget {
     /// The target's transport.
     #[must_use]
-    pub fn way(&self) -> PaletteTransport {
+    pub fn transport(&self) -> PaletteTransport {
         match self {
             Self::Shared(_) => PaletteTransport::Shared,
             Self::Mapped(_) => PaletteTransport::Mapped,
@@ -164,7 +164,7 @@ impl PartialEq for TargetMark {
 
 /// Location of the palettes of a frame.
 #[derive(Clone, Debug, PartialEq)]
-pub struct HandedOver {
+pub struct ReleasedPalettes {
     /// The mark of the target in use.
     pub mark: TargetMark,
     /// The set of pages that was written; `None` if the device keeps palettes in its own memory.
@@ -183,14 +183,15 @@ pub trait PaletteSource {
 
     /// Returns why palettes cannot reach a context with this transport, as far as that is known
     /// without trying; `None` if nothing speaks against it.
-    fn refuses(&self, way: PaletteTransport, context: &dyn GlContext) -> Option<String>;
+    fn refuses(&self, transport: PaletteTransport, context: &dyn GlContext) -> Option<String>;
 
     /// Makes the device write palettes into `target` from the next frame on. The last frame's
     /// palettes are written into set 0 at once, so that they can be acquired. The previous target
     /// is released.
     ///
     /// A target stays in use until it is replaced or palettes outgrow it. In the latter case the
-    /// device returns to its own memory, which [`hand_over`](Self::hand_over) reports.
+    /// device returns to its own memory, which [`release_palettes`](Self::release_palettes)
+    /// reports.
     ///
     /// # Errors
     ///
@@ -206,7 +207,7 @@ pub trait PaletteSource {
     /// # Errors
     ///
     /// A device failure.
-    fn hand_over(&mut self) -> Result<Option<HandedOver>, BackendError>;
+    fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError>;
 
     /// Calls `reader` with a page of palettes, waiting for the frame to finish: three elements for
     /// each palette entry of the page, up to the last entry in use. Nothing is copied if the device

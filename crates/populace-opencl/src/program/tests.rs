@@ -1,0 +1,42 @@
+use super::Form;
+use crate::OpenClDevice;
+use crate::buffer::Buffer;
+use crate::launch::{Launch, WorkSize};
+use opencl3::kernel::Kernel;
+
+/// Reference scales, and the ratio of 2 to each. The test of the same name in populace-native has
+/// the same numbers.
+const RATIOS: [(f32, f32); 6] =
+    [(4.0, 0.5), (-4.0, -0.5), (0.0, 1.0), (-0.0, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 0.0)];
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn scale_ratio_to_no_number_is_one() {
+    let device =
+        OpenClDevice::open(0).expect("an OpenCL device; set POPULACE_SKIP=opencl to go without");
+    let one = |(reference, _): &(f32, f32)| {
+        format!(
+            "to.s.x = to.s.y = to.s.z = (Real)(as_float({}u));\n\
+             found = quotient(from, to, quat_identity(), 0).s;\n\
+             *out++ = as_uint(LANE(found.x, 0)); *out++ = as_uint(LANE(found.z, 0));\n",
+            reference.to_bits()
+        )
+    };
+    let body: String = RATIOS.iter().map(one).collect();
+    let wanted: Vec<u32> = RATIOS.iter().flat_map(|(_, wanted)| [wanted.to_bits(); 2]).collect();
+    for form in [Form::Staged, Form::Wide] {
+        let source = format!(
+            "{}\n__kernel void probe(__global uint *out) {{\n\
+             Local from = {{ {{ 0.0f, 0.0f, 0.0f }}, {{ 0.0f, 0.0f, 0.0f, 1.0f }},\n\
+             {{ 2.0f, 2.0f, 2.0f }} }}, to = from;\nVec3 found;\n{body}}}\n",
+            form.source("")
+        );
+        let program = device.build(&source).unwrap();
+        let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
+        let out = Buffer::<u32>::new(&device, wanted.len(), "the probe's answers").unwrap();
+        Launch::of(&kernel).buffer("out", &out).run(&queue, WorkSize::line(1, 1)).unwrap();
+        let mut found = vec![0; wanted.len()];
+        out.read(&queue, 0, &mut found).unwrap();
+        assert_eq!(found, wanted, "{form:?}");
+    }
+}
