@@ -81,7 +81,7 @@ fn mismatched_members_and_plans_are_refused() {
     let character = elsewhere.add_character(chain(&[[0.0; 3]])).unwrap();
     let foreign_member = elsewhere.spawn(character, Placement::at([0.0; 3])).unwrap();
     let refused = scene.ragdolls.go_limp(&scene.crowd, foreign_member, &scene.plan);
-    let unknown = populace::Error::UnknownId { what: "member", index: 0 };
+    let unknown = populace::Error::UnknownId { what: populace::IdKind::Member, index: 0 };
     assert_eq!(refused, Err(Error::Crowd(unknown)));
 }
 

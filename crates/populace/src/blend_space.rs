@@ -5,6 +5,7 @@ mod plane;
 use populace_model::convert::single;
 
 use crate::error::bounded;
+use crate::fault::BlendSpaceFault;
 use crate::{ClipId, Error};
 use plane::Plane;
 
@@ -101,8 +102,8 @@ impl BlendSpace {
             &values.iter().map(|(at, _)| *at).collect::<Vec<_>>(),
         )?;
         values.sort_by(|a, b| a.0.total_cmp(&b.0));
-        if values.windows(2).any(|pair| pair[0].0 == pair[1].0) {
-            return Err(bad("has two samples at one value; put each at its own"));
+        if let Some(pair) = values.windows(2).find(|pair| pair[0].0 == pair[1].0) {
+            return Err(bad(BlendSpaceFault::SameValue(pair[0].0)));
         }
         Self::new(samples.iter().map(|(clip, _)| *clip), Shape::Line(values))
     }
@@ -119,8 +120,9 @@ impl BlendSpace {
     pub fn plane(samples: &[(ClipId, [f32; 2])]) -> Result<Self, Error> {
         let points: Vec<_> = samples.iter().map(|(_, at)| *at).collect();
         bounded("a sample of a blend space", points.as_flattened())?;
-        if points.iter().enumerate().any(|(nth, at)| points[..nth].contains(at)) {
-            return Err(bad("has two samples at one point; put each at its own"));
+        let mut numbered = points.iter().enumerate();
+        if let Some((_, at)) = numbered.find(|(nth, at)| points[..*nth].contains(at)) {
+            return Err(bad(BlendSpaceFault::SamePoint(*at)));
         }
         check_count(points.len())?;
         Self::new(samples.iter().map(|(clip, _)| *clip), Shape::Plane(Plane::new(&points)))
@@ -141,7 +143,7 @@ impl BlendSpace {
     pub fn with_offset(mut self, clip: ClipId, cycles: f32) -> Result<Self, Error> {
         bounded("the phase offset of a clip", &[cycles])?;
         if !self.clips.contains(&clip) {
-            return Err(bad("does not have the clip that an offset is given for"));
+            return Err(bad(BlendSpaceFault::NoSuchClip));
         }
         let own = self.clips.iter().zip(&mut self.offsets).filter(|(own, _)| **own == clip);
         own.for_each(|(_, offset)| *offset = cycles);
@@ -203,9 +205,9 @@ fn on_line(values: &[(f32, usize)], at: f32) -> Weights {
 }
 
 fn check_count(count: usize) -> Result<(), Error> {
-    if (1..=1000).contains(&count) { Ok(()) } else { Err(bad("needs 1 to 1,000 samples")) }
+    if (1..=1000).contains(&count) { Ok(()) } else { Err(bad(BlendSpaceFault::SampleCount(count))) }
 }
 
-pub(crate) fn bad(reason: &str) -> Error {
-    Error::BadBlendSpace { reason: reason.to_owned() }
+pub(crate) fn bad(fault: BlendSpaceFault) -> Error {
+    Error::BadBlendSpace(fault)
 }

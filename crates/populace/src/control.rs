@@ -5,6 +5,7 @@ use populace_device::layout;
 use populace_model::JointIndex;
 
 use crate::error::{bounded, finite};
+use crate::fault::Allowed;
 use crate::playback::{check_secs, check_weight};
 use crate::{Error, MemberId};
 
@@ -38,7 +39,7 @@ impl Target {
                 Err(Error::BadValue {
                     what: "the direction of a target",
                     value: 0.0,
-                    rule: "of some length",
+                    allowed: Allowed::SomeLength,
                 })
             }
             Self::Joint { .. } => Ok(()),

@@ -36,7 +36,6 @@ mod state;
 mod timeline;
 mod watches;
 
-use populace_device::layout::PAGE_ENTRIES;
 use populace_model::convert::u32_from;
 
 use crate::Error;
@@ -80,12 +79,6 @@ impl Crowd {
     /// A failing device.
     pub fn finish(&mut self) -> Result<(), Error> {
         Ok(self.device.backend_mut().finish()?)
-    }
-
-    /// The number of palette pages in use.
-    #[must_use]
-    pub fn page_count(&self) -> usize {
-        self.state.base.tables.palette_places().div_ceil(PAGE_ENTRIES as usize)
     }
 
     /// Sets the ground for planted feet: level at height 0 unless set.

@@ -1,8 +1,13 @@
 //! Errors of the library. A call that returns one leaves the crowd as it was.
 
 use populace_device::BackendError;
+use populace_model::ErrorKind;
 use populace_model::convert::not_finite;
 use populace_model::{LARGEST, did_you_mean};
+
+use crate::fault::{
+    Allowed, AttachmentFault, BlendSpaceFault, DevicesFault, IdKind, MachineFault, SplitFault, User,
+};
 
 /// The reason why a call was refused. The crowd is as it was before the call.
 #[non_exhaustive]
@@ -46,19 +51,16 @@ pub enum Error {
         name: String,
     },
     /// Devices that cannot share a crowd.
-    #[error("{devices}: {reason}")]
+    #[error("{devices}: {fault}")]
     BadDevices {
         /// The devices, joined.
         devices: String,
-        /// What is wrong and how to mend it.
-        reason: String,
+        /// What is wrong.
+        fault: DevicesFault,
     },
     /// A split that does not fit its devices.
-    #[error("the split {reason}")]
-    BadSplit {
-        /// What is wrong and how to mend it.
-        reason: String,
-    },
+    #[error("the split {0}")]
+    BadSplit(SplitFault),
     /// OpenCL was requested from a build without it.
     #[error(
         "this build has no OpenCL; build with the feature \"opencl\", or choose the native device"
@@ -77,23 +79,14 @@ pub enum Error {
     #[error("the playback handle is stale: its clip has ended or was replaced")]
     StalePlayback,
     /// A blend space that is invalid, or cannot be played as requested.
-    #[error("the blend space {reason}")]
-    BadBlendSpace {
-        /// What is wrong and how to mend it.
-        reason: String,
-    },
+    #[error("the blend space {0}")]
+    BadBlendSpace(BlendSpaceFault),
     /// A state machine that is invalid, or cannot be run as requested.
-    #[error("the state machine {reason}")]
-    BadStateMachine {
-        /// What is wrong and how to mend it.
-        reason: String,
-    },
+    #[error("the state machine {0}")]
+    BadStateMachine(MachineFault),
     /// An attachment that is not possible, or a call that an attached member does not allow.
-    #[error("{reason}")]
-    BadAttachment {
-        /// What is wrong and how to mend it.
-        reason: String,
-    },
+    #[error("{0}")]
+    BadAttachment(AttachmentFault),
     /// An id of another crowd, or of something that does not exist.
     #[error(
         "there is no {what} {index} in this crowd; ids are valid in the crowd that returned them, \
@@ -101,7 +94,7 @@ pub enum Error {
     )]
     UnknownId {
         /// What kind of id.
-        what: &'static str,
+        what: IdKind,
         /// Its number.
         index: u32,
     },
@@ -112,38 +105,68 @@ pub enum Error {
     #[error("the {what} cannot be removed: it is in use by {by}")]
     InUse {
         /// What kind of thing.
-        what: &'static str,
-        /// What needs it, and how to mend that.
-        by: &'static str,
+        what: IdKind,
+        /// What needs it.
+        by: User,
     },
     /// A number out of its range.
-    #[error("{what} is {value}; it must be {rule}")]
+    #[error("{what} is {value}; it must be {allowed}")]
     BadValue {
         /// What was given.
         what: &'static str,
         /// The value.
         value: f32,
         /// What is allowed.
-        rule: &'static str,
+        allowed: Allowed,
     },
+}
+
+impl Error {
+    /// What kind of thing went wrong.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Model(error) => error.kind(),
+            Self::Character(error) => error.kind(),
+            Self::Clip(error) => error.kind(),
+            Self::Retarget(error) => error.kind(),
+            Self::Tables(error) => error.kind(),
+            Self::Backend(error) => error.kind(),
+            Self::UnknownClip { .. }
+            | Self::UnknownDevice { .. }
+            | Self::UnknownId { .. }
+            | Self::BadStateMachine(MachineFault::Unknown { .. }) => ErrorKind::NotFound,
+            Self::StaleMember
+            | Self::StalePlayback
+            | Self::BadStateMachine(MachineFault::NotStarted { .. }) => ErrorKind::Stale,
+            Self::Full { .. } => ErrorKind::TooLarge,
+            Self::WithoutOpenCl => ErrorKind::Unsupported,
+            Self::BadDevices { .. }
+            | Self::BadSplit(_)
+            | Self::BadBlendSpace(_)
+            | Self::BadStateMachine(_)
+            | Self::BadAttachment(_)
+            | Self::OtherCrowd
+            | Self::InUse { .. }
+            | Self::BadValue { .. } => ErrorKind::InvalidInput,
+        }
+    }
 }
 
 /// Refuses values that are not finite or larger than [`LARGEST`], whose products overflow.
 pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match values.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
         Some(&value) => {
-            Err(Error::BadValue { what, value, rule: "a finite number of at most 1e9 in size" })
+            Err(Error::BadValue { what, value, allowed: Allowed::Size { most: LARGEST } })
         }
         None => Ok(()),
     }
 }
 
-const _: () = assert!(LARGEST == 1e9, "the rule says so");
-
 /// Refuses values that are not finite.
 pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
     match not_finite(values) {
-        Some(value) => Err(Error::BadValue { what, value, rule: "a finite number" }),
+        Some(value) => Err(Error::BadValue { what, value, allowed: Allowed::Finite }),
         None => Ok(()),
     }
 }

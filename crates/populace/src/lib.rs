@@ -33,6 +33,7 @@ mod device;
 #[doc(hidden)]
 pub mod doc_fixture;
 mod error;
+mod fault;
 mod ids;
 mod machine;
 mod placement;
@@ -58,6 +59,10 @@ pub use crowd::{
 };
 pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
+pub use fault::{
+    Allowed, AttachmentFault, BlendSpaceFault, DevicesFault, IdKind, MachineFault, MachinePart,
+    SplitFault, User,
+};
 pub use ids::{
     BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,
     PlaybackId,

@@ -5,9 +5,10 @@ use std::sync::Arc;
 use populace_clip::ticks_from_secs;
 use populace_device::layout::MACHINE_PARAMETERS;
 use populace_device::{MachineState, Transition};
-use populace_model::{did_you_mean, nearest_names};
+use populace_model::nearest_names;
 
 use crate::error::bounded;
+use crate::fault::{MachineFault, MachinePart};
 use crate::playback::{Mode, Playback, check_secs};
 use crate::{ClipId, Error, StatePlayback};
 
@@ -174,18 +175,21 @@ impl StateMachine {
 
     fn check_names(&self) -> Result<(), Error> {
         if self.states.is_empty() {
-            return Err(bad("has no states; add one by StateMachine::state"));
+            return Err(bad(MachineFault::NoStates));
         }
         let count = self.parameters.len();
         if count > MACHINE_PARAMETERS as usize {
-            return Err(bad(&format!("has {count} parameters; {MACHINE_PARAMETERS} are the most")));
+            return Err(bad(MachineFault::TooManyParameters(count)));
         }
         bounded(
             "a parameter of a state machine",
             &self.parameters.iter().map(|p| p.1).collect::<Vec<_>>(),
         )?;
-        check_unique("states", self.states.iter().map(|state| state.name.as_str()))?;
-        check_unique("parameters", self.parameters.iter().map(|(name, _)| name.as_str()))?;
+        check_unique(MachinePart::State, self.states.iter().map(|state| state.name.as_str()))?;
+        check_unique(
+            MachinePart::Parameter,
+            self.parameters.iter().map(|(name, _)| name.as_str()),
+        )?;
         for way in &self.ways {
             self.check_way(way)?;
         }
@@ -196,7 +200,7 @@ impl StateMachine {
         check_secs("the fade of a transition", way.fade_secs)?;
         let names = || self.states.iter().map(|state| state.name.as_str());
         for name in way.from.iter().chain([&way.to]) {
-            find("state", name, names())?;
+            find(MachinePart::State, name, names())?;
         }
         let from = way.from.as_deref();
         let mut left =
@@ -211,11 +215,8 @@ impl StateMachine {
                 Condition::AfterSecs(secs) => check_secs("the time in a state", *secs)?,
                 Condition::Ended if ends => {}
                 Condition::Ended => {
-                    let from = from.unwrap_or("any state");
-                    return Err(bad(&format!(
-                        "waits in \"{from}\" for the end of a clip that has none; play it by \
-                         Playback::once()"
-                    )));
+                    let state = from.unwrap_or("any state").to_owned();
+                    return Err(bad(MachineFault::NoEnd { state }));
                 }
             }
         }
@@ -223,7 +224,7 @@ impl StateMachine {
     }
 
     fn parameter_of(&self, name: &str) -> Result<usize, Error> {
-        find("parameter", name, self.parameters.iter().map(|(name, _)| name.as_str()))
+        find(MachinePart::Parameter, name, self.parameters.iter().map(|(name, _)| name.as_str()))
     }
 
     /// Returns the transitions out of a state, in order.
@@ -253,7 +254,11 @@ impl StateMachine {
             })
         };
         let transition = |way: &Way| {
-            let to = find("state", &way.to, self.states.iter().map(|state| state.name.as_str()))?;
+            let to = find(
+                MachinePart::State,
+                &way.to,
+                self.states.iter().map(|state| state.name.as_str()),
+            )?;
             let conditions: Result<_, Error> = way.conditions.iter().map(number).collect();
             Ok(Transition { to, fade_secs: way.fade_secs, conditions: conditions? })
         };
@@ -285,26 +290,29 @@ impl Compiled {
     }
 }
 
-pub(crate) fn bad(reason: &str) -> Error {
-    Error::BadStateMachine { reason: reason.to_owned() }
+pub(crate) fn bad(fault: MachineFault) -> Error {
+    Error::BadStateMachine(fault)
 }
 
 /// Returns the index of a name, or an error with similar names.
 pub(crate) fn find<'a>(
-    what: &str,
+    part: MachinePart,
     name: &str,
     names: impl Iterator<Item = &'a str> + Clone,
 ) -> Result<usize, Error> {
     names.clone().position(|own| own == name).ok_or_else(|| {
         let nearest = nearest_names(name, names);
-        bad(&format!("has no {what} \"{name}\"{}", did_you_mean(&nearest)))
+        bad(MachineFault::Unknown { part, name: name.to_owned(), nearest })
     })
 }
 
-fn check_unique<'a>(what: &str, names: impl Iterator<Item = &'a str> + Clone) -> Result<(), Error> {
+fn check_unique<'a>(
+    part: MachinePart,
+    names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<(), Error> {
     for (index, name) in names.clone().enumerate() {
         if names.clone().take(index).any(|other| other == name) {
-            return Err(bad(&format!("has two {what} \"{name}\"; give each a name of its own")));
+            return Err(bad(MachineFault::Duplicate { part, name: name.to_owned() }));
         }
     }
     Ok(())

@@ -4,6 +4,7 @@ use populace_model::{Affine, LARGEST_SCALE};
 
 use crate::Error;
 use crate::error::bounded;
+use crate::fault::Allowed;
 
 /// Position, heading and scale of a member in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +59,8 @@ impl Placement {
         if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&self.scale) {
             Ok(())
         } else {
-            let rule = "from 0.0001 to 10,000";
-            Err(Error::BadValue { what: "the scale of a member", value: self.scale, rule })
+            let allowed = Allowed::Range { least: 1e-4, most: LARGEST_SCALE.into() };
+            Err(Error::BadValue { what: "the scale of a member", value: self.scale, allowed })
         }
     }
 

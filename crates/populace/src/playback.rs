@@ -5,6 +5,7 @@ use populace_device::layout::Slot;
 use populace_model::LARGEST;
 
 use crate::error::bounded;
+use crate::fault::Allowed;
 use crate::{ClipId, Error, PlaybackId};
 
 /// The settings of everything that plays in a slot. The public types each show those that apply.
@@ -269,7 +270,7 @@ pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> 
     if (0.0..=1.0).contains(&value) {
         Ok(())
     } else {
-        Err(Error::BadValue { what, value, rule: "from 0 to 1" })
+        Err(Error::BadValue { what, value, allowed: Allowed::Range { least: 0.0, most: 1.0 } })
     }
 }
 
@@ -277,7 +278,11 @@ pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
     if (0.0..=LARGEST).contains(&value) {
         Ok(())
     } else {
-        Err(Error::BadValue { what, value, rule: "from 0 to 1e9" })
+        Err(Error::BadValue {
+            what,
+            value,
+            allowed: Allowed::Range { least: 0.0, most: LARGEST.into() },
+        })
     }
 }
 
@@ -285,6 +290,10 @@ pub(crate) fn check_layer(layer: usize) -> Result<(), Error> {
     if layer < populace_device::MAX_LAYERS {
         Ok(())
     } else {
-        Err(Error::BadValue { what: "the layer", value: layer as f32, rule: "0 to 3" })
+        Err(Error::BadValue {
+            what: "the layer",
+            value: layer as f32,
+            allowed: Allowed::Range { least: 0.0, most: 3.0 },
+        })
     }
 }

@@ -6,12 +6,13 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
+use populace::interop::PaletteSource;
 use populace::model::{
     ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track,
 };
 use populace::model::{Role, RoleMap, Side};
 use populace::{
-    Affine, ClipPlayback, Crowd, Device, Error, LayerMode, LayerSettings, Mask, MemberId,
+    Affine, ClipPlayback, Crowd, Device, Error, IdKind, LayerMode, LayerSettings, Mask, MemberId,
     Placement, Trs,
 };
 
@@ -324,7 +325,7 @@ fn palettes_on_the_second_page_are_correct(device: Device) {
         (0..3).map(|_| crowd.spawn(id, Placement::at([0.0; 3])).unwrap()).collect();
     crowd.member_mut(members[2]).unwrap().play(high, ClipPlayback::held_at_secs(0.5)).unwrap();
     crowd.update(0.0).unwrap();
-    assert_eq!(crowd.page_count(), 2);
+    assert_eq!(crowd.page_lengths().len(), 2);
     let palette = crowd.member_mut(members[2]).unwrap().palette().unwrap();
     assert_near(palette[0].rows[1][3], 10.5);
     assert!(palette.iter().all(|matrix| *matrix == palette[0]));
@@ -436,17 +437,20 @@ fn ids_of_another_crowd_are_refused() {
             "{what}: {result:?}"
         );
     };
-    unknown("member", ours.despawn(foreign));
-    unknown("member", ours.member(foreign).map(|m| m.active_clips()).map(drop));
+    unknown(IdKind::Member, ours.despawn(foreign));
+    unknown(IdKind::Member, ours.member(foreign).map(|m| m.active_clips()).map(drop));
     unknown(
-        "member",
+        IdKind::Member,
         ours.member_mut(played.member()).and_then(|mut m| m.set_weight(played, 1.0, 0.0)),
     );
-    unknown("member", ours.member_mut(played.member()).and_then(|mut m| m.set_speed(played, 1.0)));
-    unknown("watch", ours.readback(watch).map(drop));
-    unknown("character", ours.spawn(other_id, Placement::at([0.0; 3])).map(drop));
     unknown(
-        "clip",
+        IdKind::Member,
+        ours.member_mut(played.member()).and_then(|mut m| m.set_speed(played, 1.0)),
+    );
+    unknown(IdKind::Watch, ours.readback(watch).map(drop));
+    unknown(IdKind::Character, ours.spawn(other_id, Placement::at([0.0; 3])).map(drop));
+    unknown(
+        IdKind::Clip,
         ours.member_mut(member)
             .and_then(|mut m| m.play(other_clip, ClipPlayback::looping()))
             .map(drop),

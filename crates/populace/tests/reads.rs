@@ -170,7 +170,7 @@ fn watch_never_shows_the_previous_joint_of_its_slot() {
             crowd.finish().unwrap();
         }
         assert!(crowd.readback(first).unwrap().is_some(), "{devices}, {schedule}");
-        crowd.unwatch(first);
+        crowd.member_mut(member).unwrap().unwatch_joint(first);
         let other = crowd
             .spawn(crowd.member(member).unwrap().character(), Placement::at([5.0; 3]))
             .unwrap();

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
+use populace::interop::PaletteSource;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{Affine, JointIndex};
 use populace::{
@@ -88,7 +89,7 @@ impl Scene {
     fn assert_same(&mut self, twin: &mut Self, when: &str) {
         let mut pages: [Vec<Vec<Float4>>; 2] = Default::default();
         for (crowd, pages) in [&mut self.crowd, &mut twin.crowd].into_iter().zip(&mut pages) {
-            for page in 0..crowd.page_count() {
+            for page in 0..crowd.page_lengths().len() {
                 crowd.with_page(page, &mut |elements| pages.push(elements.to_vec())).unwrap();
             }
         }

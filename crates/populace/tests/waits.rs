@@ -145,7 +145,7 @@ fn assert_no_waits(scene: &mut fixture::Scene) {
     let hand = world.transform_point(scene.position(members[7], "leftHand"));
     assert!(fixture::distance(seen.world_from_joint.origin(), hand) < 1e-5, "{seen:?} {hand:?}");
     assert!((seen.at_secs - 61.0 / 60.0).abs() < 1e-3, "{seen:?}");
-    scene.crowd.unwatch(watch);
+    scene.edit(members[7]).unwatch_joint(watch);
     assert_eq!(scene.crowd.readback(watch).expect("a device"), None);
 }
 

@@ -27,8 +27,8 @@ pub(crate) fn watch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 pub(crate) fn unwatch(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     let count = world.watches.len();
     let watch = (count > 0).then(|| world.watches[draw.index("watch", count)])?;
-    world.crowd.unwatch(watch);
-    Some(Outcome::Done)
+    let view = world.crowd.member_mut(watch.member());
+    Some(Outcome::of(view.map(|mut member| member.unwatch_joint(watch))))
 }
 
 /// The position is not compared on OpenCL, where it depends on how far the device lags behind.

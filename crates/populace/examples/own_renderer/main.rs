@@ -17,7 +17,7 @@ use std::error::Error;
 use glam::{Mat4, Vec3, camera::rh};
 use glow::HasContext;
 use populace::character::{Character, Part};
-use populace::interop::PAGE_ENTRIES;
+use populace::interop::{PAGE_ENTRIES, PaletteSource};
 use populace::{ClipPlayback, Crowd, Device, Placement};
 
 /// The picture is drawn at twice this size, for smooth edges.
@@ -118,7 +118,7 @@ impl Engine {
         let (eye, target) = (Vec3::new(0.0, 2.7, 6.2), Vec3::new(0.0, 0.75, -2.0));
         let view = rh::view::look_at_mat4(eye, target, Vec3::Y);
         let camera = rh::proj::opengl::perspective(0.7, width / height, 0.1, 100.0) * view;
-        let mut pages = vec![Vec::new(); crowd.page_count()];
+        let mut pages = vec![Vec::new(); crowd.page_lengths().len()];
         for (nth, instance) in crowd.instances().enumerate() {
             let mut member: Vec<f32> = instance.world_from_model.rows.concat();
             member.extend(SHIRTS[nth % SHIRTS.len()]);

@@ -9,6 +9,7 @@ use super::MemberId;
 use super::base::Base;
 use super::constraints::Constraints;
 use crate::Error;
+use crate::fault::AttachmentFault;
 
 /// Attachments of members, by member index.
 #[derive(Clone, Debug, Default)]
@@ -37,8 +38,8 @@ fn phase(base: &Base, member: MemberId) -> u32 {
     base.tables.members().as_slice()[member.index as usize].phase()
 }
 
-fn refused<T>(reason: impl Into<String>) -> Result<T, Error> {
-    Err(Error::BadAttachment { reason: reason.into() })
+fn refused<T>(fault: AttachmentFault) -> Result<T, Error> {
+    Err(Error::BadAttachment(fault))
 }
 
 impl Attachments {
@@ -116,10 +117,7 @@ impl Attachments {
     pub(super) fn check_placeable(&self, member: MemberId) -> Result<(), Error> {
         match self.parent(member) {
             None => Ok(()),
-            Some(_) => refused(
-                "an attached member has the placement of its parent; place the parent, or detach \
-                 the member first",
-            ),
+            Some(_) => refused(AttachmentFault::Placed),
         }
     }
 
@@ -161,28 +159,19 @@ impl Attachments {
         let character = base.character_state(base.check(to)?)?;
         // Fused schedules go by pages of palettes.
         if character.character.palette.is_empty() {
-            let name = &character.character.name;
-            return refused(format!(
-                "nothing can be attached to a member of \"{name}\": it has no mesh, so devices do \
-                 not evaluate it"
-            ));
+            let character = character.character.name.clone();
+            return refused(AttachmentFault::NoMesh { character });
         }
         let mut above = Some(to);
         while let Some(member) = above {
             if member == child {
-                return refused(
-                    "a member cannot be attached to itself or to its own attachments; detach those \
-                     first",
-                );
+                return refused(AttachmentFault::Circle);
             }
             above = self.parent(member).map(|parent| parent.member);
         }
         let (levels, most) = (phase(base, to) + 1 + self.levels(child), MAX_PHASES - 1);
         if levels > most {
-            return refused(format!(
-                "attachments would be {levels} levels deep; at most {most} are possible, so attach \
-                 this member nearer to the first of the chain"
-            ));
+            return refused(AttachmentFault::TooDeep { levels, most });
         }
         Ok(())
     }

@@ -11,6 +11,7 @@ use populace_model::RoleMap;
 
 use super::bindings::Bound;
 use super::slab::Slab;
+use crate::fault::IdKind;
 use crate::ids::{CharacterId, ClipId, ClipIndex, MemberId};
 use crate::{Error, Placement};
 
@@ -100,18 +101,13 @@ impl Base {
     }
 
     /// Refuses an id of another crowd.
-    pub(super) fn check_crowd(
-        &self,
-        what: &'static str,
-        crowd: u32,
-        index: u32,
-    ) -> Result<(), Error> {
+    pub(super) fn check_crowd(&self, what: IdKind, crowd: u32, index: u32) -> Result<(), Error> {
         if crowd == self.number { Ok(()) } else { Err(Error::UnknownId { what, index }) }
     }
 
     /// Returns the character of a member, or refuses a stale handle.
     pub(super) fn check(&self, member: MemberId) -> Result<CharacterId, Error> {
-        self.check_crowd("member", member.crowd, member.index)?;
+        self.check_crowd(IdKind::Member, member.crowd, member.index)?;
         let same = |s: &&MemberState| s.generation == member.generation;
         let state = self.members.all.get(member.index as usize).filter(same);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
@@ -130,9 +126,9 @@ impl Base {
     }
 
     pub(super) fn known_clip(&self, clip: ClipId) -> Result<&Arc<Clip>, Error> {
-        self.check_crowd("clip", clip.crowd, clip.index.0)?;
+        self.check_crowd(IdKind::Clip, clip.crowd, clip.index.0)?;
         let known = self.assets.clips.get((clip.index.0, clip.generation));
-        known.ok_or(Error::UnknownId { what: "clip", index: clip.index.0 })
+        known.ok_or(Error::UnknownId { what: IdKind::Clip, index: clip.index.0 })
     }
 
     /// The slots of the member at an index.

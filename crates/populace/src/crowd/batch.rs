@@ -1,13 +1,15 @@
 //! Calls for many members at once. A batch checks everything first: on an error, nothing is
 //! changed.
 
-use populace_device::layout::Float4;
+use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{Schedule, StageBuffer};
 use populace_model::{Affine, JointIndex};
 
+use super::base::Base;
 use super::state::State;
 use super::{CharacterId, Crowd, MemberId, Parameter, ParameterId};
 use crate::error::bounded;
+use crate::fault::{Allowed, IdKind};
 use crate::playback::check_secs;
 use crate::{Error, Placement, SpacePoint};
 
@@ -112,13 +114,13 @@ impl Crowd {
     ) -> Result<(), Error> {
         if joints.len() != models.len() {
             let (what, value) = ("the length of the slice of joints", models.len() as f32);
-            return Err(Error::BadValue { what, value, rule: "that of the list of joints" });
+            return Err(Error::BadValue { what, value, allowed: Allowed::Exactly(joints.len()) });
         }
         let mut firsts = Vec::with_capacity(joints.len());
         for (member, joint) in joints {
             let (row, body) = self.device_member(*member)?;
             if joint.0 >= body.joint_count {
-                return Err(Error::UnknownId { what: "joint", index: joint.0 });
+                return Err(Error::UnknownId { what: IdKind::Joint, index: joint.0 });
             }
             firsts.push((row.joint_first + joint.0) as usize);
         }
@@ -152,6 +154,45 @@ impl Crowd {
 /// The rows of the matrices from joints to model space.
 const ROWS: [StageBuffer; 3] =
     [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
+
+impl Crowd {
+    /// Calls `reader` with the palette of each member that was present at the last update, in order
+    /// of their places in memory: one matrix from bind pose to model space for each palette entry of
+    /// the character. Waits for the last update, once. Nothing is copied if the device shares memory
+    /// with the host.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) if no update has evaluated
+    /// the crowd on this device, or a failing device.
+    pub fn palettes(&mut self, reader: &mut dyn FnMut(MemberId, &[Affine])) -> Result<(), Error> {
+        let Base { tables, members, clock, .. } = &self.state.base;
+        let present = (0u32..)
+            .zip(&members.all)
+            .filter(|(_, state)| state.character.is_some() && state.since < clock.frame);
+        let mut places: Vec<_> = present
+            .map(|(index, _)| {
+                let row = &tables.members().as_slice()[index as usize];
+                let entries = tables.bodies().as_slice()[row.body as usize].entry_count as usize;
+                (row.palette_first as usize, entries, self.state.base.member_id(index))
+            })
+            .filter(|(_, entries, _)| *entries > 0)
+            .collect();
+        places.sort_unstable_by_key(|(first, ..)| *first);
+        let page_of = |first: usize| first / PAGE_ENTRIES as usize;
+        for in_page in places.chunk_by(|a, b| page_of(a.0) == page_of(b.0)) {
+            let page = page_of(in_page[0].0);
+            self.with_page(page, &mut |elements| {
+                let all: &[Affine] = bytemuck::must_cast_slice(&elements[..elements.len() / 3 * 3]);
+                for (first, entries, member) in in_page {
+                    let first = first - page * PAGE_ENTRIES as usize;
+                    reader(*member, &all[first..first + entries]);
+                }
+            })?;
+        }
+        Ok(())
+    }
+}
 
 impl State {
     fn set_placements(&mut self, placements: &[(MemberId, Placement)]) -> Result<(), Error> {

@@ -11,6 +11,7 @@ use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
 use super::{BlendSpaceId, MemberId, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
+use crate::fault::{BlendSpaceFault, IdKind};
 use crate::playback::{Playback, check_secs};
 use crate::{BlendSpace, Error};
 
@@ -52,9 +53,7 @@ impl ActiveSpace {
 }
 
 fn live_in_space(name: &str) -> Error {
-    Error::BadBlendSpace {
-        reason: format!("has the live clip \"{name}\", which has no cycle to share; leave it out"),
-    }
+    bad(BlendSpaceFault::LiveClip(name.to_owned()))
 }
 
 impl Player {
@@ -84,17 +83,14 @@ impl Player {
         play: Playback,
     ) -> Result<(), Error> {
         let character = base.check(member)?;
-        base.check_crowd("blend space", space.crowd, space.index)?;
-        let unknown = Error::UnknownId { what: "blend space", index: space.index };
+        base.check_crowd(IdKind::BlendSpace, space.crowd, space.index)?;
+        let unknown = Error::UnknownId { what: IdKind::BlendSpace, index: space.index };
         let known = self.spaces.get((space.index, space.generation)).ok_or(unknown)?;
         play.check()?;
         let at = at.check()?;
         let (needed, slots) = (known.space.slots_needed(), base.tables.slots_per_member());
         if needed > slots {
-            let reason = format!(
-                "takes {needed} slots, but members have {slots}; see CrowdBuilder::slots_per_member"
-            );
-            return Err(Error::BadBlendSpace { reason });
+            return Err(bad(BlendSpaceFault::Slots { needed, slots }));
         }
         // Bound now, so that a scheduled start cannot fail.
         for clip in known.space.clips().to_vec() {
@@ -125,11 +121,7 @@ impl Player {
             }
         });
         let Some(active_space) = self.active_space.get(&member.index) else {
-            return if waits {
-                Ok(())
-            } else {
-                Err(bad("parameter cannot be set: the member plays no blend space"))
-            };
+            return if waits { Ok(()) } else { Err(bad(BlendSpaceFault::NotPlaying)) };
         };
         let (play, serial) = (active_space.play, active_space.serial);
         self.scheduled.retain(member.index, |start| !matches!(start.action, Action::Move { .. }));

@@ -10,6 +10,7 @@ use super::active_device::ActiveDevice;
 use super::base::Base;
 use super::state::State;
 use crate::device::Opened;
+use crate::fault::Allowed;
 use crate::{Device, Devices, Error, Split};
 
 /// Settings from which a crowd is built.
@@ -108,7 +109,7 @@ impl CrowdBuilder {
             return Err(Error::BadValue {
                 what: "the number of slots per member",
                 value: self.slots_per_member as f32,
-                rule: "from 1 to 8",
+                allowed: Allowed::Range { least: 1.0, most: MAX_SLOTS as f64 },
             });
         }
         let Start { devices, opened, fallback } = self.open()?;

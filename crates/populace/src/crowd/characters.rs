@@ -10,6 +10,7 @@ use super::base::{Assets, Base, CharacterState};
 use super::slab::Slab;
 use super::{CharacterId, ClipId, MaskId};
 use crate::Error;
+use crate::fault::IdKind;
 
 impl Assets {
     /// The index of a clip, if it was added.
@@ -99,13 +100,13 @@ impl Base {
         let masks = &self.character_state(character)?.masks;
         let first =
             masks.get((mask.index, mask.generation)).filter(|_| mask.character == character);
-        let unknown = Error::UnknownId { what: "mask of this character", index: mask.index };
+        let unknown = Error::UnknownId { what: IdKind::Mask, index: mask.index };
         first.copied().ok_or(unknown)
     }
 
     pub(super) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
-        self.check_crowd("character", id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: "character", index: id.index };
+        self.check_crowd(IdKind::Character, id.crowd, id.index)?;
+        let unknown = Error::UnknownId { what: IdKind::Character, index: id.index };
         self.assets.characters.get((id.index, id.generation)).ok_or(unknown)
     }
 
@@ -113,8 +114,8 @@ impl Base {
         &mut self,
         id: CharacterId,
     ) -> Result<&mut CharacterState, Error> {
-        self.check_crowd("character", id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: "character", index: id.index };
+        self.check_crowd(IdKind::Character, id.crowd, id.index)?;
+        let unknown = Error::UnknownId { what: IdKind::Character, index: id.index };
         self.assets.characters.get_mut((id.index, id.generation)).ok_or(unknown)
     }
 }

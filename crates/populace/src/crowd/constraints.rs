@@ -12,6 +12,7 @@ use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 use super::MemberId;
 use super::base::Base;
 use super::humanoid::limb_above;
+use crate::fault::Allowed;
 use crate::{Error, Gaze, Reach, Target, Weight};
 
 /// The most targets between which one constraint eases; the weakest is dropped.
@@ -160,11 +161,11 @@ impl Constraints {
         let good =
             factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
         if !good {
-            let rule = "one for each joint, above zero and at most 10,000";
+            let allowed = Allowed::PerJoint { joints, most: LARGEST_SCALE };
             return Err(Error::BadValue {
                 what: "the factors of proportions",
                 value: factors.len() as f32,
-                rule,
+                allowed,
             });
         }
         let bits = factors.iter().map(|factor| factor.to_bits()).collect();

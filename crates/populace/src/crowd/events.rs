@@ -10,6 +10,7 @@ use populace_device::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 use super::base::Base;
 use super::{ClipId, MemberId};
 use crate::Error;
+use crate::fault::Allowed;
 use crate::ids::ClipIndex;
 
 /// The most repeats of one marker that are reported per update; earlier ones are dropped.
@@ -92,7 +93,7 @@ impl Events {
             return Err(Error::BadValue {
                 what: "the time of an event marker",
                 value: secs,
-                rule: "within the clip",
+                allowed: Allowed::Range { least: start.into(), most: (start + duration).into() },
             });
         }
         let phase = phase_of(secs, start, duration);

@@ -15,6 +15,7 @@ use super::{
     CharacterId, ClipId, MachineId, MemberId, Parameter, ParameterId, PlaybackId, u32_from,
 };
 use crate::error::bounded;
+use crate::fault::{IdKind, MachineFault, MachinePart};
 use crate::machine::{Compiled, bad, find};
 use crate::playback::{Playback, check_layer};
 use crate::{Error, StateMachine};
@@ -107,15 +108,13 @@ impl Player {
         play: Playback,
     ) -> Result<PlaybackId, Error> {
         let character = base.check(member)?;
-        base.check_crowd("state machine", machine.crowd, machine.index)?;
-        let unknown = Error::UnknownId { what: "state machine", index: machine.index };
+        base.check_crowd(IdKind::Machine, machine.crowd, machine.index)?;
+        let unknown = Error::UnknownId { what: IdKind::Machine, index: machine.index };
         let known = self.machines.all.get((machine.index, machine.generation)).ok_or(unknown)?;
         let initial = known.parameters.clone();
         play.check()?;
         if base.tables.slots_per_member() < 2 {
-            return Err(bad(
-                "takes 2 slots, but members have 1; see CrowdBuilder::slots_per_member",
-            ));
+            return Err(bad(MachineFault::Slots));
         }
         let state = self.bind_machine(base, character, machine.index)?;
         let mut parameters = [0.0; MACHINE_PARAMETERS as usize];
@@ -133,11 +132,11 @@ impl Player {
         machine: MachineId,
         name: &str,
     ) -> Result<ParameterId, Error> {
-        base.check_crowd("state machine", machine.crowd, machine.index)?;
-        let unknown = Error::UnknownId { what: "state machine", index: machine.index };
+        base.check_crowd(IdKind::Machine, machine.crowd, machine.index)?;
+        let unknown = Error::UnknownId { what: IdKind::Machine, index: machine.index };
         let known = self.machines.get(machine).ok_or(unknown)?;
         let names = known.parameters.iter().map(|(own, _)| own.as_str());
-        Ok(ParameterId { machine, index: u32_from(find("parameter", name, names)?) })
+        Ok(ParameterId { machine, index: u32_from(find(MachinePart::Parameter, name, names)?) })
     }
 
     pub(super) fn set_parameter(
@@ -154,9 +153,7 @@ impl Player {
         }
         match parameter {
             Parameter::Name(name) => Err(self.no_parameter(base, member.index, name)),
-            Parameter::Id(_) => {
-                Err(bad("of this parameter is not run by the member; start it with play_machine"))
-            }
+            Parameter::Id(_) => Err(bad(MachineFault::OtherMachine)),
         }
     }
 
@@ -205,10 +202,9 @@ impl Player {
         let machines: Vec<_> = all.filter_map(|state| self.machines.of_state(state)).collect();
         let names =
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
-        match find("parameter", name, names) {
+        match find(MachinePart::Parameter, name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad("parameter cannot be set: the member runs no state machine; start one with \
-                      play_machine"),
+            _ => bad(MachineFault::NotRunning),
         }
     }
 
@@ -228,10 +224,7 @@ impl Player {
         let newest = instances.max_by_key(|(slot, _)| self.started(base, index, *slot).serial);
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
         if newest.is_none() && self.scheduled.of(index).any(|(_, start)| waits(start)) {
-            return Err(bad(&format!(
-                "of layer {layer} has not started yet; ask for its state after the update in \
-                 which it starts"
-            )));
+            return Err(bad(MachineFault::NotStarted { layer }));
         }
         newest.map(|(_, instance)| instance).ok_or_else(|| no_machine(layer))
     }
@@ -311,7 +304,7 @@ impl Player {
 }
 
 fn no_machine(layer: usize) -> Error {
-    bad(&format!("of layer {layer} has no state: the layer runs no state machine"))
+    bad(MachineFault::NoMachine { layer })
 }
 
 #[cfg(test)]

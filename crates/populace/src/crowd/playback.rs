@@ -12,6 +12,7 @@ use super::slots::{Plan, Started, faded_out};
 use super::{ClipId, MaskId, MemberId, PlaybackId, u32_from};
 use crate::Error;
 use crate::error::bounded;
+use crate::fault::IdKind;
 use crate::playback::{ActiveClip, Playback, check_layer, check_secs, check_weight};
 
 impl Player {
@@ -334,7 +335,7 @@ impl Player {
 
     /// Returns the first slot of a playback; `None` if it is still scheduled.
     fn find_slot(&self, base: &Base, id: PlaybackId) -> Result<Option<usize>, Error> {
-        base.check_crowd("play", id.member.crowd, id.serial)?;
+        base.check_crowd(IdKind::Playback, id.member.crowd, id.serial)?;
         base.check(id.member)?;
         let member_index = id.member.index;
         if let Some(index) =

@@ -9,6 +9,7 @@ use populace_model::{Affine, Trs};
 use super::base::Base;
 use super::state::State;
 use super::{Crowd, JointReadback, MemberId, Watch};
+use crate::fault::IdKind;
 use crate::{Error, Placement};
 
 impl Crowd {
@@ -37,15 +38,9 @@ impl Crowd {
     /// A watch of another crowd, or a failing device.
     pub fn readback(&mut self, watch: Watch) -> Result<Option<JointReadback>, Error> {
         let State { base, readbacks, constraints, .. } = &self.state;
-        base.check_crowd("watch", watch.member.crowd, watch.serial)?;
+        base.check_crowd(IdKind::Watch, watch.member.crowd, watch.serial)?;
         let fetched = self.device.backend_mut().fetched()?;
         Ok(fetched.and_then(|(tick, elements)| readbacks.find(constraints, watch, tick, elements)))
-    }
-
-    /// Removes a watch. A joint with several watches is copied until all are removed. A stale watch
-    /// and one of another crowd are ignored.
-    pub fn unwatch(&mut self, watch: Watch) {
-        self.state.unwatch(watch);
     }
 
     /// Updates the cached root-motion offsets from the newest readback.

@@ -10,6 +10,7 @@ use super::slots::faded_out;
 use super::state::State;
 use super::{Crowd, StageId};
 use crate::Error;
+use crate::fault::{IdKind, User};
 use crate::ids::{BlendSpaceId, CharacterId, ClipId, ClipIndex, MachineId, MaskId};
 
 /// Anything that was added to a crowd and can be removed from it.
@@ -84,7 +85,7 @@ impl Crowd {
     }
 }
 
-fn in_use(what: &'static str, by: &'static str) -> Error {
+fn in_use(what: IdKind, by: User) -> Error {
     Error::InUse { what, by }
 }
 
@@ -94,7 +95,7 @@ impl State {
         let (body, clips) = (state.body, state.clips.clone());
         let masks: Vec<u32> = state.masks.iter().map(|(_, first)| *first).collect();
         if self.members().any(|member| member.character() == id) {
-            return Err(in_use("character", "a member; despawn its members first"));
+            return Err(in_use(IdKind::Character, User::Member));
         }
         let (player, base) = self.player();
         player.machines.remove_states(&mut base.tables, |of, _| of == body)?;
@@ -134,10 +135,10 @@ impl State {
     fn check_clip_unused(&self, id: ClipId) -> Result<(), Error> {
         let Self { base, player, .. } = self;
         if player.spaces.iter().any(|(_, space)| space.space.clips().contains(&id)) {
-            return Err(in_use("clip", "a blend space; remove that first"));
+            return Err(in_use(IdKind::Clip, User::BlendSpace));
         }
         if player.machines.uses_clip(id) {
-            return Err(in_use("clip", "a state machine; remove that first"));
+            return Err(in_use(IdKind::Clip, User::Machine));
         }
         let is_due = |start: &Start| match start.action {
             Action::Clip { bound, .. } => bound_to(&base.tables, bound, id.index),
@@ -145,7 +146,7 @@ impl State {
         };
         let plays = |slot: &Slot| plays_clip(slot, &base.tables, id.index);
         if base.is_playing(plays) || player.scheduled.any(is_due) {
-            return Err(in_use("clip", PLAYING));
+            return Err(in_use(IdKind::Clip, User::Playback));
         }
         Ok(())
     }
@@ -153,13 +154,16 @@ impl State {
     fn remove_blend_space(&mut self, id: BlendSpaceId) -> Result<(), Error> {
         let (player, base) = self.player();
         player.check_space(base, id)?;
-        let is_due = |start: &Start| matches!(start.action, Action::Space { index, .. } if index == id.index);
+        let is_due = |start: &Start| match start.action {
+            Action::Space { index, .. } => index == id.index,
+            _ => false,
+        };
         let is_active = |index: u32, space: &super::blend_spaces::ActiveSpace| {
             space.space == id.index && player.is_heard(base, index, space)
         };
         let active = player.active_space.iter().any(|(index, space)| is_active(*index, space));
         if active || player.scheduled.any(is_due) {
-            return Err(in_use("blend space", PLAYING));
+            return Err(in_use(IdKind::BlendSpace, User::Playback));
         }
         player.active_space.retain(|_, space| space.space != id.index);
         player.spaces.remove(id.index);
@@ -178,7 +182,7 @@ impl State {
             start.machine().and_then(|state| machines.index_of(state)) == Some(id.index)
         };
         if base.is_playing(|slot| runs(slot, &base.tables)) || player.scheduled.any(is_due) {
-            return Err(in_use("state machine", PLAYING));
+            return Err(in_use(IdKind::Machine, User::Playback));
         }
         base.clear_slots(runs)?;
         player.machines.remove_states(&mut base.tables, |_, index| index == id.index)?;
@@ -186,9 +190,6 @@ impl State {
         Ok(())
     }
 }
-
-const PLAYING: &str = "a member that plays it or is scheduled to; stop it there first, and wait \
-                       until it has faded out";
 
 fn bound_to(tables: &Tables, bound: u32, clip: ClipIndex) -> bool {
     tables.bound_clips().as_slice().get(bound as usize).is_some_and(|row| row.clip == clip.0)
@@ -211,7 +212,7 @@ impl Base {
             layers.iter().any(|layer| layer.mask() == Some(first))
         };
         if self.present().any(has_it) {
-            return Err(in_use("mask", "a layer of a member; set that layer without it first"));
+            return Err(in_use(IdKind::Mask, User::Layer));
         }
         self.tables.remove_mask(first)?;
         self.character_state_mut(id.character)?.masks.remove(id.index);
@@ -262,14 +263,14 @@ impl Base {
 
 impl Player {
     fn check_space(&self, base: &Base, id: BlendSpaceId) -> Result<(), Error> {
-        base.check_crowd("blend space", id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: "blend space", index: id.index };
+        base.check_crowd(IdKind::BlendSpace, id.crowd, id.index)?;
+        let unknown = Error::UnknownId { what: IdKind::BlendSpace, index: id.index };
         self.spaces.get((id.index, id.generation)).map(drop).ok_or(unknown)
     }
 
     fn check_machine(&self, base: &Base, id: MachineId) -> Result<(), Error> {
-        base.check_crowd("state machine", id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: "state machine", index: id.index };
+        base.check_crowd(IdKind::Machine, id.crowd, id.index)?;
+        let unknown = Error::UnknownId { what: IdKind::Machine, index: id.index };
         self.machines.get(id).map(drop).ok_or(unknown)
     }
 }

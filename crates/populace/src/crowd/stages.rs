@@ -11,6 +11,7 @@ use super::constraints::Constraints;
 use super::state::State;
 use super::{Crowd, MemberId, u32_from};
 use crate::error::finite;
+use crate::fault::{Allowed, IdKind};
 use crate::{Error, StageUse};
 
 /// A user stage of a crowd. The id goes stale when the stage is removed.
@@ -68,10 +69,11 @@ impl UserStages {
 
     /// Returns the stage of the pipeline after which a user stage runs.
     fn after(&self, base: &Base, id: StageId) -> Result<After, Error> {
-        base.check_crowd("stage", id.crowd, id.number)?;
+        base.check_crowd(IdKind::Stage, id.crowd, id.number)?;
         let taken = self.taken.get(id.number as usize).copied().flatten();
         let ours = taken.filter(|(_, serial)| *serial == id.serial);
-        ours.map(|(after, _)| after).ok_or(Error::UnknownId { what: "stage", index: id.number })
+        ours.map(|(after, _)| after)
+            .ok_or(Error::UnknownId { what: IdKind::Stage, index: id.number })
     }
 }
 
@@ -126,7 +128,11 @@ impl Crowd {
         let mut all = [0.0; STAGE_PARAMETERS as usize];
         let Some(given) = all.get_mut(..parameters.len()) else {
             let (what, value) = ("the number of a stage's parameters", parameters.len() as f32);
-            return Err(Error::BadValue { what, value, rule: "at most 16" });
+            return Err(Error::BadValue {
+                what,
+                value,
+                allowed: Allowed::AtMost(STAGE_PARAMETERS as usize),
+            });
         };
         given.copy_from_slice(parameters);
         Ok(base.tables.set_stage_parameters(id.number, &all)?)

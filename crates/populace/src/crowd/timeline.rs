@@ -8,6 +8,7 @@ use super::slots::faded_out;
 use super::state::State;
 use super::{Crowd, MemberId};
 use crate::Error;
+use crate::fault::Allowed;
 
 /// The longest time step that is accepted, in seconds.
 const MAX_STEP_SECS: f32 = 1e6;
@@ -52,8 +53,8 @@ impl Crowd {
     /// failing device: [`move_to`](Self::move_to) continues on another.
     pub fn update(&mut self, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=MAX_STEP_SECS).contains(&dt_secs) {
-            let rule = "from 0 to 1,000,000 seconds";
-            return Err(Error::BadValue { what: "the time step", value: dt_secs, rule });
+            let allowed = Allowed::Range { least: 0.0, most: MAX_STEP_SECS.into() };
+            return Err(Error::BadValue { what: "the time step", value: dt_secs, allowed });
         }
         let clock = &self.state.base.clock;
         let ticks = f64::from(dt_secs) * TICKS_PER_SEC as f64 + clock.left_over;
@@ -93,9 +94,10 @@ impl Crowd {
     /// A time that is negative, not finite or above 1e9 seconds, or a failing device.
     pub fn seek(&mut self, secs: f64) -> Result<SeekReport, Error> {
         if !(0.0..=MAX_SECS).contains(&secs) {
-            let (what, rule) = ("the time to go to", "from 0 to 1e9 seconds");
+            let (what, allowed) =
+                ("the time to go to", Allowed::Range { least: 0.0, most: MAX_SECS });
             #[expect(clippy::cast_possible_truncation, reason = "for a message")]
-            return Err(Error::BadValue { what, value: secs as f32, rule });
+            return Err(Error::BadValue { what, value: secs as f32, allowed });
         }
         let tick = FIRST_TICK + ticks_from_secs(secs);
         let report = self.state.inexact_at(tick);

@@ -30,6 +30,12 @@ pub struct JointReadback {
 }
 
 impl Watch {
+    /// The member whose joint it is.
+    #[must_use]
+    pub const fn member(&self) -> MemberId {
+        self.member
+    }
+
     pub(super) fn key(self) -> (MemberId, JointIndex) {
         (self.member, self.joint)
     }

@@ -8,6 +8,7 @@ use populace_device::{GlContext, Schedule};
 
 use super::{Device, Engine, Opened};
 use crate::Error;
+use crate::fault::{DevicesFault, SplitFault};
 use crate::split::SplitBackend;
 
 /// One device, or several that share a crowd: each evaluates some of its members at the same time.
@@ -25,15 +26,13 @@ impl Devices {
     }
 
     fn check(&self) -> Result<(), Error> {
-        let refused = |reason| Err(Error::BadDevices { devices: self.to_string(), reason });
+        let refused = |fault| Err(Error::BadDevices { devices: self.to_string(), fault });
         if self.0.is_empty() {
-            return refused("no device is named; name at least one".into());
+            return refused(DevicesFault::None);
         }
         let twice =
             self.0.iter().enumerate().find(|(place, device)| self.0[..*place].contains(device));
-        twice.map_or(Ok(()), |(_, device)| {
-            refused(format!("{device} is named twice; name each device once"))
-        })
+        twice.map_or(Ok(()), |(_, device)| refused(DevicesFault::Twice(*device)))
     }
 
     /// Opens the devices. The first shares buffers with the OpenGL context if one is given and its
@@ -124,23 +123,16 @@ impl Split {
     /// Returns a share for each device, whose sum is 1; `None` if they are measured.
     pub(crate) fn shares(&self, devices: &Devices) -> Result<Option<Vec<f64>>, Error> {
         let (Self::Fixed(parts), count) = (self, devices.0.len()) else { return Ok(None) };
-        let refused = |reason| Err(Error::BadSplit { reason });
+        let refused = |fault| Err(Error::BadSplit(fault));
         if parts.len() != count {
-            let number = |n: usize, what: &str| {
-                if n == 1 { format!("one {what}") } else { format!("{n} {what}s") }
-            };
-            let (found, wanted) = (number(parts.len(), "share"), number(count, "device"));
-            return refused(format!("has {found} for {wanted}, {devices}; give each device one"));
+            let (shares, devices) = (parts.len(), devices.to_string());
+            return refused(SplitFault::Count { shares, count, devices });
         }
         let total: f64 = parts.iter().sum();
         match parts.iter().find(|part| !part.is_finite() || **part < 0.0) {
-            Some(part) => {
-                refused(format!("has a share of {part}; shares must be finite and at least 0"))
-            }
-            None if !total.is_finite() => refused("has shares whose sum is too large".into()),
-            None if total <= 0.0 => {
-                refused("has no share above 0; at least one device must have members".into())
-            }
+            Some(part) => refused(SplitFault::Share(*part)),
+            None if !total.is_finite() => refused(SplitFault::TooLarge),
+            None if total <= 0.0 => refused(SplitFault::AllZero),
             None => Ok(Some(parts.iter().map(|part| part / total).collect())),
         }
     }
@@ -165,12 +157,7 @@ impl FromStr for Split {
             return Ok(Self::Measured);
         }
         let parts: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse()).collect();
-        let no_shares = |_| Error::BadSplit {
-            reason: format!(
-                "\"{text}\" is not a list of numbers; give a share for each device, as in 60,40, \
-                 or measured"
-            ),
-        };
+        let no_shares = |_| Error::BadSplit(SplitFault::Text(text.to_owned()));
         parts.map(Self::Fixed).map_err(no_shares)
     }
 }

@@ -149,7 +149,7 @@ fn removing_a_watch_keeps_other_watches() {
     let [gone, kept] = [(); 2].map(|()| scene.edit(member).watch_joint(root).expect("a joint"));
     assert_ne!(gone, kept);
     for _ in 0..3 {
-        scene.crowd.unwatch(gone);
+        scene.edit(member).unwatch_joint(gone);
     }
     for frame in 1..=3_u8 {
         scene.update(0.25);
@@ -159,7 +159,7 @@ fn removing_a_watch_keeps_other_watches() {
         assert!(scene.crowd.readback(kept).expect("a device").is_some());
         assert_eq!(scene.crowd.readback(gone), Ok(None));
     }
-    scene.crowd.unwatch(kept);
+    scene.edit(member).unwatch_joint(kept);
     assert_eq!(scene.crowd.readback(kept), Ok(None));
     let left = scene.edit(member).watch_joint(root).expect("a joint");
     scene.update(0.25);

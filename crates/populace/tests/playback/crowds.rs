@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use populace::interop::PaletteSource;
 use populace::{ClipPlayback, Crowd, CrowdBuilder, Placement};
 use populace_device::layout::Float4;
 
@@ -25,7 +26,7 @@ fn motions() -> Vec<Motion> {
 /// Returns the bits of all palettes, member by member.
 fn palettes(crowd: &mut Crowd) -> Vec<Vec<[u32; 4]>> {
     let mut pages = Vec::new();
-    for page in 0..crowd.page_count() {
+    for page in 0..crowd.page_lengths().len() {
         let mut keep = |elements: &[Float4]| pages.extend_from_slice(elements);
         crowd.with_page(page, &mut keep).unwrap();
     }

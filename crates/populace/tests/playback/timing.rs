@@ -328,7 +328,7 @@ fn bad_playback_values_are_refused_and_change_nothing() {
         other.member_mut(stranger).unwrap().play(other_clips[0], ClipPlayback::once()).unwrap();
     assert!(matches!(
         crowd.member_mut(foreign.member()).and_then(|mut m| m.set_speed(foreign, 1.0)),
-        Err(Error::UnknownId { what: "member", .. })
+        Err(Error::UnknownId { what: populace::IdKind::Member, .. })
     ));
     assert!(
         crowd

@@ -46,4 +46,12 @@ impl MemberMut<'_> {
     pub fn watch_joint(&mut self, joint: JointIndex) -> Result<Watch, Error> {
         self.crowd.state.watch(self.id, joint)
     }
+
+    /// Removes a watch of this member. A joint with several watches is copied until all are
+    /// removed. A stale watch and one of another member are ignored.
+    pub fn unwatch_joint(&mut self, watch: Watch) {
+        if watch.member == self.id {
+            self.crowd.state.unwatch(watch);
+        }
+    }
 }

@@ -192,7 +192,7 @@ fn a_clip_that_fades_out_is_in_use_until_it_has_faded() {
         crowd.member_mut(member).unwrap().play(second, transition).unwrap();
         crowd.update(0.1).unwrap();
         let error = crowd.remove(first).unwrap_err();
-        assert!(matches!(error, Error::InUse { what: "clip", .. }), "{error}");
+        assert!(matches!(error, Error::InUse { what: IdKind::Clip, .. }), "{error}");
         crowd.update(0.5).unwrap();
         crowd.remove(first).unwrap();
         crowd.update(0.1).unwrap();

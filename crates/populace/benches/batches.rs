@@ -1,0 +1,178 @@
+//! Batch calls against calls for one member, at 10,000 members: `cargo bench -p populace`.
+//!
+//! Both are run in turns; the table shows medians in nanoseconds for a member, and their ratio.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use populace::{
+    Affine, BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, Device, Error, JointIndex,
+    MachinePlayback, MemberId, ParameterId, Placement, Schedule, SpacePoint, StateMachine,
+    StatePlayback, doc_fixture,
+};
+
+const MEMBERS: usize = 10_000;
+const ROUNDS: usize = 15;
+
+struct Scene {
+    crowd: Crowd,
+    members: Vec<MemberId>,
+    speed: ParameterId,
+}
+
+fn placement(nth: usize) -> Placement {
+    Placement::at([nth as f32 * 0.01, 0.0, 1.0]).facing(nth as f32 * 1e-3)
+}
+
+impl Scene {
+    fn new(schedule: Schedule, machines: bool) -> Result<Self, Error> {
+        let builder = Crowd::builder().device(Device::native()).schedule(schedule);
+        let mut crowd = builder.capacity(2 * MEMBERS).build()?;
+        let knight = doc_fixture::knight(&mut crowd)?;
+        let [idle, walk] = [crowd.clip(knight, "Idle")?, crowd.clip(knight, "Walk")?];
+        let machine = StateMachine::new().parameter("speed", 0.0).state(
+            "idle",
+            idle,
+            StatePlayback::looping(),
+        );
+        let machine = crowd.add_machine(&machine)?;
+        let speed = crowd.parameter(machine, "speed")?;
+        let space = crowd.add_blend_space(BlendSpace::line(&[(idle, 0.0), (walk, 1.4)])?)?;
+        let mut members = Vec::new();
+        for nth in 0..MEMBERS {
+            let id = crowd.spawn(knight, placement(nth))?;
+            let mut member = crowd.member_mut(id)?;
+            if machines {
+                member.play_machine(machine, MachinePlayback::new())?;
+            } else {
+                member.play_blend_space(space, 0.5, BlendSpacePlayback::new())?;
+                member.play(walk, ClipPlayback::looping().on_layer(1))?;
+            }
+            members.push(id);
+        }
+        crowd.update(0.1)?;
+        Ok(Self { crowd, members, speed })
+    }
+}
+
+type Call = fn(&mut Scene, usize) -> Result<(), Error>;
+
+/// Times both calls in turns and prints the medians.
+fn compare(name: &str, scene: &mut Scene, [single, batch]: [Call; 2]) -> Result<(), Error> {
+    let mut times = [Vec::new(), Vec::new()];
+    for round in 0..ROUNDS {
+        for (call, times) in [single, batch].into_iter().zip(&mut times) {
+            let start = Instant::now();
+            call(scene, round)?;
+            times.push(start.elapsed().as_nanos() as f64 / MEMBERS as f64);
+            scene.crowd.update(0.01)?;
+        }
+    }
+    let [single, batch] = times.map(|mut times| {
+        times.sort_by(f64::total_cmp);
+        times[ROUNDS / 2]
+    });
+    println!("{name:<24} {single:>9.1} {batch:>9.1} {:>7.1}", single / batch);
+    Ok(())
+}
+
+fn joints(scene: &Scene) -> Vec<(MemberId, JointIndex)> {
+    scene.members.iter().map(|member| (*member, JointIndex(0))).collect()
+}
+
+const SPAWN: [Call; 2] = [
+    |scene, _| {
+        let knight = scene.crowd.member(scene.members[0])?.character();
+        let spawn = |nth| scene.crowd.spawn(knight, placement(nth));
+        let new = (0..MEMBERS).map(spawn).collect::<Result<Vec<_>, _>>()?;
+        new.into_iter().try_for_each(|member| scene.crowd.despawn(member))
+    },
+    |scene, _| {
+        let knight = scene.crowd.member(scene.members[0])?.character();
+        let all: Vec<_> = (0..MEMBERS).map(placement).collect();
+        let new = scene.crowd.spawn_many(knight, &all)?;
+        new.into_iter().try_for_each(|member| scene.crowd.despawn(member))
+    },
+];
+
+const PLACE: [Call; 2] = [
+    |scene, round| {
+        let Scene { crowd, members, .. } = scene;
+        let mut numbered = members.iter().enumerate();
+        numbered.try_for_each(|(n, id)| crowd.member_mut(*id)?.set_placement(placement(n + round)))
+    },
+    |scene, round| {
+        let numbered = scene.members.iter().enumerate();
+        let all: Vec<_> = numbered.map(|(n, id)| (*id, placement(n + round))).collect();
+        scene.crowd.set_placements(&all)
+    },
+];
+
+const PARAMETER: [Call; 2] = [
+    |scene, round| {
+        let Scene { crowd, members, .. } = scene;
+        let value = round as f32;
+        members.iter().try_for_each(|id| crowd.member_mut(*id)?.set_parameter("speed", value))
+    },
+    |scene, round| {
+        let all: Vec<_> = scene.members.iter().map(|id| (*id, round as f32)).collect();
+        scene.crowd.set_parameters(scene.speed, &all)
+    },
+];
+
+const BLEND: [Call; 2] = [
+    |scene, round| {
+        let Scene { crowd, members, .. } = scene;
+        let at = 0.05 * round as f32;
+        members.iter().try_for_each(|id| crowd.member_mut(*id)?.set_blend_parameter(at, 0.2))
+    },
+    |scene, round| {
+        let at = SpacePoint::from(0.05 * round as f32);
+        let all: Vec<_> = scene.members.iter().map(|id| (*id, at)).collect();
+        scene.crowd.set_blend_parameters(&all, 0.2)
+    },
+];
+
+const JOINTS: [Call; 2] = [
+    |scene, _| {
+        let Scene { crowd, members, .. } = scene;
+        members.iter().try_for_each(|id| {
+            black_box(crowd.member_mut(*id)?.model_from_joints()?[0]);
+            Ok(())
+        })
+    },
+    |scene, _| {
+        let mut models = vec![Affine::IDENTITY; MEMBERS];
+        let joints = joints(scene);
+        scene.crowd.read_joints(&joints, &mut models)?;
+        black_box(&models);
+        Ok(())
+    },
+];
+
+const PALETTES: [Call; 2] = [
+    |scene, _| {
+        let Scene { crowd, members, .. } = scene;
+        members.iter().try_for_each(|id| {
+            black_box(crowd.member_mut(*id)?.palette()?);
+            Ok(())
+        })
+    },
+    |scene, _| {
+        scene.crowd.palettes(&mut |_, palette| {
+            black_box(palette);
+        })
+    },
+];
+
+fn main() -> Result<(), Error> {
+    println!("{:<24} {:>9} {:>9} {:>7}", "ns for a member", "single", "batch", "ratio");
+    let mut fused = Scene::new(Schedule::Fused, false)?;
+    compare("spawn and despawn", &mut fused, SPAWN)?;
+    compare("placements", &mut fused, PLACE)?;
+    compare("blend parameters", &mut fused, BLEND)?;
+    compare("palettes", &mut fused, PALETTES)?;
+    compare("joints, fused", &mut fused, JOINTS)?;
+    compare("joints, staged", &mut Scene::new(Schedule::Staged, false)?, JOINTS)?;
+    compare("machine parameters", &mut Scene::new(Schedule::Fused, true)?, PARAMETER)
+}
