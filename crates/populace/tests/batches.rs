@@ -14,6 +14,7 @@ use fixture::{Scene, joint, scene};
 use populace::{
     Affine, BlendSpace, BlendSpacePlayback, ClipPlayback, Condition, Device, Error, IdKind,
     MachinePlayback, MemberId, Placement, Schedule, SpacePoint, StateMachine, StatePlayback,
+    Weight,
 };
 
 const COUNT: u8 = 5;
@@ -61,11 +62,11 @@ fn spawned_members_and_placements_equal_those_of_single_calls() {
         (10..).zip(members).map(|(nth, member)| (*member, placement(nth))).collect()
     };
     for (member, at) in moves(&one_by_one) {
-        single.edit(member).plant_feet(1.0).expect("feet");
+        single.edit(member).look_at([0.0, 1.5, 9.0], Weight::FULL).expect("a head");
         single.edit(member).set_placement(at).expect("a placement");
     }
     for member in &at_once {
-        batch.edit(*member).plant_feet(1.0).expect("feet");
+        batch.edit(*member).look_at([0.0, 1.5, 9.0], Weight::FULL).expect("a head");
     }
     batch.crowd.set_placements(&moves(&at_once)).expect("placements");
     assert_equal(&mut single, &mut batch);

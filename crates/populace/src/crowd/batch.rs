@@ -183,7 +183,7 @@ impl Crowd {
         for in_page in places.chunk_by(|a, b| page_of(a.0) == page_of(b.0)) {
             let page = page_of(in_page[0].0);
             self.with_page(page, &mut |elements| {
-                let all: &[Affine] = bytemuck::must_cast_slice(&elements[..elements.len() / 3 * 3]);
+                let all: &[Affine] = bytemuck::must_cast_slice(elements.as_chunks::<3>().0);
                 for (first, entries, member) in in_page {
                     let first = first - page * PAGE_ENTRIES as usize;
                     reader(*member, &all[first..first + entries]);
