@@ -2,6 +2,7 @@
 
 mod binding;
 mod controls;
+mod free_runs;
 mod live;
 mod machines;
 mod members;

@@ -5,8 +5,6 @@ use std::fmt;
 use populace_device::layout::MACHINE_PARAMETERS;
 use populace_model::did_you_mean;
 
-use crate::Device;
-
 /// The kind of thing that an id names.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -123,7 +121,7 @@ pub enum DevicesFault {
     None,
     /// A device that is named twice.
     #[error("{0} is named twice; name each device once")]
-    Twice(Device),
+    Twice(String),
 }
 
 /// The reason why a split does not fit its devices.
@@ -264,7 +262,8 @@ pub enum MachineFault {
     NotRunning,
     /// A layer whose machine starts later.
     #[error(
-        "of layer {layer} has not started yet; ask for its state after the update in which it starts"
+        "of layer {layer} has not started yet; ask for its state after the update in which it \
+         starts"
     )]
     NotStarted {
         /// The layer.

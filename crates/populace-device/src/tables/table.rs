@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use populace_model::convert::u32_from;
 
-use super::runs::FreeRuns;
+use super::free_runs::FreeRuns;
 use crate::Error;
 use crate::layout::NONE;
 

@@ -1,5 +1,9 @@
 //! The data that all subsystems of a crowd work on: tables, clock, assets and members.
 
+mod bindings;
+mod characters;
+mod roles;
+
 use std::collections::HashMap;
 use std::sync::Arc;
 
@@ -9,11 +13,11 @@ use populace_device::layout::Slot;
 use populace_device::{BodyIndex, Place, Tables};
 use populace_model::RoleMap;
 
-use super::bindings::Bound;
 use super::slab::Slab;
 use crate::fault::IdKind;
 use crate::ids::{CharacterId, ClipId, ClipIndex, MemberId};
 use crate::{Error, Placement};
+use bindings::Bound;
 
 /// The tables, the clock, the assets and the members of a crowd.
 #[derive(Clone)]

@@ -157,9 +157,9 @@ const ROWS: [StageBuffer; 3] =
 
 impl Crowd {
     /// Calls `reader` with the palette of each member that was present at the last update, in order
-    /// of their places in memory: one matrix from bind pose to model space for each palette entry of
-    /// the character. Waits for the last update, once. Nothing is copied if the device shares memory
-    /// with the host.
+    /// of their places in memory: one matrix from bind pose to model space for each palette entry
+    /// of the character. Waits for the last update, once. Nothing is copied if the device shares
+    /// memory with the host.
     ///
     /// # Errors
     ///

@@ -1,5 +1,7 @@
 //! Constraint programs of members: overrides, look-at, reach, planted feet, proportions.
 
+mod humanoid;
+
 use std::collections::{BTreeSet, HashMap};
 use std::mem::{Discriminant, discriminant};
 
@@ -11,9 +13,9 @@ use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
 
 use super::MemberId;
 use super::base::Base;
-use super::humanoid::limb_above;
 use crate::fault::Allowed;
 use crate::{Error, Gaze, Reach, Target, Weight};
+use humanoid::limb_above;
 
 /// The most targets between which one constraint eases; the weakest is dropped.
 const TARGETS: usize = LAYERS_PER_MEMBER as usize;

@@ -1,15 +1,22 @@
 //! The player: what members play in their slots, and what is scheduled.
 
+pub(super) mod blend_spaces;
+mod inertialization;
+mod machines;
+mod playback;
+pub(super) mod scheduled;
+pub(super) mod slots;
+
 use std::collections::HashMap;
 
 use populace_device::layout::Slot;
 
 use super::MemberId;
-use super::blend_spaces::{ActiveSpace, Space};
-use super::machines::Machines;
-use super::scheduled::ScheduledStarts;
 use super::slab::Slab;
-use super::slots::Started;
+use blend_spaces::{ActiveSpace, Space};
+use machines::Machines;
+use scheduled::ScheduledStarts;
+use slots::Started;
 
 /// Playback of all members: clips, blend spaces and state machines. The slots themselves are in
 /// the tables.

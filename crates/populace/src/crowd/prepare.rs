@@ -25,7 +25,7 @@ impl Device {
     /// use populace::{Crowd, Device};
     /// # let next = Device::native(); // in place of an OpenCL device
     /// let mut crowd = Crowd::builder().device(Device::native()).build()?;
-    /// let schedule = crowd.schedule();
+    /// let schedule = crowd.device_info().schedule;
     /// let preparation = std::thread::spawn(move || next.prepare(schedule));
     /// while !preparation.is_finished() {
     ///     crowd.update(1.0 / 60.0)?;

@@ -5,8 +5,8 @@ use populace_device::{BodyIndex, Tables};
 
 use super::base::Base;
 use super::player::Player;
-use super::scheduled::{Action, Start};
-use super::slots::faded_out;
+use super::player::scheduled::{Action, Start};
+use super::player::slots::faded_out;
 use super::state::State;
 use super::{Crowd, StageId};
 use crate::Error;
@@ -158,7 +158,7 @@ impl State {
             Action::Space { index, .. } => index == id.index,
             _ => false,
         };
-        let is_active = |index: u32, space: &super::blend_spaces::ActiveSpace| {
+        let is_active = |index: u32, space: &super::player::blend_spaces::ActiveSpace| {
             space.space == id.index && player.is_heard(base, index, space)
         };
         let active = player.active_space.iter().any(|(index, space)| is_active(*index, space));

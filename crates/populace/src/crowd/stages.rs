@@ -8,7 +8,6 @@ use populace_model::JointIndex;
 
 use super::base::Base;
 use super::constraints::Constraints;
-use super::state::State;
 use super::{Crowd, MemberId, u32_from};
 use crate::error::finite;
 use crate::fault::{Allowed, IdKind};
@@ -67,6 +66,46 @@ impl UserStages {
         self.last_serial
     }
 
+    /// Makes a member run a stage.
+    pub(super) fn set(
+        &self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        member: MemberId,
+        id: StageId,
+        usage: StageUse,
+    ) -> Result<(), Error> {
+        let after = self.after(base, id)?;
+        let character = base.check(member)?;
+        finite("a member's value for a stage", &usage.values)?;
+        let skeleton = &base.character_state(character)?.character.skeleton;
+        let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
+        // Each joint once, even if named several times.
+        let joints: BTreeSet<_> = usage.joints.unwrap_or_else(all).into_iter().collect();
+        let joints = joints.into_iter().collect();
+        let stage =
+            populace_device::StageUse { stage: id.number, after, joints, values: usage.values };
+        constraints.change(base, member, |controls| {
+            match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
+                Some(old) => *old = stage,
+                None => controls.stages.push(stage),
+            }
+            Ok(())
+        })
+    }
+
+    /// Makes a member no longer run a stage.
+    pub(super) fn clear(
+        &self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        member: MemberId,
+        id: StageId,
+    ) -> Result<(), Error> {
+        self.after(base, id)?;
+        constraints.clear_stage(base, member, id.number)
+    }
+
     /// Returns the stage of the pipeline after which a user stage runs.
     fn after(&self, base: &Base, id: StageId) -> Result<After, Error> {
         base.check_crowd(IdKind::Stage, id.crowd, id.number)?;
@@ -91,7 +130,8 @@ impl Crowd {
     /// compile: the error holds the compiler's message, with line numbers of the user's text.
     /// Nothing is changed then.
     pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
-        let Self { state: State { base, stages, .. }, device } = self;
+        let Self { state, device } = self;
+        let (base, stages) = (&mut state.base, &mut state.stages);
         let (all, number) = stages.with(stage)?;
         device.backend_mut().set_stages(&all)?;
         let serial = stages.take(all, number, after);
@@ -102,7 +142,9 @@ impl Crowd {
 
     /// Removes a stage; members no longer run it. Nothing is changed on an error.
     pub(super) fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
-        let Self { state: State { base, stages, constraints, .. }, device } = self;
+        let Self { state, device } = self;
+        let (base, stages) = (&mut state.base, &mut state.stages);
+        let constraints = &mut state.constraints;
         stages.after(base, id)?;
         let mut all = stages.all.clone();
         all[id.number as usize] = None;
@@ -122,7 +164,7 @@ impl Crowd {
     ///
     /// A stage that does not exist, more than 16 numbers, or one that is not finite.
     pub fn set_stage_parameters(&mut self, id: StageId, parameters: &[f32]) -> Result<(), Error> {
-        let State { base, stages, .. } = &mut self.state;
+        let (base, stages) = (&mut self.state.base, &mut self.state.stages);
         stages.after(base, id)?;
         finite("a parameter of a stage", parameters)?;
         let mut all = [0.0; STAGE_PARAMETERS as usize];
@@ -136,39 +178,6 @@ impl Crowd {
         };
         given.copy_from_slice(parameters);
         Ok(base.tables.set_stage_parameters(id.number, &all)?)
-    }
-}
-
-impl State {
-    pub(super) fn set_stage(
-        &mut self,
-        member: MemberId,
-        id: StageId,
-        usage: StageUse,
-    ) -> Result<(), Error> {
-        let Self { base, stages, constraints, .. } = self;
-        let after = stages.after(base, id)?;
-        let character = base.check(member)?;
-        finite("a member's value for a stage", &usage.values)?;
-        let skeleton = &base.character_state(character)?.character.skeleton;
-        let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
-        // Each joint once, even if named several times.
-        let joints: BTreeSet<_> = usage.joints.unwrap_or_else(all).into_iter().collect();
-        let joints = joints.into_iter().collect();
-        let stage =
-            populace_device::StageUse { stage: id.number, after, joints, values: usage.values };
-        constraints.change(base, member, |controls| {
-            match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
-                Some(old) => *old = stage,
-                None => controls.stages.push(stage),
-            }
-            Ok(())
-        })
-    }
-
-    pub(super) fn clear_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
-        self.stages.after(&self.base, id)?;
-        self.constraints.clear_stage(&mut self.base, member, id.number)
     }
 }
 

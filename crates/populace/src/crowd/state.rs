@@ -9,10 +9,10 @@ use super::events::Events;
 use super::live::LiveClips;
 use super::motion::RootMotion;
 use super::player::Player;
-use super::stages::UserStages;
+use super::stages::{StageId, UserStages};
 use super::watches::Readbacks;
 use super::{MemberId, Watch};
-use crate::{Error, Placement};
+use crate::{Error, Placement, StageUse};
 
 /// All that the host knows of a crowd: the base, and the subsystems that work on it. Each
 /// subsystem owns its state; what concerns several is done here.
@@ -150,5 +150,18 @@ impl State {
                 None => return [0.0; 3],
             }
         }
+    }
+
+    pub(super) fn set_stage(
+        &mut self,
+        member: MemberId,
+        id: StageId,
+        usage: StageUse,
+    ) -> Result<(), Error> {
+        self.stages.set(&mut self.base, &mut self.constraints, member, id, usage)
+    }
+
+    pub(super) fn clear_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
+        self.stages.clear(&mut self.base, &mut self.constraints, member, id)
     }
 }

@@ -4,7 +4,7 @@ use populace_clip::{FIRST_TICK, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::Frame;
 use populace_device::layout::{NONE, SLOT_LIVE, Slot};
 
-use super::slots::faded_out;
+use super::player::slots::faded_out;
 use super::state::State;
 use super::{Crowd, MemberId};
 use crate::Error;

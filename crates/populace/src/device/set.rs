@@ -32,7 +32,7 @@ impl Devices {
         }
         let twice =
             self.0.iter().enumerate().find(|(place, device)| self.0[..*place].contains(device));
-        twice.map_or(Ok(()), |(_, device)| refused(DevicesFault::Twice(*device)))
+        twice.map_or(Ok(()), |(_, device)| refused(DevicesFault::Twice(device.to_string())))
     }
 
     /// Opens the devices. The first shares buffers with the OpenGL context if one is given and its

@@ -107,11 +107,7 @@ fn attachment_follows_its_joint_in_the_same_frame() {
             last = hand.origin();
             for attachment in [first, second] {
                 let error = attachment_error(scene, attachment, free, &hand);
-                assert!(
-                    error < 1e-5,
-                    "{error} m in frame {frame}, {:?}",
-                    scene.crowd.device_info().schedule
-                );
+                assert!(error < 1e-5, "{error} m in frame {frame}");
                 assert_eq!(scene.crowd.member(attachment).map(|m| m.placement()), Ok(placement));
             }
         }

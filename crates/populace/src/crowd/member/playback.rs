@@ -208,8 +208,8 @@ impl MemberMut<'_> {
     }
 
     /// Sets a parameter of every state machine that the member runs or has scheduled and that has
-    /// this parameter: by name, or by its [id](crate::Crowd::parameter), which is faster. It uploads 4
-    /// bytes.
+    /// this parameter: by name, or by its [id](crate::Crowd::parameter), which is faster. It
+    /// uploads 4 bytes.
     ///
     /// # Errors
     ///

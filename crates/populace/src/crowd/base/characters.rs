@@ -6,22 +6,22 @@ use populace_character::Character;
 use populace_clip::Clip;
 use populace_model::{Mask, RoleMap, nearest_names};
 
-use super::base::{Assets, Base, CharacterState};
-use super::slab::Slab;
-use super::{CharacterId, ClipId, MaskId};
+use super::{Assets, Base, CharacterState};
 use crate::Error;
+use crate::crowd::slab::Slab;
 use crate::fault::IdKind;
+use crate::ids::{CharacterId, ClipId, MaskId};
 
 impl Assets {
     /// The index of a clip, if it was added.
-    pub(super) fn index_of(&self, clip: &Arc<Clip>) -> Option<u32> {
+    pub(crate) fn index_of(&self, clip: &Arc<Clip>) -> Option<u32> {
         let known = self.clips.iter().find(|(_, known)| Arc::ptr_eq(known, clip));
         known.map(|((index, _), _)| index)
     }
 }
 
 impl Base {
-    pub(super) fn add_character(
+    pub(crate) fn add_character(
         &mut self,
         character: Arc<Character>,
     ) -> Result<CharacterId, Error> {
@@ -38,7 +38,7 @@ impl Base {
         Ok(id)
     }
 
-    pub(super) fn add_clip(
+    pub(crate) fn add_clip(
         &mut self,
         character: CharacterId,
         clip: &Arc<Clip>,
@@ -61,7 +61,7 @@ impl Base {
     }
 
     /// Returns the clip of a character by name, or an error with similar names.
-    pub(super) fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
+    pub(crate) fn clip(&self, character: CharacterId, name: &str) -> Result<ClipId, Error> {
         let named = || self.clips(character).map(|(id, clip)| (clip.name(), id));
         let state = self.character_state(character)?;
         named().find(|(own, _)| *own == name).map(|(_, id)| id).ok_or_else(|| Error::UnknownClip {
@@ -72,7 +72,7 @@ impl Base {
     }
 
     /// Iterates over the clips of a character, in the order in which they were added.
-    pub(super) fn clips(
+    pub(crate) fn clips(
         &self,
         character: CharacterId,
     ) -> impl Iterator<Item = (ClipId, &Arc<Clip>)> + Clone {
@@ -80,7 +80,7 @@ impl Base {
         ids.iter().filter_map(|id| Some((*id, self.known_clip(*id).ok()?)))
     }
 
-    pub(super) fn add_mask(
+    pub(crate) fn add_mask(
         &mut self,
         character: CharacterId,
         mask: &Mask,
@@ -96,7 +96,7 @@ impl Base {
     }
 
     /// Returns the first weight of a mask of a character in the tables.
-    pub(super) fn first_of_mask(&self, character: CharacterId, mask: MaskId) -> Result<u32, Error> {
+    pub(crate) fn first_of_mask(&self, character: CharacterId, mask: MaskId) -> Result<u32, Error> {
         let masks = &self.character_state(character)?.masks;
         let first =
             masks.get((mask.index, mask.generation)).filter(|_| mask.character == character);
@@ -104,13 +104,13 @@ impl Base {
         first.copied().ok_or(unknown)
     }
 
-    pub(super) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
+    pub(crate) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
         self.check_crowd(IdKind::Character, id.crowd, id.index)?;
         let unknown = Error::UnknownId { what: IdKind::Character, index: id.index };
         self.assets.characters.get((id.index, id.generation)).ok_or(unknown)
     }
 
-    pub(super) fn character_state_mut(
+    pub(crate) fn character_state_mut(
         &mut self,
         id: CharacterId,
     ) -> Result<&mut CharacterState, Error> {

@@ -5,9 +5,9 @@ use std::f32::consts::PI;
 use populace_device::{ConstraintFault, Feet, Foot, GazeLimits};
 use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
 
-use super::base::Base;
-use super::constraints::Constraints;
-use super::{CharacterId, MemberId};
+use super::Constraints;
+use crate::crowd::base::Base;
+use crate::crowd::{CharacterId, MemberId};
 use crate::playback::check_weight;
 use crate::{Error, Gaze, Target, Weight};
 
@@ -33,7 +33,7 @@ const EYES: GazeLimits = GazeLimits {
 };
 
 impl Constraints {
-    pub(super) fn look_at(
+    pub(crate) fn look_at(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -47,7 +47,7 @@ impl Constraints {
         Ok(())
     }
 
-    pub(super) fn plant_feet(
+    pub(crate) fn plant_feet(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -113,7 +113,7 @@ fn head_by_name(skeleton: &Skeleton) -> Option<JointIndex> {
 
 /// Returns the first and middle joint of the limb that ends in a joint, by roles: shoulder and
 /// elbow, or hip and knee.
-pub(super) fn limb_above(roles: Option<&RoleMap>, end: JointIndex) -> Option<[JointIndex; 2]> {
+pub(crate) fn limb_above(roles: Option<&RoleMap>, end: JointIndex) -> Option<[JointIndex; 2]> {
     let roles = roles?;
     let limbs = [Side::Left, Side::Right].into_iter().flat_map(|side| {
         [

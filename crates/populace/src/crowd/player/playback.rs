@@ -4,19 +4,19 @@ use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::LayerSettings;
 use populace_device::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
 
-use super::base::Base;
-use super::live::LiveClips;
-use super::player::Player;
+use super::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
-use super::{ClipId, MaskId, MemberId, PlaybackId, u32_from};
 use crate::Error;
+use crate::crowd::base::Base;
+use crate::crowd::live::LiveClips;
+use crate::crowd::{ClipId, MaskId, MemberId, PlaybackId, u32_from};
 use crate::error::bounded;
 use crate::fault::IdKind;
 use crate::playback::{ActiveClip, Playback, check_layer, check_secs, check_weight};
 
 impl Player {
-    pub(super) fn play(
+    pub(crate) fn play(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -28,7 +28,7 @@ impl Player {
         self.begin_after(base, member, start, play.after_secs)
     }
 
-    pub(super) fn blend(
+    pub(crate) fn blend(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -39,7 +39,7 @@ impl Player {
         self.begin_after(base, member, start, play.after_secs)
     }
 
-    pub(super) fn queue(
+    pub(crate) fn queue(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -54,7 +54,7 @@ impl Player {
         Ok(PlaybackId { member, serial: start.serial })
     }
 
-    pub(super) fn stop(
+    pub(crate) fn stop(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -74,7 +74,7 @@ impl Player {
         self.fade_out(base, member.index, layer, fade_out_secs, base.clock.tick)
     }
 
-    pub(super) fn set_weight(
+    pub(crate) fn set_weight(
         &mut self,
         base: &mut Base,
         id: PlaybackId,
@@ -103,7 +103,7 @@ impl Player {
         Ok(())
     }
 
-    pub(super) fn set_speed(
+    pub(crate) fn set_speed(
         &mut self,
         base: &mut Base,
         id: PlaybackId,
@@ -132,7 +132,7 @@ impl Player {
         Ok(())
     }
 
-    pub(super) fn active_clips(
+    pub(crate) fn active_clips(
         &self,
         base: &Base,
         live: &LiveClips,
@@ -177,7 +177,7 @@ impl Player {
         (started.serial, playing)
     }
 
-    pub(super) fn set_layer(
+    pub(crate) fn set_layer(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -209,7 +209,7 @@ impl Player {
         Ok(Start { serial: self.next_serial(), action, play, follows_after: None })
     }
 
-    pub(super) fn begin_after(
+    pub(crate) fn begin_after(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -221,7 +221,7 @@ impl Player {
         Ok(PlaybackId { member, serial: start.serial })
     }
 
-    pub(super) fn begin_or_wait(
+    pub(crate) fn begin_or_wait(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -236,7 +236,7 @@ impl Player {
     }
 
     /// Executes all starts that are due at or before `tick`, each as of its own tick.
-    pub(super) fn begin_due(&mut self, base: &mut Base, tick: u64) -> Result<(), Error> {
+    pub(crate) fn begin_due(&mut self, base: &mut Base, tick: u64) -> Result<(), Error> {
         while let Some((due, member_index, start)) = self.scheduled.take_due(tick) {
             self.begin(base, member_index, start, due)?;
         }
@@ -318,7 +318,7 @@ impl Player {
 
     /// Returns whether a start is the first of layer 0. It then has its full weight at once, so
     /// that the rest pose never shows by accident.
-    pub(super) fn is_first(&self, base: &Base, member_index: u32, layer: usize, tick: u64) -> bool {
+    pub(crate) fn is_first(&self, base: &Base, member_index: u32, layer: usize, tick: u64) -> bool {
         layer == 0
             && base
                 .slots(member_index)

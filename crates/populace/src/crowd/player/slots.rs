@@ -10,9 +10,9 @@ use populace_clip::ticks_from_secs;
 use populace_device::layout::{NONE, Slot};
 use populace_device::{MAX_LAYERS, MAX_SLOTS};
 
-use super::base::Base;
-use super::player::Player;
+use super::Player;
 use crate::Error;
+use crate::crowd::base::Base;
 
 /// The share of a layer below which a slot that fades out counts as free. Dropping it moves the
 /// pose by less than one frame of any crossfade shorter than ten seconds.
@@ -48,7 +48,7 @@ pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
 }
 
 impl Player {
-    pub(super) fn started(&self, base: &Base, member_index: u32, index: usize) -> Started {
+    pub(crate) fn started(&self, base: &Base, member_index: u32, index: usize) -> Started {
         self.started[base.tables.slot_range(member_index).start + index]
     }
 
@@ -73,7 +73,7 @@ impl Player {
     }
 
     /// Returns the free slot of least weight.
-    pub(super) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
+    pub(crate) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
         let shares = self.slot_shares(base, member_index, tick);
         let slots = base
             .slots(member_index)
@@ -93,7 +93,7 @@ impl Player {
     /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at
     /// which they become free. Meanwhile the other weights of the layer hold, except for the
     /// strongest slot, which takes up the weight of those that fade.
-    pub(super) fn free_slots(
+    pub(crate) fn free_slots(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -127,7 +127,7 @@ impl Player {
     }
 
     /// The number of slots that are free or can be freed without a jump of the pose.
-    pub(super) fn free_slot_count(
+    pub(crate) fn free_slot_count(
         &self,
         base: &Base,
         member_index: u32,
@@ -258,7 +258,7 @@ impl Player {
 
     /// Fades out all slots of a layer in proportion. Inertializing slots continue unless `secs` is
     /// 0.
-    pub(super) fn fade_out(
+    pub(crate) fn fade_out(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -303,7 +303,7 @@ impl Player {
     }
 
     /// Keeps a slot that ends during an update, for the events before its end.
-    pub(super) fn note_left(&mut self, base: &mut Base, member_index: u32, slot: &Slot, tick: u64) {
+    pub(crate) fn note_left(&mut self, base: &mut Base, member_index: u32, slot: &Slot, tick: u64) {
         if tick > base.clock.tick {
             self.left.push((member_index, *slot, tick));
         }
@@ -311,7 +311,7 @@ impl Player {
 
     /// Copies a slot that ends during an update to a free slot, if there is one, so that its root
     /// motion up to `tick` counts.
-    pub(super) fn leave(
+    pub(crate) fn leave(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -327,7 +327,7 @@ impl Player {
         self.put_slot(base, member_index, index, slot, Started::default())
     }
 
-    pub(super) fn empty_slot(
+    pub(crate) fn empty_slot(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -338,7 +338,7 @@ impl Player {
     }
 
     /// Writes a slot to a free index; the caller has called [`free_slots`](Self::free_slots).
-    pub(super) fn fill_slot(
+    pub(crate) fn fill_slot(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -355,7 +355,7 @@ impl Player {
         )
     }
 
-    pub(super) fn put_slot(
+    pub(crate) fn put_slot(
         &mut self,
         base: &mut Base,
         member_index: u32,

@@ -3,14 +3,14 @@
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
 
-use super::base::Base;
-use super::player::Player;
+use super::Player;
 use super::slots::{Started, faded_out};
 use crate::Error;
+use crate::crowd::base::Base;
 
 impl Player {
     /// Returns whether all slots of the layer can inertialize into `starting`: all are closed-form.
-    pub(super) fn can_inertialize(
+    pub(crate) fn can_inertialize(
         &self,
         base: &Base,
         member_index: u32,
@@ -32,7 +32,7 @@ impl Player {
 
     /// Returns the slots of a layer whose inertialization began at this tick: their target has not
     /// been evaluated yet.
-    pub(super) fn unevaluated(
+    pub(crate) fn unevaluated(
         &self,
         base: &Base,
         member_index: u32,
@@ -48,7 +48,7 @@ impl Player {
 
     /// Starts the inertialization of every playing slot of the layer into `starting`, drops the
     /// unevaluated ones, and returns the total weight of the playing slots.
-    pub(super) fn inertialize(
+    pub(crate) fn inertialize(
         &mut self,
         base: &mut Base,
         member_index: u32,

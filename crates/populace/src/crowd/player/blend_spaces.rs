@@ -5,28 +5,28 @@ use populace_device::BodyIndex;
 use populace_device::layout::Slot;
 use populace_model::convert::single;
 
-use super::base::Base;
-use super::player::Player;
+use super::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
-use super::{BlendSpaceId, MemberId, u32_from};
 use crate::blend_space::{MOST, SpacePoint, Weights, bad};
+use crate::crowd::base::Base;
+use crate::crowd::{BlendSpaceId, MemberId, u32_from};
 use crate::fault::{BlendSpaceFault, IdKind};
 use crate::playback::{Playback, check_secs};
 use crate::{BlendSpace, Error};
 
 /// A blend space and the durations of its clips.
 #[derive(Clone)]
-pub(super) struct Space {
-    pub(super) space: BlendSpace,
+pub(crate) struct Space {
+    pub(crate) space: BlendSpace,
     durations_secs: Vec<f32>,
 }
 
 /// The blend space that a member plays, with its phase in closed form.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ActiveSpace {
+pub(crate) struct ActiveSpace {
     serial: u32,
-    pub(super) space: u32,
+    pub(crate) space: u32,
     play: Playback,
     /// The position, or the one it moves to; `None` while it waits for a slot.
     at: Option<SpacePoint>,
@@ -57,7 +57,7 @@ fn live_in_space(name: &str) -> Error {
 }
 
 impl Player {
-    pub(super) fn add_blend_space(
+    pub(crate) fn add_blend_space(
         &mut self,
         base: &mut Base,
         space: BlendSpace,
@@ -74,7 +74,7 @@ impl Player {
         Ok(BlendSpaceId { crowd: base.number, index, generation })
     }
 
-    pub(super) fn play_space(
+    pub(crate) fn play_space(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -103,7 +103,7 @@ impl Player {
         self.begin_or_wait(base, member.index, due, start)
     }
 
-    pub(super) fn set_blend_parameter(
+    pub(crate) fn set_blend_parameter(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -131,7 +131,7 @@ impl Player {
     }
 
     /// Returns whether a slot of the active blend space of the member at an index has weight.
-    pub(super) fn is_heard(&self, base: &Base, index: u32, active: &ActiveSpace) -> bool {
+    pub(crate) fn is_heard(&self, base: &Base, index: u32, active: &ActiveSpace) -> bool {
         let tick = base.clock.tick;
         let slots = (0..).zip(base.slots(index));
         let mut own =
@@ -140,7 +140,7 @@ impl Player {
     }
 
     /// Forgets the blend space of a layer that something else takes over.
-    pub(super) fn forget_space(&mut self, member_index: u32, layer: usize) {
+    pub(crate) fn forget_space(&mut self, member_index: u32, layer: usize) {
         if self
             .active_space
             .get(&member_index)
@@ -150,7 +150,7 @@ impl Player {
         }
     }
 
-    pub(super) fn begin_space(
+    pub(crate) fn begin_space(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -212,7 +212,7 @@ impl Player {
         }
     }
 
-    pub(super) fn begin_move(
+    pub(crate) fn begin_move(
         &mut self,
         base: &mut Base,
         member_index: u32,

@@ -6,18 +6,18 @@ use populace_clip::Clip;
 use populace_device::BodyIndex;
 use populace_model::{Role, RoleFault, RoleMap};
 
-use super::base::{Assets, Base};
-use super::{CharacterId, ClipId};
+use super::{Assets, Base};
 use crate::Error;
 use crate::ids::ClipIndex;
+use crate::ids::{CharacterId, ClipId};
 
 impl Base {
-    pub(super) fn roles(&self, character: CharacterId) -> Result<Option<&RoleMap>, Error> {
+    pub(crate) fn roles(&self, character: CharacterId) -> Result<Option<&RoleMap>, Error> {
         Ok(self.character_state(character)?.roles.as_ref())
     }
 
     /// Sets the roles of a character and drops the bindings that depend on them.
-    pub(super) fn set_roles(
+    pub(crate) fn set_roles(
         &mut self,
         character: CharacterId,
         roles: RoleMap,
@@ -34,7 +34,7 @@ impl Base {
     }
 
     /// Sets the roles of a clip's own skeleton and drops the bindings that depend on them.
-    pub(super) fn set_clip_roles(&mut self, clip: ClipId, roles: RoleMap) -> Result<(), Error> {
+    pub(crate) fn set_clip_roles(&mut self, clip: ClipId, roles: RoleMap) -> Result<(), Error> {
         let known = self.known_clip(clip)?;
         let joints = known.skeleton().joint_count();
         if roles.joint_count() != joints {
@@ -48,7 +48,7 @@ impl Base {
 
     /// Returns the roles of the skeleton that a clip was made for: set for the clip, else those of
     /// the character with that skeleton, else detected from names.
-    pub(super) fn roles_of(&self, clip: &Arc<Clip>) -> Option<RoleMap> {
+    pub(crate) fn roles_of(&self, clip: &Arc<Clip>) -> Option<RoleMap> {
         let assets = &self.assets;
         let index = assets.index_of(clip).map(ClipIndex);
         if let Some(given) = index.and_then(|index| assets.clip_roles.get(&index)) {

@@ -6,12 +6,12 @@ use std::sync::Arc;
 use populace_device::layout::{MACHINE_PARAMETERS, Running, Slot};
 use populace_device::{BodyIndex, Tables};
 
-use super::base::Base;
-use super::player::Player;
+use super::Player;
 use super::scheduled::{Action, Start};
-use super::slab::Slab;
 use super::slots::{Plan, Started, faded_out};
-use super::{
+use crate::crowd::base::Base;
+use crate::crowd::slab::Slab;
+use crate::crowd::{
     CharacterId, ClipId, MachineId, MemberId, Parameter, ParameterId, PlaybackId, u32_from,
 };
 use crate::error::bounded;
@@ -22,7 +22,7 @@ use crate::{Error, StateMachine};
 
 /// The state machines of a crowd.
 #[derive(Clone, Default)]
-pub(super) struct Machines {
+pub(crate) struct Machines {
     all: Slab<Compiled>,
     /// The first state row on the device of each machine bound to a body.
     bound: HashMap<(BodyIndex, u32), u32>,
@@ -32,12 +32,12 @@ pub(super) struct Machines {
 
 impl Machines {
     /// Forgets the bindings of machines, after the roles of a body have changed.
-    pub(super) fn unbind(&mut self) {
+    pub(crate) fn unbind(&mut self) {
         self.bound.clear();
     }
 
     /// Returns the index of the machine whose states begin at a row.
-    pub(super) fn index_of(&self, state: u32) -> Option<u32> {
+    pub(crate) fn index_of(&self, state: u32) -> Option<u32> {
         self.by_state.get(&state).map(|(_, index)| *index)
     }
 
@@ -53,16 +53,16 @@ impl Machines {
     }
 
     /// Returns whether a machine has a clip.
-    pub(super) fn uses_clip(&self, clip: ClipId) -> bool {
+    pub(crate) fn uses_clip(&self, clip: ClipId) -> bool {
         self.all.iter().any(|(_, machine)| machine.states.iter().any(|s| s.clip == clip))
     }
 
-    pub(super) fn get(&self, id: MachineId) -> Option<&Compiled> {
+    pub(crate) fn get(&self, id: MachineId) -> Option<&Compiled> {
         self.all.get((id.index, id.generation))
     }
 
     /// Removes the states that `which` selects by body and machine.
-    pub(super) fn remove_states(
+    pub(crate) fn remove_states(
         &mut self,
         tables: &mut Tables,
         which: impl Fn(BodyIndex, u32) -> bool,
@@ -76,7 +76,7 @@ impl Machines {
         Ok(())
     }
 
-    pub(super) fn remove(&mut self, id: MachineId) {
+    pub(crate) fn remove(&mut self, id: MachineId) {
         self.all.remove(id.index);
     }
 
@@ -87,7 +87,7 @@ impl Machines {
 }
 
 impl Player {
-    pub(super) fn add_machine(
+    pub(crate) fn add_machine(
         &mut self,
         base: &mut Base,
         machine: &StateMachine,
@@ -100,7 +100,7 @@ impl Player {
         Ok(MachineId { crowd: base.number, index, generation })
     }
 
-    pub(super) fn run_machine(
+    pub(crate) fn run_machine(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -126,7 +126,7 @@ impl Player {
     }
 
     /// Returns the id of a parameter of a machine.
-    pub(super) fn parameter(
+    pub(crate) fn parameter(
         &self,
         base: &Base,
         machine: MachineId,
@@ -139,7 +139,7 @@ impl Player {
         Ok(ParameterId { machine, index: u32_from(find(MachinePart::Parameter, name, names)?) })
     }
 
-    pub(super) fn set_parameter(
+    pub(crate) fn set_parameter(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -158,7 +158,7 @@ impl Player {
     }
 
     /// Sets a parameter wherever the member at an index has it, and returns whether it has.
-    pub(super) fn write_parameter(
+    pub(crate) fn write_parameter(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -209,7 +209,7 @@ impl Player {
     }
 
     /// Returns the newest machine instance of a layer.
-    pub(super) fn machine_on(
+    pub(crate) fn machine_on(
         &self,
         base: &Base,
         member: MemberId,
@@ -230,7 +230,7 @@ impl Player {
     }
 
     /// Returns the name of the state that an instance on `layer` is in, after `running`.
-    pub(super) fn state_name(
+    pub(crate) fn state_name(
         &self,
         base: &Base,
         layer: usize,
@@ -270,7 +270,7 @@ impl Player {
         Ok(state)
     }
 
-    pub(super) fn begin_machine(
+    pub(crate) fn begin_machine(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -321,7 +321,7 @@ mod tests {
     fn run(slots: usize, mut look: impl FnMut(&Crowd, u32)) {
         let builder = Crowd::builder().device(Device::native()).slots_per_member(slots);
         let mut crowd = builder.build().unwrap();
-        let lift = crowd.add_character(super::super::tests::lift()).unwrap();
+        let lift = crowd.add_character(crate::crowd::tests::lift()).unwrap();
         let clip: ClipId = crowd.character(lift).unwrap().clips()[0].0;
         let machine = StateMachine::new().state("lifts", clip, StatePlayback::looping());
         let machine = crowd.add_machine(&machine).unwrap();

@@ -5,21 +5,21 @@ use std::sync::Arc;
 use populace_clip::Clip;
 use populace_retarget::{Binding, BindingReport};
 
-use super::base::{Base, CharacterState};
-use super::{CharacterId, ClipId};
+use super::{Base, CharacterState};
 use crate::Error;
+use crate::ids::{CharacterId, ClipId};
 
 /// A clip bound to a body.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Bound {
+pub(crate) struct Bound {
     /// The index among the bound clips of the tables.
-    pub(super) index: u32,
+    pub(crate) index: u32,
     report: BindingReport,
 }
 
 impl Base {
     /// Reports how well a clip fits a character.
-    pub(super) fn binding(
+    pub(crate) fn binding(
         &self,
         character: CharacterId,
         clip: ClipId,
@@ -33,7 +33,7 @@ impl Base {
 
     /// Returns the index of the clip's binding to a character's body, and makes it if needed.
     /// `partial` accepts any share bound by names alone.
-    pub(super) fn bind(
+    pub(crate) fn bind(
         &mut self,
         character: CharacterId,
         clip: ClipId,
