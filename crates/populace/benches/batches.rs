@@ -2,6 +2,8 @@
 //!
 //! Both are run in turns; the table shows medians in nanoseconds for a member, and their ratio.
 
+#![expect(clippy::print_stdout, reason = "a bench prints its figures")]
+
 use std::hint::black_box;
 use std::time::Instant;
 
