@@ -20,6 +20,10 @@ struct Scene {
     crowd: Crowd,
     members: Vec<MemberId>,
     speed: ParameterId,
+    /// What the calls of even and of odd numbers set.
+    placements: [Vec<(MemberId, Placement)>; 2],
+    values: [Vec<(MemberId, f32)>; 2],
+    joints: Vec<(MemberId, JointIndex)>,
 }
 
 fn placement(nth: usize) -> Placement {
@@ -53,20 +57,27 @@ impl Scene {
             members.push(id);
         }
         crowd.update(0.1)?;
-        Ok(Self { crowd, members, speed })
+        let numbered = || members.iter().copied().enumerate();
+        let placements =
+            [0, 1].map(|odd| numbered().map(|(n, m)| (m, placement(n + odd))).collect());
+        let values = [0.3, 0.9].map(|value| numbered().map(|(_, m)| (m, value)).collect());
+        let joints = numbered().map(|(_, member)| (member, JointIndex(0))).collect();
+        Ok(Self { crowd, speed, placements, values, joints, members })
     }
 }
 
-type Call = fn(&mut Scene, usize) -> Result<(), Error>;
+/// A call on all members, for the `nth` time. It returns members to despawn afterwards.
+type Call = fn(&mut Scene, usize) -> Result<Vec<MemberId>, Error>;
 
 /// Times both calls in turns and prints the medians.
 fn compare(name: &str, scene: &mut Scene, [single, batch]: [Call; 2]) -> Result<(), Error> {
     let mut times = [Vec::new(), Vec::new()];
     for round in 0..ROUNDS {
-        for (call, times) in [single, batch].into_iter().zip(&mut times) {
+        for (nth, call) in [single, batch].into_iter().enumerate() {
             let start = Instant::now();
-            call(scene, round)?;
-            times.push(start.elapsed().as_nanos() as f64 / MEMBERS as f64);
+            let new = call(scene, 2 * round + nth)?;
+            times[nth].push(start.elapsed().as_nanos() as f64 / MEMBERS as f64);
+            new.into_iter().try_for_each(|member| scene.crowd.despawn(member))?;
             scene.crowd.update(0.01)?;
         }
     }
@@ -78,60 +89,58 @@ fn compare(name: &str, scene: &mut Scene, [single, batch]: [Call; 2]) -> Result<
     Ok(())
 }
 
-fn joints(scene: &Scene) -> Vec<(MemberId, JointIndex)> {
-    scene.members.iter().map(|member| (*member, JointIndex(0))).collect()
-}
-
 const SPAWN: [Call; 2] = [
     |scene, _| {
         let knight = scene.crowd.member(scene.members[0])?.character();
         let spawn = |nth| scene.crowd.spawn(knight, placement(nth));
-        let new = (0..MEMBERS).map(spawn).collect::<Result<Vec<_>, _>>()?;
-        new.into_iter().try_for_each(|member| scene.crowd.despawn(member))
+        (0..MEMBERS).map(spawn).collect()
     },
     |scene, _| {
         let knight = scene.crowd.member(scene.members[0])?.character();
         let all: Vec<_> = (0..MEMBERS).map(placement).collect();
-        let new = scene.crowd.spawn_many(knight, &all)?;
-        new.into_iter().try_for_each(|member| scene.crowd.despawn(member))
+        scene.crowd.spawn_many(knight, &all)
     },
 ];
 
 const PLACE: [Call; 2] = [
-    |scene, round| {
-        let Scene { crowd, members, .. } = scene;
-        let mut numbered = members.iter().enumerate();
-        numbered.try_for_each(|(n, id)| crowd.member_mut(*id)?.set_placement(placement(n + round)))
+    |scene, nth| {
+        let Scene { crowd, placements, .. } = scene;
+        let all = &placements[nth / 2 % 2];
+        all.iter().try_for_each(|(id, at)| crowd.member_mut(*id)?.set_placement(*at))?;
+        Ok(Vec::new())
     },
-    |scene, round| {
-        let numbered = scene.members.iter().enumerate();
-        let all: Vec<_> = numbered.map(|(n, id)| (*id, placement(n + round))).collect();
-        scene.crowd.set_placements(&all)
+    |scene, nth| {
+        scene.crowd.set_placements(&scene.placements[nth / 2 % 2])?;
+        Ok(Vec::new())
     },
 ];
 
 const PARAMETER: [Call; 2] = [
-    |scene, round| {
-        let Scene { crowd, members, .. } = scene;
-        let value = round as f32;
-        members.iter().try_for_each(|id| crowd.member_mut(*id)?.set_parameter("speed", value))
+    |scene, nth| {
+        let Scene { crowd, values, .. } = scene;
+        let all = &values[nth % 2];
+        all.iter()
+            .try_for_each(|(id, value)| crowd.member_mut(*id)?.set_parameter("speed", *value))?;
+        Ok(Vec::new())
     },
-    |scene, round| {
-        let all: Vec<_> = scene.members.iter().map(|id| (*id, round as f32)).collect();
-        scene.crowd.set_parameters(scene.speed, &all)
+    |scene, nth| {
+        scene.crowd.set_parameters(scene.speed, &scene.values[nth % 2])?;
+        Ok(Vec::new())
     },
 ];
 
 const BLEND: [Call; 2] = [
-    |scene, round| {
-        let Scene { crowd, members, .. } = scene;
-        let at = 0.05 * round as f32;
-        members.iter().try_for_each(|id| crowd.member_mut(*id)?.set_blend_parameter(at, 0.2))
+    |scene, nth| {
+        let Scene { crowd, values, .. } = scene;
+        let all = &values[nth % 2];
+        all.iter().try_for_each(|(id, at)| crowd.member_mut(*id)?.set_blend_parameter(*at, 0.2))?;
+        Ok(Vec::new())
     },
-    |scene, round| {
-        let at = SpacePoint::from(0.05 * round as f32);
-        let all: Vec<_> = scene.members.iter().map(|id| (*id, at)).collect();
-        scene.crowd.set_blend_parameters(&all, 0.2)
+    |scene, nth| {
+        let all = scene.values[nth % 2].iter();
+        let points: Vec<_> = all.map(|(id, at)| (*id, SpacePoint::from(*at))).collect();
+        scene.crowd.set_blend_parameters(&points, 0.2)?;
+        Ok(Vec::new())
     },
 ];
 
@@ -140,15 +149,15 @@ const JOINTS: [Call; 2] = [
         let Scene { crowd, members, .. } = scene;
         members.iter().try_for_each(|id| {
             black_box(crowd.member_mut(*id)?.model_from_joints()?[0]);
-            Ok(())
-        })
+            Ok::<(), Error>(())
+        })?;
+        Ok(Vec::new())
     },
     |scene, _| {
         let mut models = vec![Affine::IDENTITY; MEMBERS];
-        let joints = joints(scene);
-        scene.crowd.read_joints(&joints, &mut models)?;
+        scene.crowd.read_joints(&scene.joints, &mut models)?;
         black_box(&models);
-        Ok(())
+        Ok(Vec::new())
     },
 ];
 
@@ -157,20 +166,22 @@ const PALETTES: [Call; 2] = [
         let Scene { crowd, members, .. } = scene;
         members.iter().try_for_each(|id| {
             black_box(crowd.member_mut(*id)?.palette()?);
-            Ok(())
-        })
+            Ok::<(), Error>(())
+        })?;
+        Ok(Vec::new())
     },
     |scene, _| {
         scene.crowd.palettes(&mut |_, palette| {
             black_box(palette);
-        })
+        })?;
+        Ok(Vec::new())
     },
 ];
 
 fn main() -> Result<(), Error> {
     println!("{:<24} {:>9} {:>9} {:>7}", "ns for a member", "single", "batch", "ratio");
     let mut fused = Scene::new(Schedule::Fused, false)?;
-    compare("spawn and despawn", &mut fused, SPAWN)?;
+    compare("spawn", &mut fused, SPAWN)?;
     compare("placements", &mut fused, PLACE)?;
     compare("blend parameters", &mut fused, BLEND)?;
     compare("palettes", &mut fused, PALETTES)?;

@@ -66,7 +66,6 @@ impl Tables {
         let palette_block = self.palette_space.take(palette_block_count(entry_count));
         fill(&mut self.blocks.joint_blocks, joint_block, member_index);
         fill(&mut self.blocks.palette_blocks, palette_block, member_index);
-        self.reset_playback(member_index);
         self.all.members.set(
             member_index as usize,
             Member {

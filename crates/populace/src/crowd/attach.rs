@@ -43,6 +43,10 @@ fn refused<T>(fault: AttachmentFault) -> Result<T, Error> {
 }
 
 impl Attachments {
+    pub(super) fn is_empty(&self) -> bool {
+        self.by_member.is_empty()
+    }
+
     pub(super) fn attach(
         &mut self,
         base: &mut Base,

@@ -7,7 +7,7 @@ use populace_model::{Affine, JointIndex};
 
 use super::base::Base;
 use super::state::State;
-use super::{CharacterId, Crowd, MemberId, Parameter, ParameterId};
+use super::{CharacterId, Crowd, MemberId, ParameterId};
 use crate::error::bounded;
 use crate::fault::{Allowed, IdKind};
 use crate::playback::check_secs;
@@ -69,10 +69,7 @@ impl Crowd {
             base.check(*member)?;
             bounded("a parameter of a state machine", &[*value])?;
         }
-        for (member, value) in values {
-            player.write_parameter(base, member.index, Parameter::Id(parameter), *value)?;
-        }
-        Ok(())
+        player.write_parameters(base, parameter, values)
     }
 
     /// Moves the blend spaces of members to other positions within `over_secs`, as
@@ -127,12 +124,14 @@ impl Crowd {
         let span = firsts.iter().min().zip(firsts.iter().max());
         let Some((&first, &last)) = span else { return Ok(()) };
         let Self { state: State { base, .. }, device } = self;
-        // Fused schedules store no joints: each member is evaluated as it is read.
-        let is_stored = device.backend().schedule() == Schedule::Staged;
+        // A read from a device that runs ahead costs more than many elements. Fused schedules store
+        // no joints: each member is evaluated as it is read.
+        let at_once =
+            device.backend().runs_ahead() && device.backend().schedule() == Schedule::Staged;
         base.tables.with_taken_over(|tables| {
             let backend = device.backend_mut();
-            let mut rows = vec![Float4::default(); if is_stored { last - first + 1 } else { 1 }];
-            if is_stored {
+            let mut rows = vec![Float4::default(); if at_once { last - first + 1 } else { 1 }];
+            if at_once {
                 for (nth, buffer) in ROWS.into_iter().enumerate() {
                     backend.read(tables, buffer, first, &mut rows)?;
                     let found = models.iter_mut().zip(&firsts);
@@ -199,6 +198,16 @@ impl State {
         for (member, placement) in placements {
             self.base.check(*member)?;
             placement.check()?;
+        }
+        if self.attachments.is_empty() && self.motion.is_empty() {
+            for (member, placement) in placements {
+                self.base.members.all[member.index as usize].placement = *placement;
+            }
+            // Only constraint programs read placements.
+            let uploaded = if self.constraints.is_empty() { &[] } else { placements };
+            return uploaded.iter().try_for_each(|(member, _)| self.base.upload_placement(*member));
+        }
+        for (member, _) in placements {
             self.attachments.check_placeable(*member)?;
         }
         for (member, placement) in placements {

@@ -354,6 +354,10 @@ impl Constraints {
         });
     }
 
+    pub(super) fn is_empty(&self) -> bool {
+        self.controls.is_empty()
+    }
+
     /// Returns the index of a watched joint on the device.
     pub(super) fn watched_index(&self, key: (MemberId, JointIndex)) -> Option<u32> {
         self.watches.get(&key).map(|(watched, _)| *watched)

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use populace_device::layout::{MACHINE_PARAMETERS, Running, Slot};
+use populace_device::layout::{MACHINE_PARAMETERS, NONE, Running, Slot};
 use populace_device::{BodyIndex, Tables};
 
 use super::Player;
@@ -158,7 +158,7 @@ impl Player {
     }
 
     /// Sets a parameter wherever the member at an index has it, and returns whether it has.
-    pub(crate) fn write_parameter(
+    fn write_parameter(
         &mut self,
         base: &mut Base,
         member_index: u32,
@@ -166,19 +166,8 @@ impl Player {
         value: f32,
     ) -> Result<bool, Error> {
         let Self { scheduled, machines, .. } = self;
-        let tick = base.clock.tick;
-        let mut is_found = false;
-        for index in base.tables.slot_range(member_index) {
-            let slot = &base.tables.slots().as_slice()[index];
-            let Some(instance) = slot.machine_instance().filter(|_| !faded_out(slot, tick)) else {
-                continue;
-            };
-            let state = base.tables.machine_instance(instance)?.state;
-            if let Some(index) = machines.index_in(state, parameter) {
-                base.tables.set_machine_parameter(instance, index, value)?;
-                is_found = true;
-            }
-        }
+        let index_in = |state| machines.index_in(state, parameter);
+        let mut is_found = write_running(base, member_index, value, index_in)?;
         scheduled.change(member_index, |_, start| {
             if let Action::Machine { state, parameters } = &mut start.action
                 && let Some(index) = machines.index_in(*state, parameter)
@@ -188,6 +177,33 @@ impl Player {
             }
         });
         Ok(is_found)
+    }
+
+    /// Sets a parameter of many members, each wherever it has it.
+    pub(crate) fn write_parameters(
+        &mut self,
+        base: &mut Base,
+        parameter: ParameterId,
+        values: &[(MemberId, f32)],
+    ) -> Result<(), Error> {
+        if !self.scheduled.is_empty() {
+            for (member, value) in values {
+                self.write_parameter(base, member.index, Parameter::Id(parameter), *value)?;
+            }
+            return Ok(());
+        }
+        // Members of one body share their states, so the last answer is mostly the next.
+        let mut last = (NONE, None);
+        for (member, value) in values {
+            let index_in = |state| {
+                if state != last.0 {
+                    last = (state, self.machines.index_in(state, Parameter::Id(parameter)));
+                }
+                last.1
+            };
+            write_running(base, member.index, *value, index_in)?;
+        }
+        Ok(())
     }
 
     fn no_parameter(&self, base: &Base, member_index: u32, name: &str) -> Error {
@@ -301,6 +317,32 @@ impl Player {
         }
         Ok(())
     }
+}
+
+/// Sets a parameter of the machines that a member runs. `index_in` finds it in the machine whose
+/// states begin at a row. Returns whether any machine has it.
+fn write_running(
+    base: &mut Base,
+    member_index: u32,
+    value: f32,
+    mut index_in: impl FnMut(u32) -> Option<u32>,
+) -> Result<bool, Error> {
+    let tick = base.clock.tick;
+    let (mut is_found, mut before) = (false, None);
+    for slot in base.tables.slot_range(member_index) {
+        let slot = &base.tables.slots().as_slice()[slot];
+        let Some(instance) = slot.machine_instance() else { continue };
+        // Both slots of a machine name one instance.
+        if before == Some(instance) || faded_out(slot, tick) {
+            continue;
+        }
+        before = Some(instance);
+        if let Some(index) = index_in(base.tables.machine_instance(instance)?.state) {
+            base.tables.set_machine_parameter(instance, index, value)?;
+            is_found = true;
+        }
+    }
+    Ok(is_found)
 }
 
 fn no_machine(layer: usize) -> Error {

@@ -65,6 +65,10 @@ impl ScheduledStarts {
         starts.sort_by_key(|(due, order, _)| (*due, *order));
     }
 
+    pub(crate) fn is_empty(&self) -> bool {
+        self.by_time.is_empty()
+    }
+
     /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
     pub(crate) fn of(&self, place: u32) -> impl Iterator<Item = (u64, &Start)> {
         self.by_member.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
