@@ -55,16 +55,14 @@ impl From<populace_assets::Error> for Failure {
 
 impl From<populace::Error> for Failure {
     fn from(error: populace::Error) -> Self {
-        use populace::Error;
+        use populace::{DevicesError, Error};
         match error {
             Error::Backend(BackendError::NoRuntime { .. } | BackendError::Unusable { .. })
-            | Error::WithoutOpenCl => Self::NoDevice(error.into()),
+            | Error::Devices(DevicesError::WithoutOpenCl) => Self::NoDevice(error.into()),
             Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })
             | Error::Model(populace::model::Error::UnknownJoints { .. })
             | Error::UnknownClip { .. }
-            | Error::UnknownDevice { .. }
-            | Error::BadDevices { .. }
-            | Error::BadSplit { .. }
+            | Error::Devices(_)
             | Error::BadValue { .. } => Self::Usage(error.into()),
             Error::Backend(_) | Error::Full { .. } => Self::Run(error.into()),
             _ => Self::Input(error.into()),

@@ -17,7 +17,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-native", &["populace-clip", "populace-device", "populace-model"]),
     ("populace-opencl", &["populace-device", "populace-model"]),
     (
-        "populace",
+        "populace-backends",
         &[
             "populace-character",
             "populace-clip",
@@ -25,6 +25,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-model",
             "populace-native",
             "populace-opencl",
+        ],
+    ),
+    (
+        "populace",
+        &[
+            "populace-backends",
+            "populace-character",
+            "populace-clip",
+            "populace-device",
+            "populace-model",
             "populace-retarget",
         ],
     ),

@@ -15,7 +15,6 @@ mod member;
 mod members;
 mod motion;
 mod player;
-mod prepare;
 mod profile;
 mod readback;
 mod removal;

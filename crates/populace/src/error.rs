@@ -5,9 +5,7 @@ use populace_model::ErrorKind;
 use populace_model::convert::not_finite;
 use populace_model::{LARGEST, did_you_mean};
 
-use crate::fault::{
-    Allowed, AttachmentFault, BlendSpaceFault, DevicesFault, IdKind, MachineFault, SplitFault, User,
-};
+use crate::fault::{Allowed, AttachmentFault, BlendSpaceFault, IdKind, MachineFault, User};
 
 /// The reason why a call was refused. The crowd is as it was before the call.
 #[non_exhaustive]
@@ -41,31 +39,9 @@ pub enum Error {
         /// Similar names, nearest first.
         nearest: Vec<String>,
     },
-    /// Text that names no device.
-    #[error(
-        "there is no device \"{name}\"; devices are native, opencl and opencl:N; native:2 takes \
-         two threads, opencl:N:1/2 the first of two equal parts, and + joins several"
-    )]
-    UnknownDevice {
-        /// The name given.
-        name: String,
-    },
-    /// Devices that cannot share a crowd.
-    #[error("{devices}: {fault}")]
-    BadDevices {
-        /// The devices, joined.
-        devices: String,
-        /// What is wrong.
-        fault: DevicesFault,
-    },
-    /// A split that does not fit its devices.
-    #[error("the split {0}")]
-    BadSplit(SplitFault),
-    /// OpenCL was requested from a build without it.
-    #[error(
-        "this build has no OpenCL; build with the feature \"opencl\", or choose the native device"
-    )]
-    WithoutOpenCl,
+    /// Devices that cannot be opened or share a crowd.
+    #[error(transparent)]
+    Devices(populace_backends::Error),
     /// The crowd already has the number of members that it was built for.
     #[error("the crowd is full: it was built for {capacity} members")]
     Full {
@@ -132,18 +108,15 @@ impl Error {
             Self::Retarget(error) => error.kind(),
             Self::Tables(error) => error.kind(),
             Self::Backend(error) => error.kind(),
+            Self::Devices(error) => error.kind(),
             Self::UnknownClip { .. }
-            | Self::UnknownDevice { .. }
             | Self::UnknownId { .. }
             | Self::BadStateMachine(MachineFault::Unknown { .. }) => ErrorKind::NotFound,
             Self::StaleMember
             | Self::StalePlayback
             | Self::BadStateMachine(MachineFault::NotStarted { .. }) => ErrorKind::Stale,
             Self::Full { .. } => ErrorKind::TooLarge,
-            Self::WithoutOpenCl => ErrorKind::Unsupported,
-            Self::BadDevices { .. }
-            | Self::BadSplit(_)
-            | Self::BadBlendSpace(_)
+            Self::BadBlendSpace(_)
             | Self::BadStateMachine(_)
             | Self::BadAttachment(_)
             | Self::OtherCrowd
@@ -186,6 +159,17 @@ impl From<populace_character::Error> for Error {
             populace_character::Error::Model(error) => Self::Model(error),
             populace_character::Error::Clip(error) => error.into(),
             error => Self::Character(error),
+        }
+    }
+}
+
+impl From<populace_backends::Error> for Error {
+    fn from(error: populace_backends::Error) -> Self {
+        match error {
+            populace_backends::Error::Backend(error) => Self::Backend(error),
+            populace_backends::Error::Model(error) => Self::Model(error),
+            populace_backends::Error::Tables(error) => Self::Tables(error),
+            error => Self::Devices(error),
         }
     }
 }

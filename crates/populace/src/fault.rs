@@ -112,56 +112,6 @@ pub enum Allowed {
     SomeLength,
 }
 
-/// The reason why devices cannot share a crowd.
-#[non_exhaustive]
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DevicesFault {
-    /// An empty list.
-    #[error("no device is named; name at least one")]
-    None,
-    /// A device that is named twice.
-    #[error("{0} is named twice; name each device once")]
-    Twice(String),
-}
-
-/// The reason why a split does not fit its devices.
-#[non_exhaustive]
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SplitFault {
-    /// Another number of shares than of devices.
-    #[error(
-        "has {} for {}, {devices}; give each device one",
-        number(*shares, "share"),
-        number(*count, "device")
-    )]
-    Count {
-        /// The number of shares.
-        shares: usize,
-        /// The number of devices.
-        count: usize,
-        /// The devices, joined.
-        devices: String,
-    },
-    /// A share that is negative or not finite.
-    #[error("has a share of {0}; shares must be finite and at least 0")]
-    Share(f64),
-    /// Shares whose sum is not finite.
-    #[error("has shares whose sum is too large")]
-    TooLarge,
-    /// Only shares of 0.
-    #[error("has no share above 0; at least one device must have members")]
-    AllZero,
-    /// Text that is no list of numbers.
-    #[error(
-        "\"{0}\" is not a list of numbers; give a share for each device, as in 60,40, or measured"
-    )]
-    Text(String),
-}
-
-fn number(count: usize, what: &str) -> String {
-    if count == 1 { format!("one {what}") } else { format!("{count} {what}s") }
-}
-
 /// The defect of a blend space, or of a call to it.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

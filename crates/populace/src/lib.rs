@@ -29,7 +29,6 @@
 mod blend_space;
 mod control;
 mod crowd;
-mod device;
 #[doc(hidden)]
 pub mod doc_fixture;
 mod error;
@@ -38,9 +37,11 @@ mod ids;
 mod machine;
 mod placement;
 mod playback;
-mod split;
 mod stage;
 
+pub use populace_backends::{
+    Device, DeviceReport, Devices, DevicesFault, Error as DevicesError, Split, SplitFault, devices,
+};
 pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource, Streamed};
 pub use populace_device::{
     After, BackendError, ConstraintFault, ConstraintPart, Error as TablesError, Feet, Foot,
@@ -57,11 +58,9 @@ pub use crowd::{
     EventKind, FrameTimes, History, JointReadback, MemberMut, MemberRef, MemberView, SeekReport,
     Snapshot, StageId, Watch,
 };
-pub use device::{Device, DeviceReport, Devices, Split, devices};
 pub use error::Error;
 pub use fault::{
-    Allowed, AttachmentFault, BlendSpaceFault, DevicesFault, IdKind, MachineFault, MachinePart,
-    SplitFault, User,
+    Allowed, AttachmentFault, BlendSpaceFault, IdKind, MachineFault, MachinePart, User,
 };
 pub use ids::{
     BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,

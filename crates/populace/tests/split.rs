@@ -10,8 +10,8 @@ use populace::interop::PaletteSource;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{Affine, JointIndex};
 use populace::{
-    CharacterId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
-    Trs,
+    CharacterId, ClipPlayback, Crowd, Device, Devices, DevicesError, Error, MemberId, Placement,
+    Schedule, Split, Trs,
 };
 use populace_device::layout::Float4;
 use populace_testkit::Rng;
@@ -188,7 +188,7 @@ fn devices_and_load_shares_can_be_changed_at_any_time() {
     scene.step();
     assert_eq!(scene.crowd.device_info().shares, [0.75, 0.25], "fixed shares changed");
     let error = scene.crowd.set_split(&Split::Fixed(vec![1.0])).unwrap_err();
-    assert!(matches!(&error, Error::BadSplit { .. }), "{error}");
+    assert!(matches!(&error, Error::Devices(DevicesError::BadSplit(_))), "{error}");
     assert_eq!(scene.crowd.device_info().shares, [0.75, 0.25]);
     scene.crowd.move_to(one).unwrap();
     assert_eq!(
@@ -199,7 +199,7 @@ fn devices_and_load_shares_can_be_changed_at_any_time() {
     scene.crowd.move_to([two, one]).unwrap();
     assert_eq!(scene.crowd.device_info().shares, [0.5, 0.5]);
     let error = scene.crowd.move_to([two, two]).unwrap_err();
-    assert!(matches!(&error, Error::BadDevices { .. }), "{error}");
+    assert!(matches!(&error, Error::Devices(DevicesError::BadDevices { .. })), "{error}");
     assert!(Crowd::builder().devices([]).build().is_err());
     assert!(Crowd::builder().device(one).split(Split::Fixed(vec![1.0, 1.0])).build().is_err());
     let mut twin = Scene::new(&Device::native().into(), Schedule::Fused, Split::Measured);

@@ -5,9 +5,9 @@ use std::sync::Arc;
 use populace_device::layout::{Float4, RUNNING_ELEMENTS, Running};
 use populace_device::{Backend, BackendError, Frame, GlContext, StageBuffer, Tables};
 
-use crate::device::Opened;
-use crate::split::Kept;
 use crate::{Devices, Error};
+use populace_backends::DeviceHistory;
+use populace_backends::Opened;
 
 /// The devices in use.
 pub(super) struct ActiveDevice {
@@ -18,7 +18,7 @@ pub(super) struct ActiveDevice {
     /// The OpenGL context that devices share buffers with.
     pub(super) gl: Option<Arc<dyn GlContext>>,
     /// History that the previous device held, for the next frame.
-    pub(super) kept: Option<Kept>,
+    pub(super) history: Option<DeviceHistory>,
     /// Whether the device holds the results of the last update.
     pub(super) is_readable: bool,
 }
@@ -30,7 +30,7 @@ impl ActiveDevice {
         fallback: Option<String>,
         gl: Option<Arc<dyn GlContext>>,
     ) -> Self {
-        Self { devices, opened, fallback, gl, kept: None, is_readable: false }
+        Self { devices, opened, fallback, gl, history: None, is_readable: false }
     }
 
     pub(super) fn backend(&self) -> &dyn Backend {
@@ -44,16 +44,16 @@ impl ActiveDevice {
     /// Uploads what changed in the tables and evaluates a frame.
     pub(super) fn run(&mut self, tables: &mut Tables, frame: Frame) -> Result<(), Error> {
         self.is_readable = false;
-        if let Some(kept) = &mut self.kept {
-            kept.forget_new_watched(tables);
+        if let Some(history) = &mut self.history {
+            history.forget_new_watched(tables);
         }
         self.opened.backend_mut().update(tables)?;
         tables.mark_clean();
-        if let Some(kept) = &self.kept {
-            kept.write(self.opened.backend_mut(), tables)?;
+        if let Some(history) = &self.history {
+            history.write(self.opened.backend_mut(), tables)?;
         }
         self.opened.backend_mut().run(tables, frame)?;
-        (self.kept, self.is_readable) = (None, true);
+        (self.history, self.is_readable) = (None, true);
         Ok(())
     }
 
@@ -68,8 +68,8 @@ impl ActiveDevice {
         tables: &Tables,
         first: usize,
     ) -> Result<[Float4; N], Error> {
-        if let Some(kept) = &self.kept {
-            return Ok(kept.states(first));
+        if let Some(history) = &self.history {
+            return Ok(history.states(first));
         }
         let mut elements = [Float4::default(); N];
         self.backend_mut().read(tables, StageBuffer::States, first, &mut elements)?;
@@ -78,8 +78,8 @@ impl ActiveDevice {
 
     /// Returns the state of a machine instance after the last update.
     pub(super) fn running(&mut self, tables: &Tables, instance: u32) -> Result<Running, Error> {
-        if let Some(kept) = &self.kept {
-            return Ok(kept.running(instance));
+        if let Some(history) = &self.history {
+            return Ok(history.running(instance));
         }
         let mut elements = [Float4::default(); RUNNING_ELEMENTS as usize];
         if (instance as usize) < tables.machine_instances().tail().start {
@@ -91,16 +91,16 @@ impl ActiveDevice {
 
     /// Returns the history of the device in use, or of the previous one if this device has run no
     /// frame.
-    pub(super) fn history(&mut self, tables: &Tables) -> Result<Kept, Error> {
-        match &self.kept {
-            Some(kept) => Ok(kept.clone()),
-            None => Ok(Kept::read_all(self.opened.backend_mut(), tables)?),
+    pub(super) fn history(&mut self, tables: &Tables) -> Result<DeviceHistory, Error> {
+        match &self.history {
+            Some(history) => Ok(history.clone()),
+            None => Ok(DeviceHistory::read_all(self.opened.backend_mut(), tables)?),
         }
     }
 
     /// Takes a history for the next frame, and forgets the results of earlier ones.
-    pub(super) fn take_history(&mut self, history: Kept) {
-        (self.kept, self.is_readable) = (Some(history), false);
+    pub(super) fn take_history(&mut self, history: DeviceHistory) {
+        (self.history, self.is_readable) = (Some(history), false);
         self.backend_mut().forget_fetched();
     }
 }

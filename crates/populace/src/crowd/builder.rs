@@ -9,9 +9,9 @@ use super::Crowd;
 use super::active_device::ActiveDevice;
 use super::base::Base;
 use super::state::State;
-use crate::device::Opened;
 use crate::fault::Allowed;
 use crate::{Device, Devices, Error, Split};
+use populace_backends::Opened;
 
 /// Settings from which a crowd is built.
 #[derive(Clone, Debug)]
@@ -101,7 +101,7 @@ impl CrowdBuilder {
     /// # Errors
     ///
     /// A number of slots that is out of its range, a device that does not exist or cannot be
-    /// opened, [`Error::BadDevices`] or [`Error::BadSplit`].
+    /// opened, [`DevicesError::BadDevices`](crate::DevicesError::BadDevices) or [`DevicesError::BadSplit`](crate::DevicesError::BadSplit).
     pub fn build(self) -> Result<Crowd, Error> {
         // Ids carry the number of their crowd, so that ids of another crowd are refused.
         static CROWDS: AtomicU32 = AtomicU32::new(0);

@@ -2,15 +2,15 @@
 
 use super::Crowd;
 use super::active_device::ActiveDevice;
-use crate::device::Engine;
 use crate::{Devices, Error, Split};
+use populace_backends::Engine;
 
 impl Crowd {
     /// Sets the shares of the devices from the next update on.
     ///
     /// # Errors
     ///
-    /// [`Error::BadSplit`] for a split that does not fit the devices; the split then stays.
+    /// [`DevicesError::BadSplit`](crate::DevicesError::BadSplit) for a split that does not fit the devices; the split then stays.
     pub fn set_split(&mut self, split: &Split) -> Result<(), Error> {
         let shares = split.shares(&self.device.devices)?;
         if let Engine::Split(backend) = &mut self.device.opened.engine {
@@ -27,7 +27,7 @@ impl Crowd {
     /// # Errors
     ///
     /// A device that does not exist, cannot be opened or cannot run a user stage, or
-    /// [`Error::BadDevices`]; the crowd then stays where it is.
+    /// [`DevicesError::BadDevices`](crate::DevicesError::BadDevices); the crowd then stays where it is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let gl = self.device.gl.clone();
@@ -35,9 +35,9 @@ impl Crowd {
             devices.open(self.device.backend().schedule(), &Split::Measured, gl.as_ref())?;
         opened.backend_mut().set_stages(self.state.stages.as_slice())?;
         // A lost device has no history: feet are planted again, and machines restart.
-        let kept = self.device.history(&self.state.base.tables).unwrap_or_default();
+        let history = self.device.history(&self.state.base.tables).unwrap_or_default();
         self.device = ActiveDevice::new(devices, opened, None, gl);
-        self.device.kept = Some(kept);
+        self.device.history = Some(history);
         self.state.base.tables.mark_dirty();
         Ok(())
     }

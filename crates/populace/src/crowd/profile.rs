@@ -3,8 +3,8 @@
 use populace_device::{Schedule, Stage};
 
 use super::Crowd;
-use crate::device::Engine;
 use crate::{Devices, Error};
+use populace_backends::Engine;
 
 /// The devices in use, what they hold, and how members are shared.
 #[non_exhaustive]

@@ -3,14 +3,14 @@
 use super::Crowd;
 use super::state::State;
 use crate::Error;
-use crate::split::Kept;
+use populace_backends::DeviceHistory;
 
 /// The state of a crowd between two frames: members, assets, playback, constraints, the clock, and
 /// the history that its device holds. See [`Crowd::snapshot`].
 #[derive(Clone)]
 pub struct Snapshot {
     state: State,
-    history: Kept,
+    history: DeviceHistory,
 }
 
 impl Crowd {

@@ -14,9 +14,9 @@ use populace_model::{
 use populace_native::NativeBackend;
 
 use super::*;
-use crate::device::Engine;
-use crate::split::SplitBackend;
 use crate::{ClipPlayback, Device, Placement};
+use populace_backends::Engine;
+use populace_backends::SplitBackend;
 
 /// A backend whose operation `lost_in` fails like a lost device while `is_lost` is set.
 struct FailingBackend {

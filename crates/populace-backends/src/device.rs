@@ -1,7 +1,5 @@
 //! Devices that evaluate a crowd.
 
-mod set;
-
 use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
@@ -9,10 +7,8 @@ use std::sync::Arc;
 use populace_device::{Backend, GlContext, PaletteSource, Schedule};
 use populace_native::NativeBackend;
 
-use crate::Error;
+use crate::error::Error;
 use crate::split::SplitBackend;
-
-pub use set::{Devices, Split};
 
 /// A device, selected by name. It is opened when a crowd is built on it.
 #[non_exhaustive]
@@ -67,8 +63,12 @@ impl Device {
         Self::best_opencl().unwrap_or(Self::native())
     }
 
-    /// Returns the best OpenCL device, or the reason why there is none.
-    pub(crate) fn best_opencl() -> Result<Self, String> {
+    /// Returns the best OpenCL device.
+    ///
+    /// # Errors
+    ///
+    /// The reason why there is none, in words.
+    pub fn best_opencl() -> Result<Self, String> {
         opencl::best()
     }
 
@@ -111,8 +111,10 @@ impl Device {
 }
 
 /// The backend of a crowd.
-pub(crate) enum Engine {
+pub enum Engine {
+    /// One device.
     Alone(Box<dyn Backend>),
+    /// Several devices.
     Split(Box<SplitBackend>),
 }
 
@@ -121,7 +123,7 @@ impl Engine {
         Self::Alone(Box::new(backend))
     }
 
-    fn into_backend(self) -> Box<dyn Backend> {
+    pub(crate) fn into_backend(self) -> Box<dyn Backend> {
         match self {
             Self::Alone(backend) => backend,
             Self::Split(backend) => backend,
@@ -130,21 +132,25 @@ impl Engine {
 }
 
 /// An opened device, or several that share a crowd.
-pub(crate) struct Opened {
-    pub(crate) engine: Engine,
+pub struct Opened {
+    /// The backend.
+    pub engine: Engine,
     /// The reason why it does not share buffers with the given OpenGL context.
-    pub(crate) not_for_gl: Option<String>,
+    pub not_for_gl: Option<String>,
 }
 
 impl Opened {
-    pub(crate) fn backend(&self) -> &dyn Backend {
+    /// The backend.
+    #[must_use]
+    pub fn backend(&self) -> &dyn Backend {
         match &self.engine {
             Engine::Alone(backend) => &**backend,
             Engine::Split(backend) => &**backend,
         }
     }
 
-    pub(crate) fn backend_mut(&mut self) -> &mut dyn Backend {
+    /// The backend, to run frames on.
+    pub fn backend_mut(&mut self) -> &mut dyn Backend {
         match &mut self.engine {
             Engine::Alone(backend) => &mut **backend,
             Engine::Split(backend) => &mut **backend,
@@ -224,7 +230,7 @@ mod opencl {
     use populace_opencl::{DeviceKind, DevicePart, EmptyPalettes, OpenClBackend, OpenClDevice};
 
     use super::{Device, DeviceReport, Engine, Opened};
-    use crate::Error;
+    use crate::error::Error;
 
     /// The index of a device, and its part if it is divided.
     type Name = (usize, Option<(usize, usize)>);
@@ -341,7 +347,7 @@ mod opencl {
     use populace_device::{GlContext, PaletteSource, Schedule};
 
     use super::{Device, DeviceReport, Opened};
-    use crate::Error;
+    use crate::error::Error;
 
     pub(super) fn best() -> Result<Device, String> {
         Err(Error::WithoutOpenCl.to_string())

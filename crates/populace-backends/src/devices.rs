@@ -6,9 +6,8 @@ use std::sync::Arc;
 
 use populace_device::{GlContext, Schedule};
 
-use super::{Device, Engine, Opened};
-use crate::Error;
-use crate::fault::{DevicesFault, SplitFault};
+use crate::device::{Device, Engine, Opened};
+use crate::error::{DevicesFault, Error, SplitFault};
 use crate::split::SplitBackend;
 
 /// One device, or several that share a crowd: each evaluates some of its members at the same time.
@@ -37,7 +36,11 @@ impl Devices {
 
     /// Opens the devices. The first shares buffers with the OpenGL context if one is given and its
     /// driver supports it.
-    pub(crate) fn open(
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadDevices`], [`Error::BadSplit`], or a device that cannot be opened.
+    pub fn open(
         &self,
         schedule: Schedule,
         split: &Split,
@@ -121,7 +124,11 @@ pub enum Split {
 
 impl Split {
     /// Returns a share for each device, whose sum is 1; `None` if they are measured.
-    pub(crate) fn shares(&self, devices: &Devices) -> Result<Option<Vec<f64>>, Error> {
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadSplit`] for a split that does not fit the devices.
+    pub fn shares(&self, devices: &Devices) -> Result<Option<Vec<f64>>, Error> {
         let (Self::Fixed(parts), count) = (self, devices.0.len()) else { return Ok(None) };
         let refused = |fault| Err(Error::BadSplit(fault));
         if parts.len() != count {

@@ -2,7 +2,6 @@
 //! indices.
 
 mod balance;
-mod kept;
 mod places;
 
 use std::ops::Range;
@@ -15,10 +14,9 @@ use populace_device::{
     ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 
+use crate::history::DeviceHistory;
 use balance::Balance;
 use places::{Places, Run};
-
-pub(crate) use kept::Kept;
 
 /// Elements of a palette page.
 const PAGE: usize = PAGE_ENTRIES as usize * 3;
@@ -30,7 +28,7 @@ const CALLS: usize = 64;
 /// A crowd on several devices. Each device holds a copy of all tables and space for all palettes,
 /// so members move between devices at no cost. Palettes are gathered on the first device when pages
 /// are read.
-pub(crate) struct SplitBackend {
+pub struct SplitBackend {
     /// The devices, two or more.
     parts: Vec<Part>,
     balance: Balance,
@@ -73,7 +71,8 @@ impl Part {
 
 impl SplitBackend {
     /// Shares a crowd among devices, by fixed shares whose sum is 1 or by measured speed.
-    pub(crate) fn new(backends: Vec<Box<dyn Backend>>, shares: Option<Vec<f64>>) -> Self {
+    #[must_use]
+    pub fn new(backends: Vec<Box<dyn Backend>>, shares: Option<Vec<f64>>) -> Self {
         let balance = Balance::new(backends.len(), shares);
         let parts = backends.into_iter().map(Part::new).collect();
         Self {
@@ -88,14 +87,15 @@ impl SplitBackend {
     }
 
     /// Sets the shares from the next frame on.
-    pub(crate) fn set_shares(&mut self, shares: Option<Vec<f64>>) {
+    pub fn set_shares(&mut self, shares: Option<Vec<f64>>) {
         if shares.is_some() || self.balance.is_fixed() {
             self.balance = Balance::new(self.parts.len(), shares);
         }
     }
 
     /// The share of each device; the sum is 1.
-    pub(crate) fn shares(&self) -> &[f64] {
+    #[must_use]
+    pub fn shares(&self) -> &[f64] {
         self.balance.shares()
     }
 
@@ -156,13 +156,13 @@ impl SplitBackend {
     /// Exchanges history and watched joints between the devices: in the next frame, or the next
     /// phase, another device may evaluate a member, look at it or follow it. Waits for all devices.
     /// Does nothing if there is nothing to exchange.
-    fn share_kept(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let mut all = Kept::default();
-        if !all.free_slots(tables) {
+    fn share_history(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        let mut all = DeviceHistory::default();
+        if !all.allocate(tables) {
             return Ok(());
         }
         for at in 0..self.parts.len() {
-            let own = Kept::read(&mut *self.parts[at].backend, tables)?;
+            let own = DeviceHistory::read(&mut *self.parts[at].backend, tables)?;
             let places = self.parts[at].places.clone();
             for (_, member) in
                 (0..).zip(tables.members().as_slice()).filter(|(place, _)| places.contains(place))
@@ -301,7 +301,7 @@ impl Backend for SplitBackend {
         }
         for phase in frame.phases(tables) {
             run(&mut self.parts, frame.of_phase(phase))?;
-            self.share_kept(tables)?;
+            self.share_history(tables)?;
         }
         Ok(())
     }
@@ -313,7 +313,7 @@ impl Backend for SplitBackend {
             // First the devices whose `run` does not block.
             self.at_work(true).try_for_each(|part| part.run(tables, frame))?;
             run_together(self.at_work(false), tables, frame)?;
-            self.share_kept(tables)?;
+            self.share_history(tables)?;
         }
         self.is_measurable = true;
         Ok(())

@@ -1,13 +1,14 @@
 //! Building of kernels ahead of the crowds that need them.
 
-use std::sync::Arc;
+use populace_character::PaletteEntry;
+use populace_clip::FIRST_TICK;
+use populace_device::layout::Float4;
+use populace_device::{Backend, Frame, Schedule, StageBuffer, Tables};
+use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
-use populace_character::{Character, CharacterSource, PaletteEntry};
-use populace_device::Schedule;
-use populace_model::{Affine, JointSource, Skeleton, Trs};
-
-use super::Crowd;
-use crate::{Device, Devices, Error, Placement};
+use crate::device::Device;
+use crate::devices::Devices;
+use crate::error::Error;
 
 /// The number of members of the trial crowd. With fewer, a table with one change is uploaded as a
 /// whole and the partial upload is not built.
@@ -15,7 +16,7 @@ const MEMBERS: usize = 8;
 
 impl Device {
     /// Builds the kernels of a schedule on this device and runs them once. A later
-    /// [`move_to`](Crowd::move_to) or [`build`](crate::CrowdBuilder::build) in this process reuses
+    /// crowd that is built on it or moves to it in this process reuses
     /// them.
     ///
     /// This takes as long as the driver's compiler: seconds, the first time. On a thread of its own
@@ -42,16 +43,8 @@ impl Device {
     ///
     /// A device that does not exist, cannot be opened or fails.
     pub fn prepare(self, schedule: Schedule) -> Result<(), Error> {
-        let mut crowd =
-            Crowd::builder().device(self).schedule(schedule).capacity(MEMBERS).build()?;
-        let character = crowd.add_character(one_joint()?)?;
-        let spawn = |_| crowd.spawn(character, Placement::at([0.0; 3]));
-        let members = (0..MEMBERS).map(spawn).collect::<Result<Vec<_>, _>>()?;
-        crowd.update(0.0)?;
-        crowd.despawn(members[0])?;
-        crowd.update(0.0)?;
-        crowd.member_mut(members[1])?.local_pose()?;
-        Ok(())
+        let mut opened = self.open(schedule, None)?;
+        try_out(opened.backend_mut())
     }
 }
 
@@ -66,14 +59,25 @@ impl Devices {
     }
 }
 
-fn one_joint() -> Result<Arc<Character>, Error> {
+/// Runs frames of a small crowd, with a removal between them, and reads a member.
+fn try_out(backend: &mut dyn Backend) -> Result<(), Error> {
+    let mut tables = Tables::with_capacity(4, MEMBERS);
     let joint = JointSource { name: "root".into(), parent: None, rest: Trs::IDENTITY };
     let skeleton = Skeleton::new(&[joint])?;
     // Devices skip members without a palette entry.
-    let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
-    let (palette, name) = (skeleton.joints().map(entry).collect(), "one joint".into());
-    let (parts, materials, images, skins, clips) = (vec![], vec![], vec![], vec![], vec![]);
-    let source =
-        CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
-    Ok(Arc::new(Character::new(source)?))
+    let entry = PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY };
+    let body = tables.add_body(&skeleton, &[entry])?;
+    let members: Vec<u32> =
+        (0..MEMBERS).map(|_| tables.add_member(body)).collect::<Result<_, _>>()?;
+    for removed in [None, Some(members[0])] {
+        if let Some(member) = removed {
+            tables.remove_member(member);
+        }
+        backend.update(&tables)?;
+        tables.mark_clean();
+        backend.run(&tables, Frame::of_all(FIRST_TICK))?;
+    }
+    let first = tables.members().as_slice()[members[1] as usize].joint_first as usize;
+    let mut joint = [Float4::default(); 1];
+    Ok(backend.read(&tables, StageBuffer::Translations, first, &mut joint)?)
 }

@@ -11,50 +11,53 @@ use populace_device::{Backend, BackendError, StageBuffer, Tables};
 /// States of all constraint programs, watched joints, and state machines, which devices that share
 /// a crowd each compute for themselves.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Kept {
+pub struct DeviceHistory {
     states: Vec<Float4>,
     watched: Vec<Float4>,
     running: Vec<Float4>,
 }
 
-impl Kept {
+impl DeviceHistory {
     /// Allocates for the history that devices do not compute for themselves. Returns `false` if
     /// there is none.
-    pub(super) fn free_slots(&mut self, tables: &Tables) -> bool {
+    pub(crate) fn allocate(&mut self, tables: &Tables) -> bool {
         self.states.resize(tables.state_elements(), Float4::default());
         self.watched.resize(tables.watched_elements(), Float4::default());
         !self.states.is_empty() || !self.watched.is_empty()
     }
 
-    /// Reads the whole history of a device.
-    pub(crate) fn read_all(
-        backend: &mut dyn Backend,
-        tables: &Tables,
-    ) -> Result<Self, BackendError> {
-        let mut kept = Self::default();
+    /// Reads the whole history of a device. Waits for the last frame.
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    pub fn read_all(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
+        let mut history = Self::default();
         // States added since the last update are not on the device yet.
         let states = tables.controls().tail().start * STATES_PER_CONTROL as usize;
         let running = tables.machine_instances().tail().start * RUNNING_ELEMENTS as usize;
         for (buffer, all, count) in [
-            (StageBuffer::States, &mut kept.states, states),
-            (StageBuffer::Watched, &mut kept.watched, tables.watched_elements_known()),
-            (StageBuffer::Running, &mut kept.running, running),
+            (StageBuffer::States, &mut history.states, states),
+            (StageBuffer::Watched, &mut history.watched, tables.watched_elements_known()),
+            (StageBuffer::Running, &mut history.running, running),
         ] {
             all.resize(count, Float4::default());
             if count > 0 {
                 backend.read(tables, buffer, 0, all)?;
             }
         }
-        Ok(kept)
+        Ok(history)
     }
 
     /// Returns elements of the states from `first` on; zeros for unknown states.
-    pub(crate) fn states<const N: usize>(&self, first: usize) -> [Float4; N] {
+    #[must_use]
+    pub fn states<const N: usize>(&self, first: usize) -> [Float4; N] {
         std::array::from_fn(|nth| self.states.get(first + nth).copied().unwrap_or_default())
     }
 
     /// Returns the state of a machine instance; the default if it is unknown.
-    pub(crate) fn running(&self, machine_instance: u32) -> Running {
+    #[must_use]
+    pub fn running(&self, machine_instance: u32) -> Running {
         let rows = self.running.as_chunks().0;
         rows.get(machine_instance as usize)
             .copied()
@@ -64,16 +67,16 @@ impl Kept {
     /// Reads the history that other devices do not compute for themselves. Waits for the last
     /// frame.
     pub(crate) fn read(backend: &mut dyn Backend, tables: &Tables) -> Result<Self, BackendError> {
-        let mut kept = Self::default();
-        if kept.free_slots(tables) {
-            backend.read(tables, StageBuffer::States, 0, &mut kept.states)?;
-            backend.read(tables, StageBuffer::Watched, 0, &mut kept.watched)?;
+        let mut history = Self::default();
+        if history.allocate(tables) {
+            backend.read(tables, StageBuffer::States, 0, &mut history.states)?;
+            backend.read(tables, StageBuffer::Watched, 0, &mut history.watched)?;
         }
-        Ok(kept)
+        Ok(history)
     }
 
     /// Copies the history of a member from `from`.
-    pub(super) fn take_over(&mut self, from: &Self, tables: &Tables, member: &Member) {
+    pub(crate) fn take_over(&mut self, from: &Self, tables: &Tables, member: &Member) {
         if member.body == NONE || member.control == NONE {
             return;
         }
@@ -87,7 +90,7 @@ impl Kept {
     }
 
     /// Clears watched joints whose indices were reused since.
-    pub(crate) fn forget_new_watched(&mut self, tables: &Tables) {
+    pub fn forget_new_watched(&mut self, tables: &Tables) {
         for run in tables.new_watched_elements() {
             if let Some(watched) = self.watched.get_mut(run) {
                 watched.fill(Float4::default());
@@ -97,11 +100,11 @@ impl Kept {
 
     /// Writes the history to a device that has these tables. States that the tables no longer hold
     /// are dropped.
-    pub(crate) fn write(
-        &self,
-        backend: &mut dyn Backend,
-        tables: &Tables,
-    ) -> Result<(), BackendError> {
+    ///
+    /// # Errors
+    ///
+    /// A failing device.
+    pub fn write(&self, backend: &mut dyn Backend, tables: &Tables) -> Result<(), BackendError> {
         for (buffer, all, count) in [
             (StageBuffer::States, &self.states, tables.state_elements()),
             (StageBuffer::Watched, &self.watched, tables.watched_elements()),
