@@ -101,7 +101,8 @@ impl CrowdBuilder {
     /// # Errors
     ///
     /// A number of slots that is out of its range, a device that does not exist or cannot be
-    /// opened, [`DevicesError::BadDevices`](crate::DevicesError::BadDevices) or [`DevicesError::BadSplit`](crate::DevicesError::BadSplit).
+    /// opened, [`DevicesError::BadDevices`](crate::DevicesError::BadDevices) or
+    /// [`DevicesError::BadSplit`](crate::DevicesError::BadSplit).
     pub fn build(self) -> Result<Crowd, Error> {
         // Ids carry the number of their crowd, so that ids of another crowd are refused.
         static CROWDS: AtomicU32 = AtomicU32::new(0);

@@ -10,7 +10,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`DevicesError::BadSplit`](crate::DevicesError::BadSplit) for a split that does not fit the devices; the split then stays.
+    /// [`DevicesError::BadSplit`](crate::DevicesError::BadSplit) for a split that does not fit the
+    /// devices; the split then stays.
     pub fn set_split(&mut self, split: &Split) -> Result<(), Error> {
         let shares = split.shares(&self.device.devices)?;
         if let Engine::Split(backend) = &mut self.device.opened.engine {
@@ -27,7 +28,8 @@ impl Crowd {
     /// # Errors
     ///
     /// A device that does not exist, cannot be opened or cannot run a user stage, or
-    /// [`DevicesError::BadDevices`](crate::DevicesError::BadDevices); the crowd then stays where it is.
+    /// [`DevicesError::BadDevices`](crate::DevicesError::BadDevices); the crowd then stays where it
+    /// is.
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let gl = self.device.gl.clone();
