@@ -138,8 +138,8 @@ impl MemberMut<'_> {
         constraints.let_go(base, self.id, end, over_secs)
     }
 
-    /// Keeps the feet on the ground ([`Crowd::set_ground`]) by leg IK. The humanoid roles name the
-    /// legs. A weight of 0 ends it.
+    /// Keeps the feet on the ground ([`Crowd::set_ground`](crate::Crowd::set_ground)) by leg IK.
+    /// The humanoid roles name the legs. A weight of 0 ends it.
     ///
     /// # Errors
     ///

@@ -66,7 +66,8 @@ impl MemberMut<'_> {
         Ok(placement)
     }
 
-    /// Reports the member's events in [`Crowd::events`] from the next update on.
+    /// Reports the member's events in [`Crowd::events`](crate::Crowd::events) from the next update
+    /// on.
     pub fn subscribe_events(&mut self) {
         self.crowd.state.events.subscribe(self.id);
     }

@@ -192,7 +192,8 @@ impl MemberMut<'_> {
     /// [`stop`](Self::stop).
     ///
     /// A machine takes two slots, and each layer can run one. The device evaluates it: neither
-    /// [`active_clips`](Self::active_clips) nor [`Crowd::events`] tell of its clips.
+    /// [`active_clips`](Self::active_clips) nor [`Crowd::events`](crate::Crowd::events) tell of its
+    /// clips.
     ///
     /// # Errors
     ///
