@@ -136,8 +136,8 @@ impl Base {
     }
 
     /// The slots of the member at an index.
-    pub(super) fn slots(&self, place: u32) -> &[Slot] {
-        &self.tables.slots().as_slice()[self.tables.slot_range(place)]
+    pub(super) fn slots(&self, member_index: u32) -> &[Slot] {
+        &self.tables.slots().as_slice()[self.tables.slot_range(member_index)]
     }
 
     /// The length of a bound clip.

@@ -1,29 +1,25 @@
 //! Constraint programs of members: overrides, look-at, reach, planted feet, proportions.
 
 mod humanoid;
+mod limb;
+mod targets;
+mod watched;
 
 use std::collections::{BTreeSet, HashMap};
-use std::mem::{Discriminant, discriminant};
 
-use populace_device::layout::{self, LAYERS_PER_MEMBER, TARGET_WATCHED};
-use populace_device::{
-    BodyIndex, Chain, Constraint, ConstraintFault, Controls, Feet, JointOverride, Limb, Space,
-};
-use populace_model::{JointIndex, LARGEST_SCALE, Skeleton};
+use populace_device::{BodyIndex, Chain, Constraint, Controls, Feet, JointOverride, Space};
+use populace_model::{JointIndex, LARGEST_SCALE};
 
 use super::MemberId;
 use super::base::Base;
 use crate::fault::Allowed;
 use crate::{Error, Gaze, Reach, Target, Weight};
 use humanoid::limb_above;
+use limb::limb_of;
+use targets::{Goal, aim_at, forget_faded, goal_of, set_targets, targets_of};
 
-/// The most targets between which one constraint eases; the weakest is dropped.
-const TARGETS: usize = LAYERS_PER_MEMBER as usize;
 /// The fraction of a limb's length within which it straightens softly.
 const SOFT: f32 = 0.03;
-/// The distance of the middle joint from the straight line above which a rest pose counts as bent,
-/// as a fraction of the limb's length.
-const BENT: f32 = 0.01;
 
 /// Constraint programs of members, and the joints that they watch.
 #[derive(Clone, Debug, Default)]
@@ -45,10 +41,6 @@ struct MemberControls {
     /// The tick at which each constraint last received a target.
     aimed: Vec<(Goal, u64)>,
 }
-
-/// The identity of a constraint within a member: its kind, and the joint that faces or meets the
-/// target.
-type Goal = (Discriminant<Constraint>, Option<JointIndex>);
 
 impl Constraints {
     pub(super) fn override_joints(
@@ -295,65 +287,6 @@ impl Constraints {
         of_goal.any(|(_, tick)| base.clock.tick - tick < ticks)
     }
 
-    /// Watches a joint for a target of `watcher` and returns its index on the device.
-    fn watch_for(
-        &mut self,
-        base: &mut Base,
-        watcher: MemberId,
-        other: MemberId,
-        joint: JointIndex,
-    ) -> Result<u32, Error> {
-        let key = (other, joint);
-        let watching =
-            self.controls.get(&watcher.index).is_some_and(|state| state.watching.contains(&key));
-        if let Some((watched, _)) = self.watches.get(&key).filter(|_| watching) {
-            return Ok(*watched);
-        }
-        let watched = self.watch_joint(base, other, joint)?;
-        self.controls.entry(watcher.index).or_default().watching.push(key);
-        Ok(watched)
-    }
-
-    pub(super) fn watch_joint(
-        &mut self,
-        base: &mut Base,
-        other: MemberId,
-        joint: JointIndex,
-    ) -> Result<u32, Error> {
-        base.check(other)?;
-        if let Some((watched, count)) = self.watches.get_mut(&(other, joint)) {
-            *count += 1;
-            return Ok(*watched);
-        }
-        let watched = base.tables.add_watched();
-        let changed = self.change(base, other, |controls| {
-            controls.watches.push((joint, watched));
-            Ok(())
-        });
-        if let Err(error) = changed {
-            base.tables.remove_watched(watched);
-            return Err(error);
-        }
-        self.watches.insert((other, joint), (watched, 1));
-        Ok(watched)
-    }
-
-    pub(super) fn unwatch_joint(&mut self, base: &mut Base, other: MemberId, joint: JointIndex) {
-        let Some((watched, count)) = self.watches.get_mut(&(other, joint)) else { return };
-        *count -= 1;
-        if *count > 0 {
-            return;
-        }
-        let watched = *watched;
-        self.watches.remove(&(other, joint));
-        base.tables.remove_watched(watched);
-        // If the other member is gone there is nothing to change.
-        let _left = self.change(base, other, |controls| {
-            controls.watches.retain(|(_, index)| *index != watched);
-            Ok(())
-        });
-    }
-
     pub(super) fn is_empty(&self) -> bool {
         self.controls.is_empty()
     }
@@ -417,27 +350,6 @@ impl Constraints {
         Ok(())
     }
 
-    /// Ends the watches of joints that no target of the member names any longer.
-    fn unwatch_unused(&mut self, base: &mut Base, member: MemberId) {
-        let Some(state) =
-            self.controls.get_mut(&member.index).filter(|state| !state.watching.is_empty())
-        else {
-            return;
-        };
-        let targets = state.controls.constraints.iter_mut().flat_map(targets_of);
-        let named: Vec<u32> = targets
-            .filter(|target| target.kind == TARGET_WATCHED)
-            .map(|target| target.watched)
-            .collect();
-        let watches = &self.watches;
-        let is_over = |key: &mut (MemberId, JointIndex)| {
-            watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
-        };
-        for (other, joint) in state.watching.extract_if(.., is_over).collect::<Vec<_>>() {
-            self.unwatch_joint(base, other, joint);
-        }
-    }
-
     /// Removes the constraint program of a member that is despawned.
     pub(super) fn forget(&mut self, base: &mut Base, member: MemberId) {
         if let Some(state) = self.controls.remove(&member.index) {
@@ -447,114 +359,4 @@ impl Constraints {
             }
         }
     }
-}
-
-/// Fades to one target from all others. If `follows` is set, the target replaces the previous one
-/// of its kind.
-fn aim_at(
-    targets: &mut Vec<layout::Target>,
-    target: layout::Target,
-    tick: u64,
-    weight: Weight,
-    follows: bool,
-) {
-    targets.retain(|target| !faded(target, tick));
-    let alike = |old: &layout::Target| old.kind == target.kind && old.watched == target.watched;
-    let same = targets.iter().position(|old| alike(old) && old.point == target.point);
-    let at = same.or_else(|| targets.iter().position(|old| follows && alike(old) && !leaves(old)));
-    let before = at.map_or(target, |at| targets.remove(at));
-    for old in targets.iter_mut() {
-        *old = old.ramped_to(tick, 0.0, weight.secs);
-    }
-    if targets.len() == TARGETS {
-        let weakest = (0..TARGETS)
-            .min_by(|a, b| targets[*a].ramp_at(tick).total_cmp(&targets[*b].ramp_at(tick)));
-        targets.remove(weakest.unwrap_or(0));
-    }
-    let taking = layout::Target { point: target.point, ..before };
-    targets.push(taking.ramped_to(tick, weight.value, weight.secs));
-}
-
-/// Returns whether a target's weight ends at 0.
-fn leaves(target: &layout::Target) -> bool {
-    target.end_weight <= 0.0
-}
-
-/// Returns whether a target's weight has reached 0 for good.
-fn faded(target: &layout::Target, tick: u64) -> bool {
-    leaves(target) && target.ramp_at(tick) <= 0.0
-}
-
-fn goal_of(constraint: &Constraint) -> Goal {
-    let end = match constraint {
-        Constraint::Gaze(gaze) => gaze.chain.last().map(|(joint, _)| *joint),
-        Constraint::Limb(limb) => Some(limb.end),
-        Constraint::Chain(chain) => Some(chain.end),
-        Constraint::Feet(_) => None,
-    };
-    (discriminant(constraint), end)
-}
-
-/// Removes constraints whose targets have all faded out.
-fn forget_faded(controls: &mut Controls, tick: u64) {
-    controls.constraints.retain_mut(|constraint| {
-        let stays = matches!(constraint, Constraint::Feet(_));
-        stays || targets_of(constraint).iter().any(|target| !faded(target, tick))
-    });
-}
-
-fn targets_of(constraint: &mut Constraint) -> &mut [layout::Target] {
-    match constraint {
-        Constraint::Gaze(gaze) => &mut gaze.targets,
-        Constraint::Limb(limb) => &mut limb.targets,
-        Constraint::Chain(chain) => &mut chain.targets,
-        Constraint::Feet(_) => &mut [],
-    }
-}
-
-fn set_targets(constraint: &mut Constraint, targets: Vec<layout::Target>) {
-    match constraint {
-        Constraint::Gaze(gaze) => gaze.targets = targets,
-        Constraint::Limb(limb) => limb.targets = targets,
-        Constraint::Chain(chain) => chain.targets = targets,
-        Constraint::Feet(_) => {}
-    }
-}
-
-fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
-    let bad = || {
-        let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
-        let (joint, name) = (reach.end.0, known.map(str::to_owned));
-        Error::Tables(ConstraintFault::NoLimb { joint, name }.into())
-    };
-    let there =
-        |joint: JointIndex| if joint.index() < skeleton.joint_count() { Some(joint) } else { None };
-    let end = there(reach.end).ok_or_else(bad)?;
-    let [first, middle] = match reach.limb {
-        Some(limb) => limb,
-        None => {
-            let middle = skeleton.parent(end).ok_or_else(bad)?;
-            [skeleton.parent(middle).ok_or_else(bad)?, middle]
-        }
-    };
-    for joint in [first, middle] {
-        there(joint).ok_or_else(bad)?;
-    }
-    let bend = reach.bend.unwrap_or_else(|| usual_bend(skeleton, [first, middle, end]));
-    let Reach { pole, keeps_end, .. } = *reach;
-    Ok(Limb { first, middle, end, bend, pole, keeps_end, soft: SOFT, targets: Vec::new() })
-}
-
-/// Returns the direction in which a limb bends: as at rest, else knees to the front and elbows to
-/// the back.
-fn usual_bend(skeleton: &Skeleton, joints: [JointIndex; 3]) -> [f32; 3] {
-    use populace_model::math::vec3;
-    let [first, middle, end] = joints.map(|joint| skeleton.rest_model(joint).origin());
-    let (whole, upper) = (vec3::sub(end, first), vec3::sub(middle, first));
-    let along = vec3::unit_or(whole, [0.0, -1.0, 0.0]);
-    let out = vec3::across(upper, along);
-    if vec3::length(out) > BENT * vec3::length(whole) {
-        return vec3::unit_or(out, [0.0, 0.0, 1.0]);
-    }
-    if along[0].abs() > along[1].abs() { [0.0, 0.0, -1.0] } else { [0.0, 0.0, 1.0] }
 }

@@ -13,13 +13,13 @@ use crate::playback::Playback;
 /// The action of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Action {
-    /// Plays a clip, in place of the layer's clips if `alone`, else beside them.
+    /// Plays a clip, in member_index of the layer's clips if `alone`, else beside them.
     Clip { bound: u32, alone: bool },
-    /// Plays a blend space, in place of what the layer plays.
+    /// Plays a blend space, in member_index of what the layer plays.
     Space { index: u32, at: SpacePoint },
     /// Moves the active blend space to another position within `over_secs`.
     Move { at: SpacePoint, over_secs: f32 },
-    /// Runs a state machine with initial parameters, in place of what the layer plays.
+    /// Runs a state machine with initial parameters, in member_index of what the layer plays.
     Machine { state: u32, parameters: [f32; MACHINE_PARAMETERS as usize] },
 }
 
@@ -57,10 +57,10 @@ pub(crate) struct ScheduledStarts {
 }
 
 impl ScheduledStarts {
-    pub(crate) fn push(&mut self, place: u32, due: u64, start: Start) {
+    pub(crate) fn push(&mut self, member_index: u32, due: u64, start: Start) {
         self.pushed += 1;
-        self.by_time.insert((due, self.pushed), place);
-        let starts = self.by_member.entry(place).or_default();
+        self.by_time.insert((due, self.pushed), member_index);
+        let starts = self.by_member.entry(member_index).or_default();
         starts.push((due, self.pushed, start));
         starts.sort_by_key(|(due, order, _)| (*due, *order));
     }
@@ -70,8 +70,8 @@ impl ScheduledStarts {
     }
 
     /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
-    pub(crate) fn of(&self, place: u32) -> impl Iterator<Item = (u64, &Start)> {
-        self.by_member.get(&place).into_iter().flatten().map(|(due, _, start)| (*due, start))
+    pub(crate) fn of(&self, member_index: u32) -> impl Iterator<Item = (u64, &Start)> {
+        self.by_member.get(&member_index).into_iter().flatten().map(|(due, _, start)| (*due, start))
     }
 
     /// Returns whether `which` selects any start.
@@ -81,23 +81,23 @@ impl ScheduledStarts {
 
     /// Takes the first start that is due at or before `tick`.
     pub(crate) fn take_due(&mut self, tick: u64) -> Option<(u64, u32, Start)> {
-        let (&(due, order), &place) = self.by_time.first_key_value()?;
+        let (&(due, order), &member_index) = self.by_time.first_key_value()?;
         if due > tick {
             return None;
         }
         self.by_time.remove(&(due, order));
-        let starts = self.by_member.get_mut(&place)?;
+        let starts = self.by_member.get_mut(&member_index)?;
         let at = starts.iter().position(|entry| entry.1 == order)?;
         let (_, _, start) = starts.remove(at);
         if starts.is_empty() {
-            self.by_member.remove(&place);
+            self.by_member.remove(&member_index);
         }
-        Some((due, place, start))
+        Some((due, member_index, start))
     }
 
     /// Drops the starts of a member for which `keep` returns false.
-    pub(crate) fn retain(&mut self, place: u32, keep: impl Fn(&Start) -> bool) {
-        let Some(starts) = self.by_member.get_mut(&place) else { return };
+    pub(crate) fn retain(&mut self, member_index: u32, keep: impl Fn(&Start) -> bool) {
+        let Some(starts) = self.by_member.get_mut(&member_index) else { return };
         starts.retain(|(due, order, start)| {
             let kept = keep(start);
             if !kept {
@@ -106,16 +106,20 @@ impl ScheduledStarts {
             kept
         });
         if starts.is_empty() {
-            self.by_member.remove(&place);
+            self.by_member.remove(&member_index);
         }
     }
 
     /// Changes the starts of a member and the ticks at which they are due.
-    pub(crate) fn change(&mut self, place: u32, mut change: impl FnMut(&mut u64, &mut Start)) {
-        for (due, order, start) in self.by_member.get_mut(&place).into_iter().flatten() {
+    pub(crate) fn change(
+        &mut self,
+        member_index: u32,
+        mut change: impl FnMut(&mut u64, &mut Start),
+    ) {
+        for (due, order, start) in self.by_member.get_mut(&member_index).into_iter().flatten() {
             self.by_time.remove(&(*due, *order));
             change(due, start);
-            self.by_time.insert((*due, *order), place);
+            self.by_time.insert((*due, *order), member_index);
         }
     }
 }
@@ -137,13 +141,17 @@ mod tests {
     #[test]
     fn starts_are_taken_by_time_and_then_by_call_order() {
         let mut scheduled = ScheduledStarts::default();
-        for (place, due, serial) in [(1, 30, 0), (2, 10, 1), (1, 10, 2), (3, 50, 3), (2, 10, 4)] {
-            scheduled.push(place, due, start(serial, 0));
+        for (member_index, due, serial) in
+            [(1, 30, 0), (2, 10, 1), (1, 10, 2), (3, 50, 3), (2, 10, 4)]
+        {
+            scheduled.push(member_index, due, start(serial, 0));
         }
         scheduled.change(1, |due, start| *due = if start.serial == 0 { 5 } else { *due });
         let taken: Vec<_> = std::iter::from_fn(|| scheduled.take_due(30)).collect();
-        let order: Vec<_> =
-            taken.iter().map(|(due, place, start)| (*due, *place, start.serial)).collect();
+        let order: Vec<_> = taken
+            .iter()
+            .map(|(due, member_index, start)| (*due, *member_index, start.serial))
+            .collect();
         assert_eq!(order, [(5, 1, 0), (10, 2, 1), (10, 1, 2), (10, 2, 4)]);
         assert_eq!(scheduled.of(3).count(), 1);
         assert!(scheduled.take_due(49).is_none() && scheduled.take_due(50).is_some());
