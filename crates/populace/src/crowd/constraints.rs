@@ -82,7 +82,7 @@ impl Constraints {
         })
     }
 
-    pub(super) fn look_with(
+    pub(super) fn look_at_with(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -216,7 +216,7 @@ impl Constraints {
         })
     }
 
-    pub(super) fn look_ahead(
+    pub(super) fn clear_look_at(
         &mut self,
         base: &mut Base,
         member: MemberId,
@@ -227,7 +227,7 @@ impl Constraints {
         })
     }
 
-    pub(super) fn let_go(
+    pub(super) fn clear_reach(
         &mut self,
         base: &mut Base,
         member: MemberId,

@@ -42,7 +42,7 @@ impl Constraints {
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         for gaze in usual_gaze(base, character)? {
-            self.look_with(base, member, gaze, target, weight)?;
+            self.look_at_with(base, member, gaze, target, weight)?;
         }
         Ok(())
     }

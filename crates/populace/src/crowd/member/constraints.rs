@@ -82,7 +82,7 @@ impl MemberMut<'_> {
         weight: Weight,
     ) -> Result<(), Error> {
         let (constraints, base) = self.crowd.state.constraints();
-        constraints.look_with(base, self.id, gaze.clone(), target.into(), weight)
+        constraints.look_at_with(base, self.id, gaze.clone(), target.into(), weight)
     }
 
     /// Fades out all look-at constraints within `over_secs`.
@@ -92,7 +92,7 @@ impl MemberMut<'_> {
     /// A time that is out of its range.
     pub fn clear_look_at(&mut self, over_secs: f32) -> Result<(), Error> {
         let (constraints, base) = self.crowd.state.constraints();
-        constraints.look_ahead(base, self.id, over_secs)
+        constraints.clear_look_at(base, self.id, over_secs)
     }
 
     /// Makes a limb reach for a target by two-bone IK, in place of its earlier target. The limb
@@ -135,7 +135,7 @@ impl MemberMut<'_> {
     /// A time that is out of its range.
     pub fn clear_reach(&mut self, end: JointIndex, over_secs: f32) -> Result<(), Error> {
         let (constraints, base) = self.crowd.state.constraints();
-        constraints.let_go(base, self.id, end, over_secs)
+        constraints.clear_reach(base, self.id, end, over_secs)
     }
 
     /// Keeps the feet on the ground ([`Crowd::set_ground`](crate::Crowd::set_ground)) by leg IK.
