@@ -20,20 +20,19 @@ impl Device {
     /// them.
     ///
     /// This takes as long as the driver's compiler: seconds, the first time. On a thread of its own
-    /// it leaves the crowd running elsewhere:
+    /// it leaves a crowd running elsewhere:
     ///
     /// ```
-    /// use populace::{Crowd, Device};
+    /// # use populace_backends::Device;
+    /// # use populace_device::Schedule;
     /// # let next = Device::native(); // in place of an OpenCL device
-    /// let mut crowd = Crowd::builder().device(Device::native()).build()?;
-    /// let schedule = crowd.device_info().schedule;
-    /// let preparation = std::thread::spawn(move || next.prepare(schedule));
+    /// let preparation = std::thread::spawn(move || next.prepare(Schedule::Fused));
     /// while !preparation.is_finished() {
-    ///     crowd.update(1.0 / 60.0)?;
+    ///     // Here the crowd is updated on the device that it has.
     /// }
     /// preparation.join().expect("it does not panic")?;
-    /// crowd.move_to(next)?;
-    /// # Ok::<(), populace::Error>(())
+    /// // Now the crowd moves, without a wait.
+    /// # Ok::<(), populace_backends::Error>(())
     /// ```
     ///
     /// User stages are not included: they are built when a crowd that has them moves. Nor is a
