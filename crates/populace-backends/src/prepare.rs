@@ -15,9 +15,8 @@ use crate::error::Error;
 const MEMBERS: usize = 8;
 
 impl Device {
-    /// Builds the kernels of a schedule on this device and runs them once. A later
-    /// crowd that is built on it or moves to it in this process reuses
-    /// them.
+    /// Builds the kernels of a schedule on this device and runs them once. A later crowd of this
+    /// process that is built on it or moves to it uses them again.
     ///
     /// This takes as long as the driver's compiler: seconds, the first time. On a thread of its own
     /// it leaves a crowd running elsewhere:

@@ -49,7 +49,7 @@ impl Crowd {
     /// they did after the snapshot, on any devices that compute the same bits. Results can be read
     /// after the next update.
     ///
-    /// Devices, split and ground-sharing with OpenGL stay as they are. Handles that were returned
+    /// Devices, their split and the OpenGL context stay as they are. Handles that were returned
     /// after the snapshot was taken mean nothing afterwards.
     ///
     /// # Errors
