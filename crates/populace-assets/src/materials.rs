@@ -27,7 +27,7 @@ impl UvTransform {
     }
 }
 
-/// How a material uses its texture.
+/// The use of a texture by a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct TextureUse {
     /// Index of the set of texture coordinates.

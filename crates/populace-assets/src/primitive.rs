@@ -6,7 +6,7 @@ use crate::extensions::Extensions;
 use crate::json::Cursor;
 use crate::log::Checked;
 
-/// How indices form triangles.
+/// The way in which indices form triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Topology {
     Triangles,

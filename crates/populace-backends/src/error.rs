@@ -30,7 +30,7 @@ pub enum Error {
     BadDevices {
         /// The devices, joined.
         devices: String,
-        /// What is wrong.
+        /// The fault.
         fault: DevicesFault,
     },
     /// A split that does not fit its devices.
@@ -44,7 +44,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// What kind of thing went wrong.
+    /// Returns the kind of the error.
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
         match self {

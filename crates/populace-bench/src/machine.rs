@@ -1,4 +1,4 @@
-//! What the system says of the machine.
+//! Processor, threads and operating system of the machine.
 
 /// Describes the processor by its name, if the system reports it, and its threads.
 #[must_use]

@@ -1,4 +1,4 @@
-//! What a benchmark tells its caller while it runs.
+//! The observer: progress of a benchmark, reported to its caller.
 
 use populace::Crowd;
 

@@ -116,7 +116,7 @@ pub(crate) struct Staging {
 pub struct DeviceSetup {
     /// The devices; several share the crowd.
     pub devices: Devices,
-    /// How several devices share it.
+    /// The shares of several devices.
     pub split: Split,
 }
 

@@ -103,7 +103,7 @@ pub enum ConstraintFault {
          {LARGEST_SCALE:e} and a rotation of length 1"
     )]
     Transform {
-        /// What the transform is for.
+        /// The use of the transform.
         part: ConstraintPart,
     },
     /// A height field whose numbers do not fit each other.

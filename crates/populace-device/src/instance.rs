@@ -1,4 +1,4 @@
-//! What a renderer draws: instances of characters, and the palettes that go with them.
+//! Instances of characters, and the source of instances and palettes that a renderer draws from.
 
 use std::fmt;
 use std::sync::Arc;

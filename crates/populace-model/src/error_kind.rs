@@ -1,6 +1,6 @@
 //! The kind of an error, the same for all crates.
 
-/// What kind of thing went wrong. Each error type of the libraries has a method `kind`, so that
+/// The kind of an error. Each error type of the libraries has a method `kind`, so that
 /// callers can decide what to do without reading messages.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

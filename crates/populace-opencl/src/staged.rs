@@ -20,7 +20,7 @@ use crate::tables::DeviceBlockTables;
 use crate::user_stages::StageKernels;
 use crate::{DeviceKind, OpenClDevice};
 
-/// How work is divided on a kind of device.
+/// Division of work on a kind of device.
 #[derive(Clone, Copy)]
 pub(crate) struct DispatchShape {
     /// Work-items in a work-group.

@@ -8,7 +8,7 @@ use populace_model::Affine;
 use crate::Error;
 use crate::layout::InstanceData;
 
-/// What a picture shows.
+/// Counts of a drawn picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
     /// Number of instances.

@@ -175,7 +175,7 @@ impl Palettes {
         Ok(())
     }
 
-    /// Lets go of all pages. Buffers of copies are kept for the next ones.
+    /// Drops all shared pages. Buffers of copied pages stay for the next crowd.
     pub(crate) fn clear(&mut self) {
         self.pages.truncate(self.used);
         self.pages.retain(|page| matches!(page, PageSource::Copied(_)));

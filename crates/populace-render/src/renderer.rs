@@ -140,7 +140,7 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// Those of [`upload_character`](Self::upload_character),
+    /// As for [`upload_character`](Self::upload_character),
     /// [`acquire_palettes`](Self::acquire_palettes) and
     /// [`draw_instances`](Self::draw_instances).
     pub fn draw(
@@ -156,8 +156,8 @@ impl Renderer {
     ///
     /// # Errors
     ///
-    /// Those of [`draw`](Self::draw). [`Error::TooLarge`] if the crowds have more pages of palettes
-    /// together than 32 bits can count entries of.
+    /// As for [`draw`](Self::draw), and [`Error::TooLarge`] if the crowds together have more than
+    /// 2^32 palette entries.
     pub fn draw_crowds(
         &mut self,
         crowds: &mut [&mut dyn DrawSource],

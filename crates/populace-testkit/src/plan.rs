@@ -62,7 +62,7 @@ pub struct Inertialization {
 /// A layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerPlan {
-    /// How the layer is combined with the layers below.
+    /// The combination with the layers below.
     pub mode: LayerMode,
     /// From 0 to 1.
     pub weight: f32,

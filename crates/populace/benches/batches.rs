@@ -20,7 +20,7 @@ struct Scene {
     crowd: Crowd,
     members: Vec<MemberId>,
     speed: ParameterId,
-    /// What the calls of even and of odd numbers set.
+    /// Arguments of the calls: one list for even numbers, one for odd.
     placements: [Vec<(MemberId, Placement)>; 2],
     values: [Vec<(MemberId, f32)>; 2],
     joints: Vec<(MemberId, JointIndex)>,

@@ -69,7 +69,7 @@ pub enum Error {
          until it is removed"
     )]
     UnknownId {
-        /// What kind of id.
+        /// The kind of id.
         what: IdKind,
         /// Its number.
         index: u32,
@@ -80,25 +80,25 @@ pub enum Error {
     /// Something to remove that is still needed.
     #[error("the {what} cannot be removed: it is in use by {by}")]
     InUse {
-        /// What kind of thing.
+        /// The kind of the asset.
         what: IdKind,
-        /// What needs it.
+        /// Its user.
         by: User,
     },
     /// A number out of its range.
     #[error("{what} is {value}; it must be {allowed}")]
     BadValue {
-        /// What was given.
+        /// The quantity.
         what: &'static str,
         /// The value.
         value: f32,
-        /// What is allowed.
+        /// The allowed values.
         allowed: Allowed,
     },
 }
 
 impl Error {
-    /// What kind of thing went wrong.
+    /// Returns the kind of the error.
     #[must_use]
     pub fn kind(&self) -> ErrorKind {
         match self {

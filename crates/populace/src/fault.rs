@@ -48,7 +48,7 @@ impl fmt::Display for IdKind {
     }
 }
 
-/// What needs something that cannot be removed.
+/// The user of an asset that cannot be removed.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, thiserror::Error)]
 pub enum User {

@@ -1,4 +1,4 @@
-//! How clips, blend spaces and state machines are played.
+//! Settings of playback: of clips, blend spaces and state machines.
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
@@ -126,7 +126,7 @@ macro_rules! shared_settings {
     };
 }
 
-/// How a clip plays.
+/// Settings with which a clip plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipPlayback(pub(crate) Playback);
 
@@ -151,7 +151,7 @@ impl ClipPlayback {
     }
 }
 
-/// How a blend space plays. Its clips loop on one shared phase.
+/// Settings with which a blend space plays. Its clips loop on one shared phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlendSpacePlayback(pub(crate) Playback);
 
@@ -171,7 +171,7 @@ impl Default for BlendSpacePlayback {
     }
 }
 
-/// How a state machine plays. Its states set speed and phase.
+/// Settings with which a state machine plays. Its states set speed and phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MachinePlayback(pub(crate) Playback);
 
@@ -191,7 +191,7 @@ impl Default for MachinePlayback {
     }
 }
 
-/// How a state of a state machine plays its clip. Transitions set the fades, and
+/// Settings with which a state plays its clip. Transitions set the fades, and
 /// [`MachinePlayback`] sets weight and layer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StatePlayback(pub(crate) Playback);

@@ -14,7 +14,7 @@ type ModulePath = Vec<String>;
 /// The `impl` blocks of each type, by its module and index.
 type Impls = BTreeMap<(ModulePath, usize), Vec<ItemImpl>>;
 
-/// What a path leads to.
+/// The target of a path.
 enum Target {
     Module(ModulePath),
     /// A module, and the index of one of its items.

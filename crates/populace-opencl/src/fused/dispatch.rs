@@ -1,4 +1,4 @@
-//! How the fused schedules distribute members over work-items, and where these store
+//! Work-items of the fused schedules: the members that each takes, and where it stores
 //! `model_from_joint`.
 
 use opencl3::kernel::Kernel;

@@ -4,7 +4,7 @@ use populace_clip::{Clip, TICKS_PER_SEC};
 
 use crate::tolerance;
 
-/// How a clip is played.
+/// The mode of playback of a clip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Timing {
     /// Loops.

@@ -104,7 +104,7 @@ pub struct OracleSlot<'a> {
 /// A layer at one instant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OracleLayer {
-    /// How the layer is combined with the layers below; ignored in layer 0.
+    /// The combination with the layers below; ignored in layer 0.
     pub mode: LayerMode,
     /// From 0 to 1; ignored in layer 0.
     pub weight: f64,

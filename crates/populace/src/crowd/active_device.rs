@@ -2,12 +2,11 @@
 
 use std::sync::Arc;
 
+use populace_backends::{DeviceHistory, Opened};
 use populace_device::layout::{Float4, RUNNING_ELEMENTS, Running};
 use populace_device::{Backend, BackendError, Frame, GlContext, StageBuffer, Tables};
 
 use crate::{Devices, Error};
-use populace_backends::DeviceHistory;
-use populace_backends::Opened;
 
 /// The devices in use.
 pub(super) struct ActiveDevice {

@@ -22,7 +22,7 @@ use slots::Started;
 /// the tables.
 #[derive(Clone, Default)]
 pub(super) struct Player {
-    /// What was started in each slot of the tables.
+    /// The start that each slot of the tables belongs to.
     pub(super) started: Vec<Started>,
     pub(super) scheduled: ScheduledStarts,
     last_serial: u32,

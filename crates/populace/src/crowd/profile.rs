@@ -17,7 +17,7 @@ pub struct DeviceInfo {
     /// The reason for the native device if none was selected, in words; `None` if devices were
     /// selected or an OpenCL device is in use.
     pub fallback: Option<String>,
-    /// How stages are mapped to work-items.
+    /// The mapping of stages to work-items.
     pub schedule: Schedule,
     /// The share of the members that each device evaluates; the sum is 1. Measured shares change
     /// from frame to frame.

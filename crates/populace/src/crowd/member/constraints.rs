@@ -1,4 +1,4 @@
-//! What moves a member beside its clips: constraints, overrides, attachments, user stages.
+//! Views of a member: constraints, overrides, attachments, user stages.
 
 use std::borrow::Borrow;
 

@@ -1,4 +1,4 @@
-//! What a member plays.
+//! Views of a member: playback.
 
 use std::borrow::Borrow;
 use std::sync::Arc;
