@@ -28,6 +28,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     (
+        "populace-settings",
+        &[
+            "populace-backends",
+            "populace-character",
+            "populace-clip",
+            "populace-device",
+            "populace-model",
+            "populace-retarget",
+        ],
+    ),
+    (
         "populace",
         &[
             "populace-backends",
@@ -36,6 +47,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-device",
             "populace-model",
             "populace-retarget",
+            "populace-settings",
         ],
     ),
     ("populace-physics", &["populace"]),

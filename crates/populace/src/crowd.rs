@@ -27,9 +27,8 @@ mod watches;
 
 use populace_model::convert::u32_from;
 
-use crate::Error;
-use crate::ids::{
-    BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,
+use crate::{
+    BlendSpaceId, CharacterId, ClipId, Error, MachineId, MaskId, MemberId, Parameter, ParameterId,
     PlaybackId,
 };
 use active_device::ActiveDevice;

@@ -26,18 +26,9 @@
 //! so a crowd can move to another device, and everything a device computes can be computed by every
 //! other.
 
-mod blend_space;
-mod control;
 mod crowd;
 #[doc(hidden)]
 pub mod doc_fixture;
-mod error;
-mod fault;
-mod ids;
-mod machine;
-mod placement;
-mod playback;
-mod stage;
 
 pub use populace_backends::{
     Device, DeviceReport, Devices, DevicesFault, Error as DevicesError, Split, SplitFault, devices,
@@ -50,26 +41,20 @@ pub use populace_device::{
 };
 pub use populace_model::{Affine, ErrorKind, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};
+#[doc(inline)]
+pub use populace_settings::{
+    ActiveClip, Allowed, AttachmentFault, BlendSpace, BlendSpaceFault, BlendSpaceId,
+    BlendSpacePlayback, CharacterId, ClipId, ClipPlayback, Condition, Error, Gaze, IdKind,
+    MachineFault, MachineId, MachinePart, MachinePlayback, MaskId, MemberId, Parameter,
+    ParameterId, Placement, PlaybackId, Reach, SpacePoint, StageUse, StateMachine, StatePlayback,
+    Target, User, Weight,
+};
 
-pub use blend_space::{BlendSpace, SpacePoint};
-pub use control::{Gaze, Reach, Target, Weight};
 pub use crowd::{
     AssetId, CharacterMut, CharacterRef, ClipMut, Crowd, CrowdBuilder, DeviceInfo, Event,
     EventKind, FrameTimes, History, JointReadback, MemberMut, MemberRef, MemberView, SeekReport,
     Snapshot, StageId, Watch,
 };
-pub use error::Error;
-pub use fault::{
-    Allowed, AttachmentFault, BlendSpaceFault, IdKind, MachineFault, MachinePart, User,
-};
-pub use ids::{
-    BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,
-    PlaybackId,
-};
-pub use machine::{Condition, StateMachine};
-pub use placement::Placement;
-pub use playback::{ActiveClip, BlendSpacePlayback, ClipPlayback, MachinePlayback, StatePlayback};
-pub use stage::StageUse;
 
 /// Skeletons, tracks, masks and humanoid roles.
 pub mod model {

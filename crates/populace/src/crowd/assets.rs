@@ -6,6 +6,7 @@ use populace_character::Character;
 use populace_clip::{Clip, LiveSettings};
 use populace_model::{Mask, RoleMap, Trs};
 use populace_retarget::BindingReport;
+use populace_settings::parts::Parts;
 
 use super::member::MemberRef;
 use super::state::State;
@@ -125,7 +126,7 @@ impl<'a> CharacterRef<'a> {
     /// Returns the character as it was added.
     #[must_use]
     pub fn asset(&self) -> &'a Arc<Character> {
-        &self.state.base.assets.characters[self.id.index].character
+        &self.state.base.assets.characters[self.id.parts().index].character
     }
 
     /// Returns the clips of the character, in the order in which they were added.
@@ -144,7 +145,7 @@ impl<'a> CharacterRef<'a> {
     /// `None` if neither.
     #[must_use]
     pub fn roles(&self) -> Option<&'a RoleMap> {
-        self.state.base.assets.characters[self.id.index].roles.as_ref()
+        self.state.base.assets.characters[self.id.parts().index].roles.as_ref()
     }
 
     /// Reports how well a clip fits the character: how its joints are found, the share of its
@@ -233,7 +234,7 @@ impl ClipMut<'_> {
     /// Returns the clip as it was added.
     #[must_use]
     pub fn asset(&self) -> &Arc<Clip> {
-        &self.crowd.state.base.assets.clips[self.id.index.0]
+        &self.crowd.state.base.assets.clips[self.id.parts().index]
     }
 
     /// Appends a pose to a live clip: local transforms of all joints of the clip's own skeleton, in

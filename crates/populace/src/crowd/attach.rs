@@ -8,8 +8,7 @@ use populace_model::{JointIndex, Trs};
 use super::MemberId;
 use super::base::Base;
 use super::constraints::Constraints;
-use crate::Error;
-use crate::fault::AttachmentFault;
+use crate::{AttachmentFault, Error};
 
 /// Attachments of members, by member index.
 #[derive(Clone, Debug, Default)]
@@ -35,7 +34,7 @@ struct Parent {
 
 /// Returns the phase of the frame in which devices evaluate a member.
 fn phase(base: &Base, member: MemberId) -> u32 {
-    base.tables.members().as_slice()[member.index as usize].phase()
+    base.tables.members().as_slice()[member.number() as usize].phase()
 }
 
 fn refused<T>(fault: AttachmentFault) -> Result<T, Error> {
@@ -75,8 +74,8 @@ impl Attachments {
             return Err(error);
         }
         self.unlink(base, constraints, child)?;
-        self.by_member.entry(child.index).or_default().parent = Some(parent);
-        self.by_member.entry(to.index).or_default().children.push(child);
+        self.by_member.entry(child.number()).or_default().parent = Some(parent);
+        self.by_member.entry(to.number()).or_default().children.push(child);
         self.place_children(base, to)
     }
 
@@ -95,7 +94,7 @@ impl Attachments {
             Ok(())
         })?;
         self.unlink(base, constraints, child)?;
-        base.tables.set_phase(child.index, 0)?;
+        base.tables.set_phase(child.number(), 0)?;
         self.place_children(base, child)
     }
 
@@ -127,11 +126,11 @@ impl Attachments {
 
     /// Gives all attachments of a member its placement and evaluates them after it.
     pub(super) fn place_children(&self, base: &mut Base, parent: MemberId) -> Result<(), Error> {
-        let placement = base.members.all[parent.index as usize].placement;
+        let placement = base.members.all[parent.number() as usize].placement;
         let mut nth = 0;
         while let Some(child) = self.child(parent, nth) {
-            base.members.all[child.index as usize].placement = placement;
-            base.tables.set_phase(child.index, phase(base, parent) + 1)?;
+            base.members.all[child.number() as usize].placement = placement;
+            base.tables.set_phase(child.number(), phase(base, parent) + 1)?;
             base.upload_placement(child)?;
             self.place_children(base, child)?;
             nth += 1;
@@ -140,22 +139,22 @@ impl Attachments {
     }
 
     fn parent(&self, child: MemberId) -> Option<Parent> {
-        self.by_member.get(&child.index)?.parent
+        self.by_member.get(&child.number())?.parent
     }
 
     /// Returns the index of the parent of the member at an index.
     pub(super) fn parent_index(&self, member_index: u32) -> Option<u32> {
-        Some(self.by_member.get(&member_index)?.parent?.member.index)
+        Some(self.by_member.get(&member_index)?.parent?.member.number())
     }
 
     fn child(&self, parent: MemberId, nth: usize) -> Option<MemberId> {
-        self.by_member.get(&parent.index)?.children.get(nth).copied()
+        self.by_member.get(&parent.number())?.children.get(nth).copied()
     }
 
     /// Returns the number of levels of attachments on a member.
     fn levels(&self, member: MemberId) -> u32 {
-        let children =
-            self.by_member.get(&member.index).into_iter().flat_map(|attached| &attached.children);
+        let own = self.by_member.get(&member.number()).into_iter();
+        let children = own.flat_map(|attached| &attached.children);
         children.map(|child| 1 + self.levels(*child)).max().unwrap_or(0)
     }
 
@@ -189,13 +188,13 @@ impl Attachments {
     ) -> Result<(), Error> {
         let Some(parent) = self.parent(child) else { return Ok(()) };
         unfollow_joint(base, constraints, parent)?;
-        if let Some(attached) = self.by_member.get_mut(&child.index) {
+        if let Some(attached) = self.by_member.get_mut(&child.number()) {
             attached.parent = None;
         }
-        if let Some(attached) = self.by_member.get_mut(&parent.member.index) {
+        if let Some(attached) = self.by_member.get_mut(&parent.member.number()) {
             attached.children.retain(|other| *other != child);
         }
-        for index in [child.index, parent.member.index] {
+        for index in [child.number(), parent.member.number()] {
             let is_done =
                 |attached: &Attached| attached.parent.is_none() && attached.children.is_empty();
             if self.by_member.get(&index).is_some_and(is_done) {

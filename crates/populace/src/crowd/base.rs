@@ -12,11 +12,10 @@ use populace_clip::{Clip, FIRST_TICK};
 use populace_device::layout::Slot;
 use populace_device::{BodyIndex, Place, Tables};
 use populace_model::RoleMap;
+use populace_settings::parts::{Key, Parts};
 
 use super::slab::Slab;
-use crate::fault::IdKind;
-use crate::ids::{CharacterId, ClipId, ClipIndex, MemberId};
-use crate::{Error, Placement};
+use crate::{CharacterId, ClipId, Error, IdKind, MemberId, Placement};
 use bindings::Bound;
 
 /// The tables, the clock, the assets and the members of a crowd.
@@ -37,6 +36,16 @@ pub(super) struct Clock {
     pub(super) left_over: f64,
     /// The number of updates.
     pub(super) frame: u64,
+}
+
+/// The index of a clip in the tables.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct ClipIndex(pub(super) u32);
+
+impl ClipIndex {
+    pub(super) fn of(clip: ClipId) -> Self {
+        Self(clip.parts().index)
+    }
 }
 
 /// Characters and clips, and the bindings between them.
@@ -111,28 +120,30 @@ impl Base {
 
     /// Returns the character of a member, or refuses a stale handle.
     pub(super) fn check(&self, member: MemberId) -> Result<CharacterId, Error> {
-        self.check_crowd(IdKind::Member, member.crowd, member.index)?;
-        let same = |s: &&MemberState| s.generation == member.generation;
-        let state = self.members.all.get(member.index as usize).filter(same);
+        let Key { crowd, index, generation } = member.parts();
+        self.check_crowd(IdKind::Member, crowd, index)?;
+        let same = |s: &&MemberState| s.generation == generation;
+        let state = self.members.all.get(index as usize).filter(same);
         state.and_then(|s| s.character).ok_or(Error::StaleMember)
     }
 
     /// Returns the handle of the member at an index.
     pub(super) fn member_id(&self, index: u32) -> MemberId {
         let generation = self.members.all[index as usize].generation;
-        MemberId { crowd: self.number, index, generation }
+        MemberId::from_parts(Key { crowd: self.number, index, generation })
     }
 
     /// Returns the handle of the clip at an index.
     pub(super) fn clip_id(&self, index: u32) -> ClipId {
         let generation = self.assets.clips.generation(index);
-        ClipId { crowd: self.number, index: ClipIndex(index), generation }
+        ClipId::from_parts(Key { crowd: self.number, index, generation })
     }
 
     pub(super) fn known_clip(&self, clip: ClipId) -> Result<&Arc<Clip>, Error> {
-        self.check_crowd(IdKind::Clip, clip.crowd, clip.index.0)?;
-        let known = self.assets.clips.get((clip.index.0, clip.generation));
-        known.ok_or(Error::UnknownId { what: IdKind::Clip, index: clip.index.0 })
+        let Key { crowd, index, generation } = clip.parts();
+        self.check_crowd(IdKind::Clip, crowd, index)?;
+        let known = self.assets.clips.get((index, generation));
+        known.ok_or(Error::UnknownId { what: IdKind::Clip, index })
     }
 
     /// The slots of the member at an index.
@@ -148,16 +159,16 @@ impl Base {
 
     /// Uploads the placement of a member that has a constraint program.
     pub(super) fn upload_placement(&mut self, member: MemberId) -> Result<(), Error> {
-        if !self.tables.has_control(member.index) {
+        if !self.tables.has_control(member.number()) {
             return Ok(());
         }
-        let placement = self.members.all[member.index as usize].placement;
-        let [cos_row, _, _] = Placement { scale: 1.0, ..placement }.world_from_model().rows;
+        let placement = self.members.all[member.number() as usize].placement;
+        let [cos_row, _, _] = placement.scaled(1.0).world_from_model().rows;
         let place = Place {
-            position: placement.position,
+            position: placement.position(),
             sin_cos: [cos_row[2], cos_row[0]],
-            scale: placement.scale,
+            scale: placement.scale(),
         };
-        Ok(self.tables.set_place(member.index, &place)?)
+        Ok(self.tables.set_place(member.number(), &place)?)
     }
 }

@@ -4,14 +4,12 @@
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{Schedule, StageBuffer};
 use populace_model::{Affine, JointIndex};
+use populace_settings::parts::{Check, bounded, check_secs};
 
 use super::base::Base;
 use super::state::State;
 use super::{CharacterId, Crowd, MemberId, ParameterId};
-use crate::error::bounded;
-use crate::fault::{Allowed, IdKind};
-use crate::playback::check_secs;
-use crate::{Error, Placement, SpacePoint};
+use crate::{Allowed, Error, IdKind, Placement, SpacePoint};
 
 impl Crowd {
     /// Adds a member for each placement, as [`spawn`](Self::spawn) does.
@@ -201,7 +199,7 @@ impl State {
         }
         if self.attachments.is_empty() && self.motion.is_empty() {
             for (member, placement) in placements {
-                self.base.members.all[member.index as usize].placement = *placement;
+                self.base.members.all[member.number() as usize].placement = *placement;
             }
             // Only constraint programs read placements.
             let uploaded = if self.constraints.is_empty() { &[] } else { placements };

@@ -9,8 +9,7 @@ use super::Crowd;
 use super::active_device::ActiveDevice;
 use super::base::Base;
 use super::state::State;
-use crate::fault::Allowed;
-use crate::{Device, Devices, Error, Split};
+use crate::{Allowed, Device, Devices, Error, Split};
 use populace_backends::Opened;
 
 /// Settings from which a crowd is built.

@@ -9,11 +9,11 @@ use std::collections::{BTreeSet, HashMap};
 
 use populace_device::{BodyIndex, Chain, Constraint, Controls, Feet, JointOverride, Space};
 use populace_model::{JointIndex, LARGEST_SCALE};
+use populace_settings::parts::{Check, Parts, check_secs, device_target};
 
 use super::MemberId;
 use super::base::Base;
-use crate::fault::Allowed;
-use crate::{Error, Gaze, Reach, Target, Weight};
+use crate::{Allowed, Error, Gaze, Reach, Target, Weight};
 use humanoid::limb_above;
 use limb::limb_of;
 use targets::{Goal, aim_at, forget_faded, goal_of, set_targets, targets_of};
@@ -105,9 +105,9 @@ impl Constraints {
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         let state = base.character_state(character)?;
-        let by_roles = limb_above(state.roles.as_ref(), reach.end);
-        let limb =
-            limb_of(&state.character.skeleton, &Reach { limb: reach.limb.or(by_roles), ..reach })?;
+        let mut reach = reach.parts();
+        reach.limb = reach.limb.or_else(|| limb_above(state.roles.as_ref(), reach.end));
+        let limb = limb_of(&state.character.skeleton, &reach)?;
         self.aim(base, member, target, weight, &Constraint::Limb(limb))
     }
 
@@ -169,7 +169,7 @@ impl Constraints {
             Some(first) => first,
             None => base.tables.add_joint_scales(factors)?,
         };
-        let old = self.controls.get(&member.index).and_then(|state| state.controls.proportions);
+        let old = self.controls.get(&member.number()).and_then(|state| state.controls.proportions);
         let changed = self.change(base, member, |controls| {
             controls.proportions = Some(first);
             Ok(())
@@ -204,7 +204,7 @@ impl Constraints {
         secs: f32,
         which: impl Fn(&Constraint) -> bool,
     ) -> Result<(), Error> {
-        crate::playback::check_secs("the time to come to a weight", secs)?;
+        check_secs("the time to come to a weight", secs)?;
         let tick = base.clock.tick;
         self.change(base, member, |controls| {
             for constraint in controls.constraints.iter_mut().filter(|c| which(c)) {
@@ -258,7 +258,7 @@ impl Constraints {
             _ => 0,
         };
         let (tick, goal) = (base.clock.tick, goal_of(new));
-        let target = target.device_target(watched);
+        let (target, weight) = (device_target(&target, watched), weight.parts());
         let follows = !weight.eases_over && self.was_aimed_within(base, member, goal, weight.secs);
         self.change(base, member, |controls| {
             let at = controls.constraints.iter().position(|constraint| goal_of(constraint) == goal);
@@ -273,7 +273,7 @@ impl Constraints {
             }
             Ok(())
         })?;
-        let aimed = &mut self.controls.entry(member.index).or_default().aimed;
+        let aimed = &mut self.controls.entry(member.number()).or_default().aimed;
         aimed.retain(|(other, _)| *other != goal);
         aimed.push((goal, tick));
         Ok(())
@@ -281,7 +281,7 @@ impl Constraints {
 
     /// Returns whether a constraint received a target less than `secs` ago.
     fn was_aimed_within(&self, base: &Base, member: MemberId, goal: Goal, secs: f32) -> bool {
-        let aimed = self.controls.get(&member.index).into_iter().flat_map(|state| &state.aimed);
+        let aimed = self.controls.get(&member.number()).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
         let ticks = populace_clip::ticks_from_secs(f64::from(secs));
         of_goal.any(|(_, tick)| base.clock.tick - tick < ticks)
@@ -303,7 +303,7 @@ impl Constraints {
 
     /// Returns the number of a member's root motion, if it has any.
     pub(super) fn motion(&self, member: MemberId) -> Option<u32> {
-        self.controls.get(&member.index)?.controls.motion
+        self.controls.get(&member.number())?.controls.motion
     }
 
     pub(super) fn plants_feet(&self, member: MemberId) -> bool {
@@ -321,7 +321,7 @@ impl Constraints {
     }
 
     fn controls(&self, member: MemberId) -> Option<&MemberControls> {
-        self.controls.get(&member.index)
+        self.controls.get(&member.number())
     }
 
     /// Returns the indices of the members that run a user stage, in ascending order.
@@ -338,12 +338,12 @@ impl Constraints {
         change: impl FnOnce(&mut Controls) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let character = base.check(member)?;
-        let skeleton = &base.assets.characters[character.index].character.skeleton;
-        let state = self.controls.entry(member.index).or_default();
+        let skeleton = &base.assets.characters[character.parts().index].character.skeleton;
+        let state = self.controls.entry(member.number()).or_default();
         let mut controls = state.controls.clone();
         change(&mut controls)?;
         forget_faded(&mut controls, base.clock.tick);
-        base.tables.set_controls(member.index, skeleton, &controls)?;
+        base.tables.set_controls(member.number(), skeleton, &controls)?;
         state.controls = controls;
         base.upload_placement(member)?;
         self.unwatch_unused(base, member);
@@ -352,7 +352,7 @@ impl Constraints {
 
     /// Removes the constraint program of a member that is despawned.
     pub(super) fn forget(&mut self, base: &mut Base, member: MemberId) {
-        if let Some(state) = self.controls.remove(&member.index) {
+        if let Some(state) = self.controls.remove(&member.number()) {
             self.release_proportions(base, state.controls.proportions);
             for (other, joint) in state.watching {
                 self.unwatch_joint(base, other, joint);

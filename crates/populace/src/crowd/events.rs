@@ -7,11 +7,9 @@ use std::sync::Arc;
 use populace_clip::{FIRST_TICK, TICKS_PER_SEC};
 use populace_device::layout::{NONE, SLOT_LOOP, SLOT_ONCE, Slot};
 
-use super::base::Base;
+use super::base::{Base, ClipIndex};
 use super::{ClipId, MemberId};
-use crate::Error;
-use crate::fault::Allowed;
-use crate::ids::ClipIndex;
+use crate::{Allowed, Error};
 
 /// The most repeats of one marker that are reported per update; earlier ones are dropped.
 const TOLD_MOST: i128 = 16;
@@ -98,7 +96,7 @@ impl Events {
         }
         let phase = phase_of(secs, start, duration);
         let mark = Mark { phase, kind: EventKind::Marker { name: name.into() } };
-        marks_of(&mut self.marks, base, clip.index).push(mark);
+        marks_of(&mut self.marks, base, ClipIndex::of(clip)).push(mark);
         Ok(())
     }
 
@@ -119,14 +117,14 @@ impl Events {
         found.clear();
         listening.retain(|member| base.check(*member).is_ok());
         for &member in &*listening {
-            let of_member = left.iter().filter(|(index, ..)| *index == member.index);
+            let of_member = left.iter().filter(|(index, ..)| *index == member.number());
             let gone = of_member.map(|(_, slot, tick)| (slot, *tick));
-            let there = base.slots(member.index).iter().map(|slot| (slot, until));
+            let there = base.slots(member.number()).iter().map(|slot| (slot, until));
             for (slot, until) in gone.chain(there) {
                 if slot.bound_clip != NONE && runs(slot) && slot.start_tick <= until {
                     let clip = base.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
                     let clip = base.clip_id(clip);
-                    let marks = marks_of(marks, base, clip.index);
+                    let marks = marks_of(marks, base, ClipIndex::of(clip));
                     let during = (after.max(slot.start_tick), until);
                     let tell = |kind, tick| event(member, clip, slot, kind, tick);
                     found

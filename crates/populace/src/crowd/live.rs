@@ -7,12 +7,11 @@ use populace_clip::{Clip, LiveFault, LiveRing, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::{LiveNewest, Tables};
 use populace_model::Trs;
 use populace_model::convert::single;
+use populace_settings::parts::{Mode, Parts};
 
 use super::ClipId;
-use super::base::Base;
+use super::base::{Base, ClipIndex};
 use crate::Error;
-use crate::ids::ClipIndex;
-use crate::playback::Mode;
 
 /// The largest distance of a stream's time from its first pose, in seconds.
 const MAX_STREAM_SECS: f64 = 1e10;
@@ -106,7 +105,7 @@ impl LiveClips {
     ) -> Result<(), Error> {
         let known = base.live_clip(clip)?;
         let pose = checked(&known, pose)?;
-        self.append_checked(base, clip.index, &known, time_secs, pose)
+        self.append_checked(base, ClipIndex::of(clip), &known, time_secs, pose)
     }
 
     pub(super) fn append_joints(
@@ -119,7 +118,7 @@ impl LiveClips {
         let known = base.live_clip(clip)?;
         let skeleton = known.skeleton();
         let found = skeleton.find_all(joints.iter().map(|(name, _)| name))?;
-        let mut pose = match self.streams.get(&clip.index) {
+        let mut pose = match self.streams.get(&ClipIndex::of(clip)) {
             Some(stream) => stream.pose.clone(),
             None => skeleton.joints().map(|joint| *skeleton.rest(joint)).collect(),
         };
@@ -127,7 +126,7 @@ impl LiveClips {
             pose[joint.index()] = *transform;
         }
         let pose = checked(&known, &pose)?;
-        self.append_checked(base, clip.index, &known, time_secs, pose)
+        self.append_checked(base, ClipIndex::of(clip), &known, time_secs, pose)
     }
 
     pub(super) fn resync(
@@ -138,14 +137,14 @@ impl LiveClips {
     ) -> Result<(), Error> {
         let known = base.live_clip(clip)?;
         let tick = base.clock.tick;
-        let Some(stream) = self.streams.get_mut(&clip.index) else {
+        let Some(stream) = self.streams.get_mut(&ClipIndex::of(clip)) else {
             return refused(&known, LiveFault::NoPose);
         };
         check_time(&known, time_secs, stream.first_secs)?;
         let (after, before) =
             (stream.ticks_at(time_secs), ticks_from_secs(stream.first_secs - time_secs));
         stream.first_tick = tick.saturating_add(before).saturating_sub(after);
-        stream.tell(&mut base.tables, clip.index.0)
+        stream.tell(&mut base.tables, clip.parts().index)
     }
 
     /// Forgets the stream of a clip that is removed.

@@ -9,6 +9,7 @@ use std::borrow::Borrow;
 
 use populace_device::Instance;
 use populace_model::{JointIndex, Role};
+use populace_settings::parts::Parts;
 
 use super::base::MemberState;
 use super::state::State;
@@ -71,7 +72,7 @@ impl State {
     pub(super) fn members(&self) -> impl Iterator<Item = MemberRef<'_>> {
         let base = &self.base;
         (0u32..).zip(&base.members.all).filter_map(move |(index, state)| {
-            let id = MemberId { crowd: base.number, index, generation: state.generation };
+            let id = base.member_id(index);
             Some(MemberView { crowd: self, id, character: state.character? })
         })
     }
@@ -89,9 +90,9 @@ impl<'a> MemberRef<'a> {
     #[must_use]
     pub fn instance(&self) -> Instance<'a> {
         let State { base, .. } = self.crowd;
-        let index = self.id.index;
+        let index = self.id.number();
         Instance {
-            character: &base.assets.characters[self.character.index].character,
+            character: &base.assets.characters[self.character.parts().index].character,
             world_from_model: self.placement().world_from_model(),
             moved: self.crowd.offset_of(index),
             palette_first: base.tables.members().as_slice()[index as usize].palette_first,
@@ -106,7 +107,7 @@ impl<C: Borrow<State>> MemberView<C> {
     }
 
     fn member(&self) -> &MemberState {
-        &self.state().base.members.all[self.id.index as usize]
+        &self.state().base.members.all[self.id.number() as usize]
     }
 
     /// The member's handle.
@@ -156,6 +157,6 @@ impl MemberMut<'_> {
 
     /// Stores a number of the caller's own beside the member, such as an index or a key.
     pub fn set_user_data(&mut self, user_data: u64) {
-        self.crowd.state.base.members.all[self.id.index as usize].user_data = user_data;
+        self.crowd.state.base.members.all[self.id.number() as usize].user_data = user_data;
     }
 }

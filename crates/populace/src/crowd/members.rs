@@ -1,6 +1,7 @@
 //! Spawning, despawning and drawing of members.
 
 use populace_device::Instance;
+use populace_settings::parts::{Check, Key, Parts};
 
 use super::base::{Base, MemberState, Members};
 use super::{CharacterId, Crowd, MemberId};
@@ -24,7 +25,7 @@ impl Base {
         let character = Some(character);
         *state = MemberState { generation, character, since: self.clock.frame, ..free };
         self.members.count += 1;
-        Ok(MemberId { crowd: self.number, index, generation })
+        Ok(MemberId::from_parts(Key { crowd: self.number, index, generation }))
     }
 
     /// Refuses `count` more members than the crowd was built for.
@@ -34,8 +35,8 @@ impl Base {
     }
 
     pub(super) fn remove_member(&mut self, member: MemberId) {
-        self.tables.remove_member(member.index);
-        let state = &mut self.members.all[member.index as usize];
+        self.tables.remove_member(member.number());
+        let state = &mut self.members.all[member.number() as usize];
         state.character = None;
         state.generation = state.generation.wrapping_add(1);
         self.members.count -= 1;

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use populace_device::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
 use populace_model::JointIndex;
+use populace_settings::parts::Parts;
 
 use super::base::{Base, MemberState};
 use super::constraints::Constraints;
@@ -51,7 +52,7 @@ impl RootMotion {
         readbacks: &mut Readbacks,
         member: MemberId,
     ) -> Result<(), Error> {
-        let known = self.moving.get(&member.index).map(|moving| moving.watch);
+        let known = self.moving.get(&member.number()).map(|moving| moving.watch);
         let watch = match known {
             Some(watch) => watch,
             None => readbacks.watch(base, constraints, member, JointIndex(0))?,
@@ -63,8 +64,8 @@ impl RootMotion {
         });
         if changed.is_ok() {
             let moving = Moving { since: base.clock.tick, watch, moved: [0.0; 3] };
-            self.moving.insert(member.index, moving);
-            base.members.all[member.index as usize].moves = true;
+            self.moving.insert(member.number(), moving);
+            base.members.all[member.number() as usize].moves = true;
         } else if known.is_none() {
             readbacks.unwatch(base, constraints, watch);
         }
@@ -94,8 +95,8 @@ impl RootMotion {
         readbacks: &mut Readbacks,
         member: MemberId,
     ) {
-        if let Some(moving) = self.moving.remove(&member.index) {
-            base.members.all[member.index as usize].moves = false;
+        if let Some(moving) = self.moving.remove(&member.number()) {
+            base.members.all[member.number() as usize].moves = false;
             readbacks.unwatch(base, constraints, moving.watch);
         }
     }
@@ -113,7 +114,7 @@ impl RootMotion {
             let first = (watched * WATCHED_ELEMENTS) as usize;
             let MemberState { character, placement, .. } = base.members.all[*index as usize];
             let Some(character) = character else { continue };
-            let skeleton = &base.assets.characters[character.index].character.skeleton;
+            let skeleton = &base.assets.characters[character.parts().index].character.skeleton;
             let rest = skeleton.rest(JointIndex(0)).translation;
             let placed = placement.world_from_model().transform_point(rest);
             if let Some(rows) = elements.get(first..first + WATCHED_ELEMENTS as usize) {
@@ -134,8 +135,8 @@ impl RootMotion {
         constraints: &Constraints,
         member: MemberId,
     ) -> Option<MotionState> {
-        let moving = self.moving.get(&member.index)?;
-        let control = base.tables.members().as_slice()[member.index as usize].control;
+        let moving = self.moving.get(&member.number())?;
+        let control = base.tables.members().as_slice()[member.number() as usize].control;
         let motion = constraints.motion(member)?;
         let has_moved = moving.since < base.clock.tick && control != NONE;
         let first = control as usize * STATES_PER_CONTROL as usize + MOTION_STATE as usize;
@@ -157,6 +158,7 @@ impl MotionState {
             return placement;
         }
         let position = placement.world_from_model().transform_point([x, y, z]);
-        Placement { position, yaw_rad: placement.yaw_rad + sin.atan2(cos), ..placement }
+        let yaw_rad = placement.yaw_rad() + sin.atan2(cos);
+        Placement::at(position).facing(yaw_rad).scaled(placement.scale())
     }
 }

@@ -42,8 +42,8 @@ impl Player {
 
     /// Forgets what a despawned member plays.
     pub(super) fn forget(&mut self, member: MemberId) {
-        self.scheduled.retain(member.index, |_| false);
-        self.active_space.remove(&member.index);
+        self.scheduled.retain(member.number(), |_| false);
+        self.active_space.remove(&member.number());
     }
 
     /// Returns a number that no other start has.

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use populace_device::layout::{Body, Float4};
 use populace_device::{BackendError, PaletteSource, StageBuffer};
 use populace_model::{Affine, Trs};
+use populace_settings::parts::Parts;
 
 use super::base::Base;
 use super::state::State;
 use super::{Crowd, JointReadback, MemberId, Watch};
-use crate::fault::IdKind;
-use crate::{Error, Placement};
+use crate::{Error, IdKind, Placement};
 
 impl Crowd {
     /// Calls `reader` with a page of palettes, three elements for each palette entry. Waits for the
@@ -38,7 +38,7 @@ impl Crowd {
     /// A watch of another crowd, or a failing device.
     pub fn readback(&mut self, watch: Watch) -> Result<Option<JointReadback>, Error> {
         let State { base, readbacks, constraints, .. } = &self.state;
-        base.check_crowd(IdKind::Watch, watch.member.crowd, watch.serial)?;
+        base.check_crowd(IdKind::Watch, watch.member.parts().crowd, watch.serial)?;
         let fetched = self.device.backend_mut().fetched()?;
         Ok(fetched.and_then(|(tick, elements)| readbacks.find(constraints, watch, tick, elements)))
     }
@@ -57,7 +57,7 @@ impl Crowd {
     /// Returns the placement to which root motion has taken a member.
     pub(super) fn moved_placement(&mut self, member: MemberId) -> Result<Placement, Error> {
         let State { base, motion, constraints, .. } = &self.state;
-        let placement = base.members.all[member.index as usize].placement;
+        let placement = base.members.all[member.number() as usize].placement;
         let Some(state) = motion.state_of(base, constraints, member) else { return Ok(placement) };
         let elements = self.device.states(&base.tables, state.first)?;
         Ok(state.moved(placement, elements))
@@ -131,10 +131,10 @@ impl Crowd {
         self.state.base.check(member)?;
         self.device.check_readable()?;
         let Base { tables, members, clock, .. } = &self.state.base;
-        if members.all[member.index as usize].since == clock.frame {
+        if members.all[member.number() as usize].since == clock.frame {
             return Err(BackendError::NotEvaluated.into());
         }
-        let row = tables.members().as_slice()[member.index as usize];
+        let row = tables.members().as_slice()[member.number() as usize];
         Ok((row, tables.bodies().as_slice()[row.body as usize]))
     }
 }

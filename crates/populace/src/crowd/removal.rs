@@ -2,16 +2,14 @@
 
 use populace_device::layout::{NONE, Slot};
 use populace_device::{BodyIndex, Tables};
+use populace_settings::parts::{MaskParts, Parts};
 
-use super::base::Base;
-use super::player::Player;
+use super::base::{Base, ClipIndex};
 use super::player::scheduled::{Action, Start};
 use super::player::slots::faded_out;
 use super::state::State;
 use super::{Crowd, StageId};
-use crate::Error;
-use crate::fault::{IdKind, User};
-use crate::ids::{BlendSpaceId, CharacterId, ClipId, ClipIndex, MachineId, MaskId};
+use crate::{BlendSpaceId, CharacterId, ClipId, Error, IdKind, MachineId, MaskId, User};
 
 /// Anything that was added to a crowd and can be removed from it.
 #[non_exhaustive]
@@ -102,7 +100,7 @@ impl State {
         base.remove_bindings(|(of, _)| of == body)?;
         masks.into_iter().try_for_each(|first| base.tables.remove_mask(first))?;
         base.tables.remove_body(body)?;
-        base.assets.characters.remove(id.index);
+        base.assets.characters.remove(id.parts().index);
         for clip in clips {
             let is_known = |state: &super::base::CharacterState| state.clips.contains(&clip);
             if !self.base.assets.characters.iter().any(|(_, state)| is_known(state))
@@ -117,23 +115,25 @@ impl State {
     fn remove_clip(&mut self, id: ClipId) -> Result<(), Error> {
         self.base.known_clip(id)?;
         self.check_clip_unused(id)?;
+        let own = ClipIndex::of(id);
         let Self { base, live, events, .. } = self;
-        base.clear_slots(|slot, tables| plays_clip(slot, tables, id.index))?;
-        base.remove_bindings(|(_, clip)| clip == id.index)?;
-        base.tables.remove_clip(id.index.0)?;
-        base.assets.clips.remove(id.index.0);
-        base.assets.clip_roles.remove(&id.index);
+        base.clear_slots(|slot, tables| plays_clip(slot, tables, own))?;
+        base.remove_bindings(|(_, clip)| clip == own)?;
+        base.tables.remove_clip(own.0)?;
+        base.assets.clips.remove(own.0);
+        base.assets.clip_roles.remove(&own);
         for state in base.assets.characters.values_mut() {
             state.clips.retain(|clip| *clip != id);
         }
-        live.forget(id.index);
-        events.forget(id.index);
+        live.forget(own);
+        events.forget(own);
         Ok(())
     }
 
     /// Refuses a clip that a blend space or machine has, or that a member plays or is to play.
     fn check_clip_unused(&self, id: ClipId) -> Result<(), Error> {
         let Self { base, player, .. } = self;
+        let own = ClipIndex::of(id);
         if player.spaces.iter().any(|(_, space)| space.space.clips().contains(&id)) {
             return Err(in_use(IdKind::Clip, User::BlendSpace));
         }
@@ -141,10 +141,10 @@ impl State {
             return Err(in_use(IdKind::Clip, User::Machine));
         }
         let is_due = |start: &Start| match start.action {
-            Action::Clip { bound, .. } => bound_to(&base.tables, bound, id.index),
+            Action::Clip { bound, .. } => bound_to(&base.tables, bound, own),
             _ => false,
         };
-        let plays = |slot: &Slot| plays_clip(slot, &base.tables, id.index);
+        let plays = |slot: &Slot| plays_clip(slot, &base.tables, own);
         if base.is_playing(plays) || player.scheduled.any(is_due) {
             return Err(in_use(IdKind::Clip, User::Playback));
         }
@@ -153,39 +153,40 @@ impl State {
 
     fn remove_blend_space(&mut self, id: BlendSpaceId) -> Result<(), Error> {
         let (player, base) = self.player();
-        player.check_space(base, id)?;
+        player.known_space(base, id)?;
+        let own = id.parts().index;
         let is_due = |start: &Start| match start.action {
-            Action::Space { index, .. } => index == id.index,
+            Action::Space { index, .. } => index == own,
             _ => false,
         };
         let is_active = |index: u32, space: &super::player::blend_spaces::ActiveSpace| {
-            space.space == id.index && player.is_heard(base, index, space)
+            space.space == own && player.is_heard(base, index, space)
         };
         let active = player.active_space.iter().any(|(index, space)| is_active(*index, space));
         if active || player.scheduled.any(is_due) {
             return Err(in_use(IdKind::BlendSpace, User::Playback));
         }
-        player.active_space.retain(|_, space| space.space != id.index);
-        player.spaces.remove(id.index);
+        player.active_space.retain(|_, space| space.space != own);
+        player.spaces.remove(own);
         Ok(())
     }
 
     fn remove_machine(&mut self, id: MachineId) -> Result<(), Error> {
         let (player, base) = self.player();
-        player.check_machine(base, id)?;
+        player.known_machine(base, id)?;
+        let own = id.parts().index;
         let machines = &player.machines;
         let runs = |slot: &Slot, tables: &Tables| {
             let instance = slot.machine_instance().and_then(|i| tables.machine_instance(i).ok());
-            instance.and_then(|row| machines.index_of(row.state)) == Some(id.index)
+            instance.and_then(|row| machines.index_of(row.state)) == Some(own)
         };
-        let is_due = |start: &Start| {
-            start.machine().and_then(|state| machines.index_of(state)) == Some(id.index)
-        };
+        let is_due =
+            |start: &Start| start.machine().and_then(|state| machines.index_of(state)) == Some(own);
         if base.is_playing(|slot| runs(slot, &base.tables)) || player.scheduled.any(is_due) {
             return Err(in_use(IdKind::Machine, User::Playback));
         }
         base.clear_slots(runs)?;
-        player.machines.remove_states(&mut base.tables, |_, index| index == id.index)?;
+        player.machines.remove_states(&mut base.tables, |_, index| index == own)?;
         player.machines.remove(id);
         Ok(())
     }
@@ -206,7 +207,8 @@ fn plays_clip(slot: &Slot, tables: &Tables, clip: ClipIndex) -> bool {
 
 impl Base {
     fn remove_mask(&mut self, id: MaskId) -> Result<(), Error> {
-        let first = self.first_of_mask(id.character, id)?;
+        let MaskParts { character, index, .. } = id.parts();
+        let first = self.first_of_mask(character, id)?;
         let has_it = |index: u32| {
             let layers = &self.tables.layers().as_slice()[self.tables.layer_range(index)];
             layers.iter().any(|layer| layer.mask() == Some(first))
@@ -215,7 +217,7 @@ impl Base {
             return Err(in_use(IdKind::Mask, User::Layer));
         }
         self.tables.remove_mask(first)?;
-        self.character_state_mut(id.character)?.masks.remove(id.index);
+        self.character_state_mut(character)?.masks.remove(index);
         Ok(())
     }
 
@@ -258,20 +260,6 @@ impl Base {
         // Sorted, so that equal calls leave equal tables.
         rows.sort_unstable();
         Ok(rows.into_iter().try_for_each(|row| self.tables.remove_bound_clip(row))?)
-    }
-}
-
-impl Player {
-    fn check_space(&self, base: &Base, id: BlendSpaceId) -> Result<(), Error> {
-        base.check_crowd(IdKind::BlendSpace, id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: IdKind::BlendSpace, index: id.index };
-        self.spaces.get((id.index, id.generation)).map(drop).ok_or(unknown)
-    }
-
-    fn check_machine(&self, base: &Base, id: MachineId) -> Result<(), Error> {
-        base.check_crowd(IdKind::Machine, id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: IdKind::Machine, index: id.index };
-        self.machines.get(id).map(drop).ok_or(unknown)
     }
 }
 

@@ -5,13 +5,12 @@ use std::collections::BTreeSet;
 use populace_device::layout::{MAX_STAGES, STAGE_PARAMETERS};
 use populace_device::{After, StageFault, UserStage, layout};
 use populace_model::JointIndex;
+use populace_settings::parts::{Parts, StageUseParts, finite};
 
 use super::base::Base;
 use super::constraints::Constraints;
 use super::{Crowd, MemberId, u32_from};
-use crate::error::finite;
-use crate::fault::{Allowed, IdKind};
-use crate::{Error, StageUse};
+use crate::{Allowed, Error, IdKind, StageUse};
 
 /// A user stage of a crowd. The id goes stale when the stage is removed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -77,14 +76,14 @@ impl UserStages {
     ) -> Result<(), Error> {
         let after = self.after(base, id)?;
         let character = base.check(member)?;
-        finite("a member's value for a stage", &usage.values)?;
+        let StageUseParts { joints, values } = usage.parts();
+        finite("a member's value for a stage", &values)?;
         let skeleton = &base.character_state(character)?.character.skeleton;
         let all = || (0..u32_from(skeleton.joint_count())).map(JointIndex).collect();
         // Each joint once, even if named several times.
-        let joints: BTreeSet<_> = usage.joints.unwrap_or_else(all).into_iter().collect();
+        let joints: BTreeSet<_> = joints.unwrap_or_else(all).into_iter().collect();
         let joints = joints.into_iter().collect();
-        let stage =
-            populace_device::StageUse { stage: id.number, after, joints, values: usage.values };
+        let stage = populace_device::StageUse { stage: id.number, after, joints, values };
         constraints.change(base, member, |controls| {
             match controls.stages.iter_mut().find(|old| old.stage == stage.stage) {
                 Some(old) => *old = stage,

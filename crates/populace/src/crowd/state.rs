@@ -1,6 +1,7 @@
 //! The state of a crowd on the host: subsystems, and the operations that concern several.
 
 use populace_model::{JointIndex, Trs};
+use populace_settings::parts::Check;
 
 use super::attach::Attachments;
 use super::base::Base;
@@ -96,7 +97,7 @@ impl State {
         if constraints.motion(member).is_some() {
             motion.start(base, constraints, readbacks, member)?;
         }
-        base.members.all[member.index as usize].placement = placement;
+        base.members.all[member.number() as usize].placement = placement;
         base.upload_placement(member)?;
         self.attachments.place_children(base, member)
     }

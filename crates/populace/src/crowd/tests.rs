@@ -12,6 +12,7 @@ use populace_model::{
     Affine, ClipSource, Interpolation, JointIndex, JointSource, Property, Skeleton, Track, Trs,
 };
 use populace_native::NativeBackend;
+use populace_settings::parts::{Key, Parts};
 
 use super::*;
 use crate::{ClipPlayback, Device, Placement};
@@ -171,7 +172,8 @@ pub(super) fn lift() -> Character {
 }
 
 fn spawn(crowd: &mut Crowd, count: u8) {
-    let id = CharacterId { crowd: crowd.state.base.number, index: 0, generation: 0 };
+    let key = Key { crowd: crowd.state.base.number, index: 0, generation: 0 };
+    let id = CharacterId::from_parts(key);
     let clip = crowd.clip(id, "Lift").unwrap();
     for nth in 0..count {
         let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();

@@ -7,8 +7,7 @@ use populace_device::layout::{NONE, SLOT_LIVE, Slot};
 use super::player::slots::faded_out;
 use super::state::State;
 use super::{Crowd, MemberId};
-use crate::Error;
-use crate::fault::Allowed;
+use crate::{Allowed, Error};
 
 /// The longest time step that is accepted, in seconds.
 const MAX_STEP_SECS: f32 = 1e6;
@@ -144,7 +143,7 @@ impl State {
             let heard = |slot: &&Slot| {
                 slot.bound_clip != NONE && (!faded_out(slot, now) || !faded_out(slot, tick))
             };
-            self.base.slots(member.index).iter().filter(heard).any(which)
+            self.base.slots(member.number()).iter().filter(heard).any(which)
         };
         report(History::PlantedFeet, &|member| self.constraints.plants_feet(member));
         report(History::JointTargets, &|member| self.constraints.watches_others(member));

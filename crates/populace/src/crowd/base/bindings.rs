@@ -5,9 +5,8 @@ use std::sync::Arc;
 use populace_clip::Clip;
 use populace_retarget::{Binding, BindingReport};
 
-use super::{Base, CharacterState};
-use crate::Error;
-use crate::ids::{CharacterId, ClipId};
+use super::{Base, CharacterState, ClipIndex};
+use crate::{CharacterId, ClipId, Error};
 
 /// A clip bound to a body.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +24,7 @@ impl Base {
         clip: ClipId,
     ) -> Result<BindingReport, Error> {
         let (state, known) = self.to_bind(character, clip)?;
-        match self.assets.bound_clips.get(&(state.body, clip.index)) {
+        match self.assets.bound_clips.get(&(state.body, ClipIndex::of(clip))) {
             Some(bound) => Ok(bound.report),
             None => Ok(*self.make_binding(state, known)?.report()),
         }
@@ -40,7 +39,7 @@ impl Base {
         partial: bool,
     ) -> Result<u32, Error> {
         let (state, known) = self.to_bind(character, clip)?;
-        let key = (state.body, clip.index);
+        let key = (state.body, ClipIndex::of(clip));
         let check =
             |report: &BindingReport| if partial { Ok(()) } else { report.check(known.name()) };
         if let Some(bound) = self.assets.bound_clips.get(&key) {
@@ -50,7 +49,7 @@ impl Base {
         let binding = self.make_binding(state, known)?;
         let report = *binding.report();
         check(&report)?;
-        let index = self.tables.add_bound_clip(clip.index.0, key.0, &binding)?;
+        let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
         Ok(index)
     }

@@ -5,12 +5,11 @@ use std::sync::Arc;
 use populace_character::Character;
 use populace_clip::Clip;
 use populace_model::{Mask, RoleMap, nearest_names};
+use populace_settings::parts::{Key, MaskParts, Parts};
 
 use super::{Assets, Base, CharacterState};
-use crate::Error;
 use crate::crowd::slab::Slab;
-use crate::fault::IdKind;
-use crate::ids::{CharacterId, ClipId, MaskId};
+use crate::{CharacterId, ClipId, Error, IdKind, MaskId};
 
 impl Assets {
     /// The index of a clip, if it was added.
@@ -31,7 +30,7 @@ impl Base {
         let state =
             CharacterState { character, body, roles, clips: Vec::new(), masks: Slab::default() };
         let (index, generation) = self.assets.characters.insert(state);
-        let id = CharacterId { crowd: self.number, index, generation };
+        let id = CharacterId::from_parts(Key { crowd: self.number, index, generation });
         for clip in &clips {
             self.add_clip(id, clip)?;
         }
@@ -92,12 +91,13 @@ impl Base {
         }
         let first = self.tables.add_mask(mask)?;
         let (index, generation) = self.character_state_mut(character)?.masks.insert(first);
-        Ok(MaskId { character, index, generation })
+        Ok(MaskId::from_parts(MaskParts { character, index, generation }))
     }
 
     /// Returns the first weight of a mask of a character in the tables.
     pub(crate) fn first_of_mask(&self, character: CharacterId, mask: MaskId) -> Result<u32, Error> {
         let masks = &self.character_state(character)?.masks;
+        let mask = mask.parts();
         let first =
             masks.get((mask.index, mask.generation)).filter(|_| mask.character == character);
         let unknown = Error::UnknownId { what: IdKind::Mask, index: mask.index };
@@ -105,17 +105,19 @@ impl Base {
     }
 
     pub(crate) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
-        self.check_crowd(IdKind::Character, id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: IdKind::Character, index: id.index };
-        self.assets.characters.get((id.index, id.generation)).ok_or(unknown)
+        let Key { crowd, index, generation } = id.parts();
+        self.check_crowd(IdKind::Character, crowd, index)?;
+        let unknown = Error::UnknownId { what: IdKind::Character, index };
+        self.assets.characters.get((index, generation)).ok_or(unknown)
     }
 
     pub(crate) fn character_state_mut(
         &mut self,
         id: CharacterId,
     ) -> Result<&mut CharacterState, Error> {
-        self.check_crowd(IdKind::Character, id.crowd, id.index)?;
-        let unknown = Error::UnknownId { what: IdKind::Character, index: id.index };
-        self.assets.characters.get_mut((id.index, id.generation)).ok_or(unknown)
+        let Key { crowd, index, generation } = id.parts();
+        self.check_crowd(IdKind::Character, crowd, index)?;
+        let unknown = Error::UnknownId { what: IdKind::Character, index };
+        self.assets.characters.get_mut((index, generation)).ok_or(unknown)
     }
 }

@@ -6,10 +6,8 @@ use populace_clip::Clip;
 use populace_device::BodyIndex;
 use populace_model::{Role, RoleFault, RoleMap};
 
-use super::{Assets, Base};
-use crate::Error;
-use crate::ids::ClipIndex;
-use crate::ids::{CharacterId, ClipId};
+use super::{Assets, Base, ClipIndex};
+use crate::{CharacterId, ClipId, Error};
 
 impl Base {
     pub(crate) fn roles(&self, character: CharacterId) -> Result<Option<&RoleMap>, Error> {
@@ -41,7 +39,7 @@ impl Base {
             return Err(other_skeleton(known.name(), &roles, joints));
         }
         let known = Arc::clone(known);
-        self.assets.clip_roles.insert(clip.index, roles);
+        self.assets.clip_roles.insert(ClipIndex::of(clip), roles);
         self.assets.replace_bindings(|_, bound| Arc::ptr_eq(bound, &known));
         Ok(())
     }

@@ -4,11 +4,11 @@ use std::f32::consts::PI;
 
 use populace_device::{ConstraintFault, Feet, Foot, GazeLimits};
 use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
+use populace_settings::parts::check_weight;
 
 use super::Constraints;
 use crate::crowd::base::Base;
 use crate::crowd::{CharacterId, MemberId};
-use crate::playback::check_weight;
 use crate::{Error, Gaze, Target, Weight};
 
 /// The shares of the rotation of a gaze, among the joints that a body has.

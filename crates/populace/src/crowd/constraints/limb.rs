@@ -2,15 +2,16 @@
 
 use populace_device::{ConstraintFault, Limb};
 use populace_model::{JointIndex, Skeleton};
+use populace_settings::parts::ReachParts;
 
 use super::SOFT;
-use crate::{Error, Reach};
+use crate::Error;
 
 /// The distance of the middle joint from the straight line above which a rest pose counts as bent,
 /// as a fraction of the limb's length.
 const BENT: f32 = 0.01;
 
-pub(super) fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error> {
+pub(super) fn limb_of(skeleton: &Skeleton, reach: &ReachParts) -> Result<Limb, Error> {
     let bad = || {
         let known = (reach.end.index() < skeleton.joint_count()).then(|| skeleton.name(reach.end));
         let (joint, name) = (reach.end.0, known.map(str::to_owned));
@@ -30,7 +31,7 @@ pub(super) fn limb_of(skeleton: &Skeleton, reach: &Reach) -> Result<Limb, Error>
         there(joint).ok_or_else(bad)?;
     }
     let bend = reach.bend.unwrap_or_else(|| usual_bend(skeleton, [first, middle, end]));
-    let Reach { pole, keeps_end, .. } = *reach;
+    let ReachParts { pole, keeps_end, .. } = *reach;
     Ok(Limb { first, middle, end, bend, pole, keeps_end, soft: SOFT, targets: Vec::new() })
 }
 

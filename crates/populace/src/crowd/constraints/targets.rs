@@ -5,8 +5,7 @@ use std::mem::{Discriminant, discriminant};
 use populace_device::layout::{self, LAYERS_PER_MEMBER};
 use populace_device::{Constraint, Controls};
 use populace_model::JointIndex;
-
-use crate::Weight;
+use populace_settings::parts::WeightParts;
 
 /// The most targets between which one constraint eases; the weakest is dropped.
 const TARGETS: usize = LAYERS_PER_MEMBER as usize;
@@ -21,7 +20,7 @@ pub(super) fn aim_at(
     targets: &mut Vec<layout::Target>,
     target: layout::Target,
     tick: u64,
-    weight: Weight,
+    weight: WeightParts,
     follows: bool,
 ) {
     targets.retain(|target| !faded(target, tick));

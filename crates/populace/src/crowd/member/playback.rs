@@ -4,6 +4,7 @@ use std::borrow::Borrow;
 use std::sync::Arc;
 
 use populace_device::LayerSettings;
+use populace_settings::parts::Parts;
 
 use super::super::state::State;
 use super::super::{BlendSpaceId, ClipId, MachineId, MaskId, Parameter, PlaybackId};
@@ -36,7 +37,7 @@ impl MemberMut<'_> {
     /// character ([`CharacterRef::binding`](crate::CharacterRef::binding)).
     pub fn play(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.play(base, self.id, clip, playback.0)
+        player.play(base, self.id, clip, playback.parts())
     }
 
     /// Adds a clip to those that the layer plays. Clips of one layer are mixed by their weights.
@@ -46,7 +47,7 @@ impl MemberMut<'_> {
     /// As for [`play`](Self::play).
     pub fn blend(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.blend(base, self.id, clip, playback.0)
+        player.blend(base, self.id, clip, playback.parts())
     }
 
     /// Plays a clip when the newest clip of the layer ends: a clip that plays once at its end, a
@@ -75,7 +76,7 @@ impl MemberMut<'_> {
     /// As for [`play`](Self::play).
     pub fn queue(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.queue(base, self.id, clip, playback.0)
+        player.queue(base, self.id, clip, playback.parts())
     }
 
     /// Fades layer 0 over to a looping clip within `secs`.
@@ -131,7 +132,7 @@ impl MemberMut<'_> {
     }
 
     fn check_own(&self, playback: PlaybackId) -> Result<(), Error> {
-        if playback.member == self.id { Ok(()) } else { Err(Error::StalePlayback) }
+        if playback.member() == self.id { Ok(()) } else { Err(Error::StalePlayback) }
     }
 
     /// Sets how a layer above 0 is laid over the layers beneath it: for all joints, or through a
@@ -167,7 +168,7 @@ impl MemberMut<'_> {
         playback: BlendSpacePlayback,
     ) -> Result<(), Error> {
         let (player, base) = self.crowd.state.player();
-        player.play_space(base, self.id, space, at.into(), playback.0)
+        player.play_space(base, self.id, space, at.into(), playback.parts())
     }
 
     /// Moves the member's blend space to another position within `over_secs`. The phase continues
@@ -205,7 +206,7 @@ impl MemberMut<'_> {
         playback: MachinePlayback,
     ) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.run_machine(base, self.id, machine, playback.0)
+        player.run_machine(base, self.id, machine, playback.parts())
     }
 
     /// Sets a parameter of every state machine that the member runs or has scheduled and that has

@@ -4,16 +4,16 @@ use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::BodyIndex;
 use populace_device::layout::Slot;
 use populace_model::convert::single;
+use populace_settings::parts::{
+    Check, Key, MOST, Parts, Playback, Weights, check_secs, phase_offset, slots_needed, weights_at,
+};
 
 use super::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
-use crate::blend_space::{MOST, SpacePoint, Weights, bad};
-use crate::crowd::base::Base;
+use crate::crowd::base::{Base, ClipIndex};
 use crate::crowd::{BlendSpaceId, MemberId, u32_from};
-use crate::fault::{BlendSpaceFault, IdKind};
-use crate::playback::{Playback, check_secs};
-use crate::{BlendSpace, Error};
+use crate::{BlendSpace, BlendSpaceFault, Error, IdKind, SpacePoint};
 
 /// A blend space and the durations of its clips.
 #[derive(Clone)]
@@ -53,7 +53,7 @@ impl ActiveSpace {
 }
 
 fn live_in_space(name: &str) -> Error {
-    bad(BlendSpaceFault::LiveClip(name.to_owned()))
+    Error::BadBlendSpace(BlendSpaceFault::LiveClip(name.to_owned()))
 }
 
 impl Player {
@@ -71,7 +71,15 @@ impl Player {
             durations_secs.push(known.duration_secs());
         }
         let (index, generation) = self.spaces.insert(Space { space, durations_secs });
-        Ok(BlendSpaceId { crowd: base.number, index, generation })
+        Ok(BlendSpaceId::from_parts(Key { crowd: base.number, index, generation }))
+    }
+
+    /// Returns a blend space, or an error if it was removed or belongs to another crowd.
+    pub(crate) fn known_space(&self, base: &Base, id: BlendSpaceId) -> Result<&Space, Error> {
+        let Key { crowd, index, generation } = id.parts();
+        base.check_crowd(IdKind::BlendSpace, crowd, index)?;
+        let unknown = Error::UnknownId { what: IdKind::BlendSpace, index };
+        self.spaces.get((index, generation)).ok_or(unknown)
     }
 
     pub(crate) fn play_space(
@@ -83,24 +91,22 @@ impl Player {
         play: Playback,
     ) -> Result<(), Error> {
         let character = base.check(member)?;
-        base.check_crowd(IdKind::BlendSpace, space.crowd, space.index)?;
-        let unknown = Error::UnknownId { what: IdKind::BlendSpace, index: space.index };
-        let known = self.spaces.get((space.index, space.generation)).ok_or(unknown)?;
+        let known = self.known_space(base, space)?;
         play.check()?;
-        let at = at.check()?;
-        let (needed, slots) = (known.space.slots_needed(), base.tables.slots_per_member());
+        at.check()?;
+        let (needed, slots) = (slots_needed(&known.space), base.tables.slots_per_member());
         if needed > slots {
-            return Err(bad(BlendSpaceFault::Slots { needed, slots }));
+            return Err(Error::BadBlendSpace(BlendSpaceFault::Slots { needed, slots }));
         }
         // Bound now, so that a scheduled start cannot fail.
         for clip in known.space.clips().to_vec() {
             base.bind(character, clip, play.partial)?;
         }
-        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
-        let action = Action::Space { index: space.index, at };
+        self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
+        let action = Action::Space { index: space.parts().index, at };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         let due = base.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
-        self.begin_or_wait(base, member.index, due, start)
+        self.begin_or_wait(base, member.number(), due, start)
     }
 
     pub(crate) fn set_blend_parameter(
@@ -111,23 +117,25 @@ impl Player {
         over_secs: f32,
     ) -> Result<(), Error> {
         base.check(member)?;
-        let at = at.check()?;
+        at.check()?;
         check_secs("the time to move in a blend space", over_secs)?;
         let mut waits = false;
-        self.scheduled.change(member.index, |_, start| {
+        self.scheduled.change(member.number(), |_, start| {
             if let Action::Space { at: point, .. } = &mut start.action {
                 *point = at;
                 waits = true;
             }
         });
-        let Some(active_space) = self.active_space.get(&member.index) else {
-            return if waits { Ok(()) } else { Err(bad(BlendSpaceFault::NotPlaying)) };
+        let Some(active_space) = self.active_space.get(&member.number()) else {
+            let not_playing = Error::BadBlendSpace(BlendSpaceFault::NotPlaying);
+            return if waits { Ok(()) } else { Err(not_playing) };
         };
         let (play, serial) = (active_space.play, active_space.serial);
-        self.scheduled.retain(member.index, |start| !matches!(start.action, Action::Move { .. }));
+        self.scheduled
+            .retain(member.number(), |start| !matches!(start.action, Action::Move { .. }));
         let action = Action::Move { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
-        self.begin_move(base, member.index, &start, (at, over_secs), base.clock.tick)
+        self.begin_move(base, member.number(), &start, (at, over_secs), base.clock.tick)
     }
 
     /// Returns whether a slot of the active blend space of the member at an index has weight.
@@ -165,7 +173,7 @@ impl Player {
         let plan = |slot: &Slot, _| {
             if slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
         };
-        let all = self.spaces[index].space.weights_at(at);
+        let all = weights_at(&self.spaces[index].space, at);
         let weights =
             strongest(all, |_| false, self.free_slot_count(base, member_index, tick, plan));
         let needed = weights.iter().filter(|(_, weight)| *weight > 0.0).count();
@@ -228,7 +236,7 @@ impl Player {
         if active_space.at == Some(at) {
             return Ok(());
         }
-        let all = self.spaces[active_space.space].space.weights_at(at);
+        let all = weights_at(&self.spaces[active_space.space].space, at);
         let fading_in =
             active_space.faded_in_tick.saturating_sub(tick) as f64 / TICKS_PER_SEC as f64;
         let secs = over_secs.max(single(fading_in));
@@ -351,13 +359,13 @@ impl Player {
     ) -> Slot {
         let space = &self.spaces[active_space.space].space;
         let body = base.tables.members().as_slice()[member_index as usize].body;
-        let key = (BodyIndex(body), space.clips()[sample].index);
+        let key = (BodyIndex(body), ClipIndex::of(space.clips()[sample]));
         let bound = base
             .assets
             .bound_clips
             .get(&key)
             .map_or(populace_device::layout::NONE, |bound| bound.index);
-        let offset = cycles(f64::from(space.offset(sample).rem_euclid(1.0)));
+        let offset = cycles(f64::from(phase_offset(space, sample).rem_euclid(1.0)));
         Slot::in_phase(
             bound,
             tick,

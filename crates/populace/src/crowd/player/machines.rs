@@ -5,6 +5,9 @@ use std::sync::Arc;
 
 use populace_device::layout::{MACHINE_PARAMETERS, NONE, Running, Slot};
 use populace_device::{BodyIndex, Tables};
+use populace_settings::parts::{
+    Check, Compiled, Key, ParameterParts, Parts, Playback, bounded, check_layer, compile, find,
+};
 
 use super::Player;
 use super::scheduled::{Action, Start};
@@ -14,11 +17,7 @@ use crate::crowd::slab::Slab;
 use crate::crowd::{
     CharacterId, ClipId, MachineId, MemberId, Parameter, ParameterId, PlaybackId, u32_from,
 };
-use crate::error::bounded;
-use crate::fault::{IdKind, MachineFault, MachinePart};
-use crate::machine::{Compiled, bad, find};
-use crate::playback::{Playback, check_layer};
-use crate::{Error, StateMachine};
+use crate::{Error, IdKind, MachineFault, MachinePart, StateMachine};
 
 /// The state machines of a crowd.
 #[derive(Clone, Default)]
@@ -46,19 +45,18 @@ impl Machines {
         let (_, machine) = self.by_state.get(&state)?;
         match parameter {
             Parameter::Name(name) => self.all.at(*machine)?.parameter(name).map(u32_from),
-            Parameter::Id(id) => (id.machine.index == *machine
-                && self.all.generation(*machine) == id.machine.generation)
-                .then_some(id.index),
+            Parameter::Id(id) => {
+                let ParameterParts { machine: of, index } = id.parts();
+                let of = of.parts();
+                let is_it = of.index == *machine;
+                (is_it && of.generation == self.all.generation(*machine)).then_some(index)
+            }
         }
     }
 
     /// Returns whether a machine has a clip.
     pub(crate) fn uses_clip(&self, clip: ClipId) -> bool {
         self.all.iter().any(|(_, machine)| machine.states.iter().any(|s| s.clip == clip))
-    }
-
-    pub(crate) fn get(&self, id: MachineId) -> Option<&Compiled> {
-        self.all.get((id.index, id.generation))
     }
 
     /// Removes the states that `which` selects by body and machine.
@@ -77,7 +75,7 @@ impl Machines {
     }
 
     pub(crate) fn remove(&mut self, id: MachineId) {
-        self.all.remove(id.index);
+        self.all.remove(id.parts().index);
     }
 
     /// Returns the machine whose states begin at a row.
@@ -92,12 +90,20 @@ impl Player {
         base: &mut Base,
         machine: &StateMachine,
     ) -> Result<MachineId, Error> {
-        let compiled = machine.compile(|clip, mode| {
+        let compiled = compile(machine, |clip, mode| {
             base.check_mode(clip, mode)?;
             Ok(base.known_clip(clip)?.duration_secs())
         })?;
         let (index, generation) = self.machines.all.insert(compiled);
-        Ok(MachineId { crowd: base.number, index, generation })
+        Ok(MachineId::from_parts(Key { crowd: base.number, index, generation }))
+    }
+
+    /// Returns a state machine, or an error if it was removed or belongs to another crowd.
+    pub(crate) fn known_machine(&self, base: &Base, id: MachineId) -> Result<&Compiled, Error> {
+        let Key { crowd, index, generation } = id.parts();
+        base.check_crowd(IdKind::Machine, crowd, index)?;
+        let unknown = Error::UnknownId { what: IdKind::Machine, index };
+        self.machines.all.get((index, generation)).ok_or(unknown)
     }
 
     pub(crate) fn run_machine(
@@ -108,18 +114,16 @@ impl Player {
         play: Playback,
     ) -> Result<PlaybackId, Error> {
         let character = base.check(member)?;
-        base.check_crowd(IdKind::Machine, machine.crowd, machine.index)?;
-        let unknown = Error::UnknownId { what: IdKind::Machine, index: machine.index };
-        let known = self.machines.all.get((machine.index, machine.generation)).ok_or(unknown)?;
+        let known = self.known_machine(base, machine)?;
         let initial = known.parameters.clone();
         play.check()?;
         if base.tables.slots_per_member() < 2 {
-            return Err(bad(MachineFault::Slots));
+            return Err(Error::BadStateMachine(MachineFault::Slots));
         }
-        let state = self.bind_machine(base, character, machine.index)?;
+        let state = self.bind_machine(base, character, machine.parts().index)?;
         let mut parameters = [0.0; MACHINE_PARAMETERS as usize];
         parameters.iter_mut().zip(&initial).for_each(|(own, (_, value))| *own = *value);
-        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
+        self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         let action = Action::Machine { state, parameters };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
         self.begin_after(base, member, start, play.after_secs)
@@ -132,11 +136,10 @@ impl Player {
         machine: MachineId,
         name: &str,
     ) -> Result<ParameterId, Error> {
-        base.check_crowd(IdKind::Machine, machine.crowd, machine.index)?;
-        let unknown = Error::UnknownId { what: IdKind::Machine, index: machine.index };
-        let known = self.machines.get(machine).ok_or(unknown)?;
+        let known = self.known_machine(base, machine)?;
         let names = known.parameters.iter().map(|(own, _)| own.as_str());
-        Ok(ParameterId { machine, index: u32_from(find(MachinePart::Parameter, name, names)?) })
+        let index = u32_from(find(MachinePart::Parameter, name, names)?);
+        Ok(ParameterId::from_parts(ParameterParts { machine, index }))
     }
 
     pub(crate) fn set_parameter(
@@ -148,12 +151,12 @@ impl Player {
     ) -> Result<(), Error> {
         base.check(member)?;
         bounded("a parameter of a state machine", &[value])?;
-        if self.write_parameter(base, member.index, parameter, value)? {
+        if self.write_parameter(base, member.number(), parameter, value)? {
             return Ok(());
         }
         match parameter {
-            Parameter::Name(name) => Err(self.no_parameter(base, member.index, name)),
-            Parameter::Id(_) => Err(bad(MachineFault::OtherMachine)),
+            Parameter::Name(name) => Err(self.no_parameter(base, member.number(), name)),
+            Parameter::Id(_) => Err(Error::BadStateMachine(MachineFault::OtherMachine)),
         }
     }
 
@@ -188,7 +191,7 @@ impl Player {
     ) -> Result<(), Error> {
         if !self.scheduled.is_empty() {
             for (member, value) in values {
-                self.write_parameter(base, member.index, Parameter::Id(parameter), *value)?;
+                self.write_parameter(base, member.number(), Parameter::Id(parameter), *value)?;
             }
             return Ok(());
         }
@@ -201,7 +204,7 @@ impl Player {
                 }
                 last.1
             };
-            write_running(base, member.index, *value, index_in)?;
+            write_running(base, member.number(), *value, index_in)?;
         }
         Ok(())
     }
@@ -220,7 +223,7 @@ impl Player {
             machines.iter().flat_map(|machine| machine.parameters.iter().map(|p| p.0.as_str()));
         match find(MachinePart::Parameter, name, names) {
             Err(error) if !machines.is_empty() => error,
-            _ => bad(MachineFault::NotRunning),
+            _ => Error::BadStateMachine(MachineFault::NotRunning),
         }
     }
 
@@ -232,7 +235,7 @@ impl Player {
         layer: usize,
     ) -> Result<u32, Error> {
         check_layer(layer)?;
-        let (tick, index) = (base.clock.tick, member.index);
+        let (tick, index) = (base.clock.tick, member.number());
         let slots = base.slots(index).iter().enumerate();
         let running =
             slots.filter(|(_, slot)| slot.layer() as usize == layer && !faded_out(slot, tick));
@@ -240,7 +243,7 @@ impl Player {
         let newest = instances.max_by_key(|(slot, _)| self.started(base, index, *slot).serial);
         let waits = |start: &Start| start.play.layer == layer && start.machine().is_some();
         if newest.is_none() && self.scheduled.of(index).any(|(_, start)| waits(start)) {
-            return Err(bad(MachineFault::NotStarted { layer }));
+            return Err(Error::BadStateMachine(MachineFault::NotStarted { layer }));
         }
         newest.map(|(_, instance)| instance).ok_or_else(|| no_machine(layer))
     }
@@ -346,7 +349,7 @@ fn write_running(
 }
 
 fn no_machine(layer: usize) -> Error {
-    bad(MachineFault::NoMachine { layer })
+    Error::BadStateMachine(MachineFault::NoMachine { layer })
 }
 
 #[cfg(test)]
@@ -386,7 +389,7 @@ mod tests {
                 _ => {}
             }
             crowd.update(0.01).unwrap();
-            look(&crowd, member.index);
+            look(&crowd, member.number());
         }
     }
 

@@ -3,17 +3,17 @@
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::LayerSettings;
 use populace_device::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
+use populace_settings::parts::{
+    Check, Parts, Playback, PlaybackParts, bounded, check_layer, check_secs, check_weight,
+};
 
 use super::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
-use crate::Error;
 use crate::crowd::base::Base;
 use crate::crowd::live::LiveClips;
 use crate::crowd::{ClipId, MaskId, MemberId, PlaybackId, u32_from};
-use crate::error::bounded;
-use crate::fault::IdKind;
-use crate::playback::{ActiveClip, Playback, check_layer, check_secs, check_weight};
+use crate::{ActiveClip, Error, IdKind};
 
 impl Player {
     pub(crate) fn play(
@@ -24,7 +24,7 @@ impl Player {
         play: Playback,
     ) -> Result<PlaybackId, Error> {
         let start = self.start_of(base, member, clip, play, true)?;
-        self.scheduled.retain(member.index, |start| start.play.layer != play.layer);
+        self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         self.begin_after(base, member, start, play.after_secs)
     }
 
@@ -49,9 +49,9 @@ impl Player {
         let mut start = self.start_of(base, member, clip, play, true)?;
         let gap = ticks_from_secs(f64::from(play.after_secs));
         start.follows_after = Some(gap);
-        let due = self.end_of_layer(base, member.index, play.layer).saturating_add(gap);
-        self.begin_or_wait(base, member.index, due, start)?;
-        Ok(PlaybackId { member, serial: start.serial })
+        let due = self.end_of_layer(base, member.number(), play.layer).saturating_add(gap);
+        self.begin_or_wait(base, member.number(), due, start)?;
+        Ok(playback_id(member, start.serial))
     }
 
     pub(crate) fn stop(
@@ -64,14 +64,15 @@ impl Player {
         base.check(member)?;
         check_layer(layer)?;
         check_secs("the time to fade out", fade_out_secs)?;
-        self.scheduled.retain(member.index, |start| start.play.layer != layer);
-        self.forget_space(member.index, layer);
-        let slots = base.slots(member.index).iter().filter(|slot| slot.layer() as usize == layer);
+        self.scheduled.retain(member.number(), |start| start.play.layer != layer);
+        self.forget_space(member.number(), layer);
+        let slots =
+            base.slots(member.number()).iter().filter(|slot| slot.layer() as usize == layer);
         let mut playing = slots.filter(|slot| !faded_out(slot, base.clock.tick));
         if fade_out_secs > 0.0 && playing.all(|slot| slot.ramps_to(0.0, fade_out_secs)) {
             return Ok(());
         }
-        self.fade_out(base, member.index, layer, fade_out_secs, base.clock.tick)
+        self.fade_out(base, member.number(), layer, fade_out_secs, base.clock.tick)
     }
 
     pub(crate) fn set_weight(
@@ -87,7 +88,7 @@ impl Player {
             self.change_scheduled(id, |play| play.weight = weight);
             return Ok(());
         };
-        let (member_index, tick) = (id.member.index, base.clock.tick);
+        let (member_index, tick) = (id.member().number(), base.clock.tick);
         for index in first..base.slots(member_index).len() {
             let mut slot = base.slots(member_index)[index];
             if self.is_of(base, id, index) {
@@ -110,7 +111,7 @@ impl Player {
         speed: f32,
     ) -> Result<(), Error> {
         bounded("the speed of a clip", &[speed])?;
-        let member_index = id.member.index;
+        let member_index = id.member().number();
         let Some(index) = self.find_slot(base, id)? else {
             self.change_scheduled(id, |play| play.speed = speed);
             self.time_the_queue(base, member_index);
@@ -139,7 +140,7 @@ impl Player {
         member: MemberId,
     ) -> Vec<ActiveClip> {
         let tick = base.clock.tick;
-        let slots = base.slots(member.index).iter().enumerate();
+        let slots = base.slots(member.number()).iter().enumerate();
         let told =
             slots.filter(|(_, slot)| !faded_out(slot, tick) && slot.machine_instance().is_none());
         let mut all: Vec<_> =
@@ -159,14 +160,14 @@ impl Player {
         let tick = base.clock.tick;
         let clip = base.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
         let rows = base.tables.clips().as_slice()[clip as usize];
-        let started = self.started(base, member.index, index);
+        let started = self.started(base, member.number(), index);
         let ends = slot.end_tick(tick).filter(|_| started.once);
         let time_secs = match slot.mode() {
             SLOT_LIVE => live.live_secs(base, clip, slot.delay_ticks()),
             _ => slot.time_at(tick, rows.start_secs, rows.duration_secs),
         };
         let playing = ActiveClip {
-            id: started.sample.is_none().then_some(PlaybackId { member, serial: started.serial }),
+            id: started.sample.is_none().then_some(playback_id(member, started.serial)),
             clip: base.clip_id(clip),
             layer: slot.layer() as usize,
             time_secs,
@@ -190,7 +191,7 @@ impl Player {
         check_weight("the weight of a layer", settings.weight)?;
         let first = mask.map(|mask| base.first_of_mask(character, mask)).transpose()?;
         let value = Layer::new(settings, first);
-        Ok(base.tables.set_layer(member.index, layer, value)?)
+        Ok(base.tables.set_layer(member.number(), layer, value)?)
     }
 
     fn start_of(
@@ -217,8 +218,8 @@ impl Player {
         secs: f32,
     ) -> Result<PlaybackId, Error> {
         let due = base.clock.tick.saturating_add(ticks_from_secs(f64::from(secs)));
-        self.begin_or_wait(base, member.index, due, start)?;
-        Ok(PlaybackId { member, serial: start.serial })
+        self.begin_or_wait(base, member.number(), due, start)?;
+        Ok(playback_id(member, start.serial))
     }
 
     pub(crate) fn begin_or_wait(
@@ -328,28 +329,29 @@ impl Player {
 
     /// Returns whether a slot belongs to a playback.
     fn is_of(&self, base: &Base, id: PlaybackId, index: usize) -> bool {
-        let Started { serial, sample, .. } = self.started(base, id.member.index, index);
-        let is_taken = base.slots(id.member.index)[index].bound_clip != NONE;
-        serial == id.serial && sample.is_none() && is_taken
+        let Started { serial, sample, .. } = self.started(base, id.member().number(), index);
+        let is_taken = base.slots(id.member().number())[index].bound_clip != NONE;
+        serial == id.parts().serial && sample.is_none() && is_taken
     }
 
     /// Returns the first slot of a playback; `None` if it is still scheduled.
     fn find_slot(&self, base: &Base, id: PlaybackId) -> Result<Option<usize>, Error> {
-        base.check_crowd(IdKind::Playback, id.member.crowd, id.serial)?;
-        base.check(id.member)?;
-        let member_index = id.member.index;
+        let PlaybackParts { member, serial } = id.parts();
+        base.check_crowd(IdKind::Playback, member.parts().crowd, serial)?;
+        base.check(member)?;
+        let member_index = member.number();
         if let Some(index) =
             (0..base.slots(member_index).len()).find(|index| self.is_of(base, id, *index))
         {
             return Ok(Some(index));
         }
-        let waits = self.scheduled.of(member_index).any(|(_, start)| start.serial == id.serial);
+        let waits = self.scheduled.of(member_index).any(|(_, start)| start.serial == serial);
         if waits { Ok(None) } else { Err(Error::StalePlayback) }
     }
 
     fn change_scheduled(&mut self, id: PlaybackId, change: impl Fn(&mut Playback)) {
-        self.scheduled.change(id.member.index, |_, start| {
-            if start.serial == id.serial {
+        self.scheduled.change(id.member().number(), |_, start| {
+            if start.serial == id.parts().serial {
                 change(&mut start.play);
             }
         });
@@ -403,4 +405,8 @@ impl Player {
         let mut dues = dues.into_iter();
         self.scheduled.change(member_index, |due, _| *due = dues.next().unwrap_or(*due));
     }
+}
+
+fn playback_id(member: MemberId, serial: u32) -> PlaybackId {
+    PlaybackId::from_parts(PlaybackParts { member, serial })
 }

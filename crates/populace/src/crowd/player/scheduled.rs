@@ -6,9 +6,9 @@
 use std::collections::{BTreeMap, HashMap};
 
 use populace_device::layout::MACHINE_PARAMETERS;
+use populace_settings::parts::Playback;
 
-use crate::blend_space::SpacePoint;
-use crate::playback::Playback;
+use crate::SpacePoint;
 
 /// The action of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -126,16 +126,15 @@ impl ScheduledStarts {
 
 #[cfg(test)]
 mod tests {
+    use populace_settings::parts::Parts;
+
     use super::*;
+    use crate::ClipPlayback;
 
     fn start(serial: u32, layer: usize) -> Start {
         let action = Action::Clip { bound: 0, alone: true };
-        Start {
-            serial,
-            action,
-            play: crate::ClipPlayback::once().on_layer(layer).0,
-            follows_after: None,
-        }
+        let play = ClipPlayback::once().on_layer(layer).parts();
+        Start { serial, action, play, follows_after: None }
     }
 
     #[test]

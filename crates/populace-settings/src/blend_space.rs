@@ -4,15 +4,16 @@ mod plane;
 
 use populace_model::convert::single;
 
-use crate::error::bounded;
+use crate::check::{Check, bounded};
+use crate::error::Error;
 use crate::fault::BlendSpaceFault;
-use crate::{ClipId, Error};
+use crate::ids::ClipId;
 use plane::Plane;
 
 /// The most clips with a weight at one point: the corners of a triangle.
-pub(crate) const MOST: usize = 3;
+pub const MOST: usize = 3;
 /// Clips and their weights at a point; entries of weight 0 are unused.
-pub(crate) type Weights = [(usize, f32); MOST];
+pub type Weights = [(usize, f32); MOST];
 
 /// A point of a blend space: a speed, or a speed and a turn rate, in the units of its samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,10 +36,9 @@ impl From<[f32; 2]> for SpacePoint {
     }
 }
 
-impl SpacePoint {
-    pub(crate) fn check(self) -> Result<Self, Error> {
-        bounded("the point of a blend space", &[self.speed, self.turn])?;
-        Ok(self)
+impl Check for SpacePoint {
+    fn check(&self) -> Result<(), Error> {
+        bounded("the point of a blend space", &[self.speed, self.turn])
     }
 }
 
@@ -163,29 +163,36 @@ impl BlendSpace {
     ///
     /// A point that is not finite.
     pub fn weights(&self, at: impl Into<SpacePoint>) -> Result<Vec<(ClipId, f32)>, Error> {
-        let weights = self.weights_at(at.into().check()?);
+        let at = at.into();
+        at.check()?;
+        let weights = weights_at(self, at);
         let weighing = weights.iter().filter(|(_, weight)| *weight > 0.0);
         Ok(weighing.map(|(index, weight)| (self.clips[*index], *weight)).collect())
     }
+}
 
-    /// The number of slots that any one point needs.
-    pub(crate) fn slots_needed(&self) -> usize {
-        let most = match self.shape {
-            Shape::Line(_) => 2,
-            Shape::Plane(_) => MOST,
-        };
-        most.min(self.clips.len())
-    }
+/// The number of slots that any one point of a blend space needs.
+#[must_use]
+pub fn slots_needed(space: &BlendSpace) -> usize {
+    let most = match space.shape {
+        Shape::Line(_) => 2,
+        Shape::Plane(_) => MOST,
+    };
+    most.min(space.clips.len())
+}
 
-    pub(crate) fn offset(&self, sample: usize) -> f32 {
-        self.offsets[sample]
-    }
+/// The phase of a sample's clip at the start of the shared cycle.
+#[must_use]
+pub fn phase_offset(space: &BlendSpace, sample: usize) -> f32 {
+    space.offsets[sample]
+}
 
-    pub(crate) fn weights_at(&self, at: SpacePoint) -> Weights {
-        match &self.shape {
-            Shape::Line(values) => on_line(values, at.speed),
-            Shape::Plane(plane) => plane.weights([at.speed, at.turn].map(f64::from)),
-        }
+/// Returns the samples that play at a point of a blend space, and their weights.
+#[must_use]
+pub fn weights_at(space: &BlendSpace, at: SpacePoint) -> Weights {
+    match &space.shape {
+        Shape::Line(values) => on_line(values, at.speed),
+        Shape::Plane(plane) => plane.weights([at.speed, at.turn].map(f64::from)),
     }
 }
 
@@ -208,6 +215,6 @@ fn check_count(count: usize) -> Result<(), Error> {
     if (1..=1000).contains(&count) { Ok(()) } else { Err(bad(BlendSpaceFault::SampleCount(count))) }
 }
 
-pub(crate) fn bad(fault: BlendSpaceFault) -> Error {
+fn bad(fault: BlendSpaceFault) -> Error {
     Error::BadBlendSpace(fault)
 }

@@ -2,16 +2,16 @@
 
 use populace_model::{Affine, LARGEST_SCALE};
 
-use crate::Error;
-use crate::error::bounded;
+use crate::check::{Check, bounded};
+use crate::error::Error;
 use crate::fault::Allowed;
 
 /// Position, heading and scale of a member in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    pub(crate) position: [f32; 3],
-    pub(crate) yaw_rad: f32,
-    pub(crate) scale: f32,
+    position: [f32; 3],
+    yaw_rad: f32,
+    scale: f32,
 }
 
 impl Placement {
@@ -53,17 +53,6 @@ impl Placement {
         self.scale
     }
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        bounded("the position of a member", &self.position)?;
-        bounded("the heading of a member", &[self.yaw_rad])?;
-        if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&self.scale) {
-            Ok(())
-        } else {
-            let allowed = Allowed::Range { least: 1e-4, most: LARGEST_SCALE.into() };
-            Err(Error::BadValue { what: "the scale of a member", value: self.scale, allowed })
-        }
-    }
-
     /// Returns the placement as a matrix.
     #[must_use]
     pub fn world_from_model(&self) -> Affine {
@@ -75,5 +64,18 @@ impl Placement {
         let (sin, cos) = (sin as f32 * self.scale, cos as f32 * self.scale);
         let [x, y, z] = self.position;
         Affine { rows: [[cos, 0.0, sin, x], [0.0, self.scale, 0.0, y], [-sin, 0.0, cos, z]] }
+    }
+}
+
+impl Check for Placement {
+    fn check(&self) -> Result<(), Error> {
+        bounded("the position of a member", &self.position)?;
+        bounded("the heading of a member", &[self.yaw_rad])?;
+        if (1.0 / LARGEST_SCALE..=LARGEST_SCALE).contains(&self.scale) {
+            Ok(())
+        } else {
+            let allowed = Allowed::Range { least: 1e-4, most: LARGEST_SCALE.into() };
+            Err(Error::BadValue { what: "the scale of a member", value: self.scale, allowed })
+        }
     }
 }

@@ -2,34 +2,51 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
-use populace_model::LARGEST;
 
-use crate::error::bounded;
-use crate::fault::Allowed;
-use crate::{ClipId, Error, PlaybackId};
+use crate::check::{Check, bounded, check_layer, check_secs, check_weight};
+use crate::error::Error;
+use crate::ids::{ClipId, PlaybackId};
 
 /// The settings of everything that plays in a slot. The public types each show those that apply.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Playback {
-    pub(crate) mode: Mode,
-    pub(crate) speed: f32,
-    pub(crate) phase: f32,
-    pub(crate) weight: f32,
-    pub(crate) fade_in_secs: f32,
+pub struct Playback {
+    /// How the clip plays.
+    pub mode: Mode,
+    /// The factor on the clip's own speed.
+    pub speed: f32,
+    /// The phase at which a loop starts, 0 to 1.
+    pub phase: f32,
+    /// The weight within the layer, 0 to 1.
+    pub weight: f32,
+    /// The time in which the weight is reached.
+    pub fade_in_secs: f32,
     /// Whether `fade_in_secs` is the time of an inertialization rather than of a fade.
-    pub(crate) inertializes: bool,
-    pub(crate) after_secs: f32,
-    pub(crate) layer: usize,
+    pub inertializes: bool,
+    /// The time until the start.
+    pub after_secs: f32,
+    /// The layer.
+    pub layer: usize,
     /// Whether a clip bound by names alone may bind any share of its joints.
-    pub(crate) partial: bool,
+    pub partial: bool,
 }
 
+/// How a clip plays.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Mode {
+pub enum Mode {
+    /// Again and again.
     Looping,
+    /// Once; then its end holds.
     Once,
-    Held { secs: f32 },
-    Live { delay_secs: f32 },
+    /// Held at a time.
+    Held {
+        /// The time on the clip's own axis.
+        secs: f32,
+    },
+    /// Live, behind the present.
+    Live {
+        /// The time behind the present.
+        delay_secs: f32,
+    },
 }
 
 /// Builder methods that several kinds of playback share, written once.
@@ -116,7 +133,7 @@ macro_rules! shared_settings {
     (@ partial) => {
         /// Plays clips even if names alone bind less than 30 % of the joints that they move, which
         /// is refused otherwise. For clips of which only a part is wanted, such as through a mask.
-        /// [`CharacterRef::binding`](crate::CharacterRef::binding) returns the share. A clip that
+        /// `CharacterRef::binding` returns the share. A clip that
         /// moves no joint of the body is refused all the same.
         #[must_use]
         pub const fn partial(mut self) -> Self {
@@ -138,11 +155,10 @@ impl ClipPlayback {
     /// to zero within `secs`. 0.1 to 0.5 seconds are usual; over longer times fast motion
     /// overshoots. The speed of root motion changes over in the same time without overshooting.
     ///
-    /// It applies to [`MemberMut::play`](crate::MemberMut::play) and
-    /// [`MemberMut::queue`](crate::MemberMut::queue). It is a fade of the same time in
-    /// [`MemberMut::blend`](crate::MemberMut::blend), if the layer plays nothing, and if a live
-    /// clip or a state machine starts or ends. On a layer above 0 whose total weight differs from
-    /// the clip's, the weight runs to the clip's in that time.
+    /// It applies to `MemberMut::play` and `MemberMut::queue`. It is a fade of the same time in
+    /// `MemberMut::blend`, if the layer plays nothing, and if a live clip or a state machine starts
+    /// or ends. On a layer above 0 whose total weight differs from the clip's, the weight runs to
+    /// the clip's in that time.
     #[must_use]
     pub const fn inertialize_in_secs(mut self, secs: f32) -> Self {
         self.0.fade_in_secs = secs;
@@ -199,7 +215,7 @@ pub struct StatePlayback(pub(crate) Playback);
 shared_settings!(StatePlayback: modes speed phase partial);
 
 impl Playback {
-    pub(crate) const fn new(mode: Mode) -> Self {
+    const fn new(mode: Mode) -> Self {
         Self {
             mode,
             speed: 1.0,
@@ -214,7 +230,8 @@ impl Playback {
     }
 
     /// Returns a slot of layer 0 at full weight that plays the bound clip from `tick` on.
-    pub(crate) fn slot(&self, bound: u32, tick: u64, duration_secs: f32) -> Slot {
+    #[must_use]
+    pub fn slot(&self, bound: u32, tick: u64, duration_secs: f32) -> Slot {
         match self.mode {
             Mode::Looping => {
                 Slot::looping(bound, tick, duration_secs, f64::from(self.phase), self.speed)
@@ -226,8 +243,10 @@ impl Playback {
             }
         }
     }
+}
 
-    pub(crate) fn check(&self) -> Result<(), Error> {
+impl Check for Playback {
+    fn check(&self) -> Result<(), Error> {
         bounded("the speed of a clip", &[self.speed])?;
         bounded("the phase of a clip", &[self.phase])?;
         if let Mode::Held { secs } = self.mode {
@@ -264,36 +283,4 @@ pub struct ActiveClip {
     /// Seconds until a clip that plays once ends, 0 from then on; `None` for all others and at
     /// speed 0.
     pub ends_in_secs: Option<f64>,
-}
-
-pub(crate) fn check_weight(what: &'static str, value: f32) -> Result<(), Error> {
-    if (0.0..=1.0).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::BadValue { what, value, allowed: Allowed::Range { least: 0.0, most: 1.0 } })
-    }
-}
-
-pub(crate) fn check_secs(what: &'static str, value: f32) -> Result<(), Error> {
-    if (0.0..=LARGEST).contains(&value) {
-        Ok(())
-    } else {
-        Err(Error::BadValue {
-            what,
-            value,
-            allowed: Allowed::Range { least: 0.0, most: LARGEST.into() },
-        })
-    }
-}
-
-pub(crate) fn check_layer(layer: usize) -> Result<(), Error> {
-    if layer < populace_device::MAX_LAYERS {
-        Ok(())
-    } else {
-        Err(Error::BadValue {
-            what: "the layer",
-            value: layer as f32,
-            allowed: Allowed::Range { least: 0.0, most: 3.0 },
-        })
-    }
 }

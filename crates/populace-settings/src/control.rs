@@ -4,10 +4,10 @@ use populace_device::GazeLimits;
 use populace_device::layout;
 use populace_model::JointIndex;
 
-use crate::error::{bounded, finite};
+use crate::check::{Check, bounded, check_secs, check_weight, finite};
+use crate::error::Error;
 use crate::fault::Allowed;
-use crate::playback::{check_secs, check_weight};
-use crate::{Error, MemberId};
+use crate::ids::MemberId;
 
 /// The target of a look-at or reach constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,8 +27,8 @@ pub enum Target {
     },
 }
 
-impl Target {
-    pub(crate) fn check(&self) -> Result<(), Error> {
+impl Check for Target {
+    fn check(&self) -> Result<(), Error> {
         match self {
             Self::Point(v) | Self::InModel(v) => bounded("a target", v),
             Self::Direction(v) => {
@@ -45,18 +45,19 @@ impl Target {
             Self::Joint { .. } => Ok(()),
         }
     }
+}
 
-    /// Returns the target as devices store it; `watched` is the index of a watched joint.
-    pub(crate) fn device_target(&self, watched: u32) -> layout::Target {
-        match *self {
-            Self::Point(point) => layout::Target::in_world(point),
-            Self::InModel(point) => layout::Target::in_model(point),
-            Self::Direction(direction) => {
-                let largest = direction.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
-                layout::Target::direction(direction.map(|v| v / largest))
-            }
-            Self::Joint { .. } => layout::Target::watched(watched, [0.0; 3]),
+/// Returns a target as devices store it; `watched` is the index of a watched joint.
+#[must_use]
+pub fn device_target(target: &Target, watched: u32) -> layout::Target {
+    match *target {
+        Target::Point(point) => layout::Target::in_world(point),
+        Target::InModel(point) => layout::Target::in_model(point),
+        Target::Direction(direction) => {
+            let largest = direction.iter().fold(0.0_f32, |most, v| most.max(v.abs()));
+            layout::Target::direction(direction.map(|v| v / largest))
         }
+        Target::Joint { .. } => layout::Target::watched(watched, [0.0; 3]),
     }
 }
 
@@ -93,15 +94,22 @@ pub struct Gaze {
 /// With a target of another kind, or another joint, the constraint always eases over.
 /// [`easing_over`](Self::easing_over) forces it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weight {
-    pub(crate) value: f32,
-    pub(crate) secs: f32,
-    pub(crate) eases_over: bool,
+pub struct Weight(pub(crate) WeightParts);
+
+/// The parts of a [`Weight`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WeightParts {
+    /// The weight, 0 to 1.
+    pub value: f32,
+    /// The ease time.
+    pub secs: f32,
+    /// Whether the constraint eases over to another target in any case.
+    pub eases_over: bool,
 }
 
 impl Weight {
     /// Weight 1, reached in 0.3 seconds.
-    pub const FULL: Self = Self { value: 1.0, secs: 0.3, eases_over: false };
+    pub const FULL: Self = Self(WeightParts { value: 1.0, secs: 0.3, eases_over: false });
 
     /// Returns a weight of 0 to 1 that is reached in 0.3 seconds.
     ///
@@ -110,13 +118,13 @@ impl Weight {
     /// A value that is not from 0 to 1.
     pub fn new(value: f32) -> Result<Self, Error> {
         check_weight("the weight of a constraint", value)?;
-        Ok(Self { value, ..Self::FULL })
+        Ok(Self(WeightParts { value, ..Self::FULL.0 }))
     }
 
     /// Sets the ease time; 0 applies the weight at once.
     #[must_use]
     pub const fn over_secs(mut self, secs: f32) -> Self {
-        self.secs = secs;
+        self.0.secs = secs;
         self
     }
 
@@ -125,13 +133,15 @@ impl Weight {
     /// moving target, each call restarts the ease.
     #[must_use]
     pub const fn easing_over(mut self) -> Self {
-        self.eases_over = true;
+        self.0.eases_over = true;
         self
     }
+}
 
-    pub(crate) fn check(self) -> Result<(), Error> {
-        check_weight("the weight of a constraint", self.value)?;
-        check_secs("the time to come to a weight", self.secs)
+impl Check for Weight {
+    fn check(&self) -> Result<(), Error> {
+        check_weight("the weight of a constraint", self.0.value)?;
+        check_secs("the time to come to a weight", self.0.secs)
     }
 }
 
@@ -143,12 +153,21 @@ impl Default for Weight {
 
 /// Settings of two-bone IK.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
-    pub(crate) end: JointIndex,
-    pub(crate) limb: Option<[JointIndex; 2]>,
-    pub(crate) pole: Option<[f32; 3]>,
-    pub(crate) bend: Option<[f32; 3]>,
-    pub(crate) keeps_end: bool,
+pub struct Reach(pub(crate) ReachParts);
+
+/// The parts of a [`Reach`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ReachParts {
+    /// The joint that meets the target.
+    pub end: JointIndex,
+    /// The first and the middle joint of the limb, where set.
+    pub limb: Option<[JointIndex; 2]>,
+    /// The direction towards which the middle joint is pulled, in model space.
+    pub pole: Option<[f32; 3]>,
+    /// The direction in which a straight limb bends, at rest in model space.
+    pub bend: Option<[f32; 3]>,
+    /// Whether the end keeps its rotation.
+    pub keeps_end: bool,
 }
 
 impl Reach {
@@ -157,13 +176,13 @@ impl Reach {
     /// grandparent.
     #[must_use]
     pub const fn with(end: JointIndex) -> Self {
-        Self { end, limb: None, pole: None, bend: None, keeps_end: false }
+        Self(ReachParts { end, limb: None, pole: None, bend: None, keeps_end: false })
     }
 
     /// Sets the first joint (shoulder, hip) and the middle joint (elbow, knee) of the limb.
     #[must_use]
     pub const fn limb(mut self, first: JointIndex, middle: JointIndex) -> Self {
-        self.limb = Some([first, middle]);
+        self.0.limb = Some([first, middle]);
         self
     }
 
@@ -171,7 +190,7 @@ impl Reach {
     /// side to which the clips bend it.
     #[must_use]
     pub const fn pole(mut self, direction: [f32; 3]) -> Self {
-        self.pole = Some(direction);
+        self.0.pole = Some(direction);
         self
     }
 
@@ -180,14 +199,14 @@ impl Reach {
     /// back.
     #[must_use]
     pub const fn bending(mut self, direction: [f32; 3]) -> Self {
-        self.bend = Some(direction);
+        self.0.bend = Some(direction);
         self
     }
 
     /// Keeps the rotation that the end has without the constraint. Otherwise it follows the limb.
     #[must_use]
     pub const fn keeping_rotation(mut self) -> Self {
-        self.keeps_end = true;
+        self.0.keeps_end = true;
         self
     }
 }

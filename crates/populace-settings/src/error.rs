@@ -1,9 +1,7 @@
 //! Errors of the library. A call that returns one leaves the crowd as it was.
 
 use populace_device::BackendError;
-use populace_model::ErrorKind;
-use populace_model::convert::not_finite;
-use populace_model::{LARGEST, did_you_mean};
+use populace_model::{ErrorKind, did_you_mean};
 
 use crate::fault::{Allowed, AttachmentFault, BlendSpaceFault, IdKind, MachineFault, User};
 
@@ -123,24 +121,6 @@ impl Error {
             | Self::InUse { .. }
             | Self::BadValue { .. } => ErrorKind::InvalidInput,
         }
-    }
-}
-
-/// Refuses values that are not finite or larger than [`LARGEST`], whose products overflow.
-pub(crate) fn bounded(what: &'static str, values: &[f32]) -> Result<(), Error> {
-    match values.iter().find(|v| v.is_nan() || v.abs() > LARGEST) {
-        Some(&value) => {
-            Err(Error::BadValue { what, value, allowed: Allowed::Size { most: LARGEST } })
-        }
-        None => Ok(()),
-    }
-}
-
-/// Refuses values that are not finite.
-pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
-    match not_finite(values) {
-        Some(value) => Err(Error::BadValue { what, value, allowed: Allowed::Finite }),
-        None => Ok(()),
     }
 }
 

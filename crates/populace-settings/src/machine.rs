@@ -7,10 +7,11 @@ use populace_device::layout::MACHINE_PARAMETERS;
 use populace_device::{MachineState, Transition};
 use populace_model::nearest_names;
 
-use crate::error::bounded;
+use crate::check::{Check, bounded, check_secs};
+use crate::error::Error;
 use crate::fault::{MachineFault, MachinePart};
-use crate::playback::{Mode, Playback, check_secs};
-use crate::{ClipId, Error, StatePlayback};
+use crate::ids::ClipId;
+use crate::playback::{Mode, Playback, StatePlayback};
 
 /// A condition of a transition of a [`StateMachine`].
 #[derive(Clone, Debug, PartialEq)]
@@ -97,8 +98,7 @@ pub struct StateMachine {
 }
 
 impl StateMachine {
-    /// Returns a machine without states. [`Crowd::add_machine`](crate::Crowd::add_machine) checks
-    /// the finished machine.
+    /// Returns a machine without states. `Crowd::add_machine` checks the finished machine.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -149,28 +149,6 @@ impl StateMachine {
         let from = from.map(str::to_owned);
         self.ways.push(Way { from, to: to.to_owned(), fade_secs, conditions: conditions.to_vec() });
         self
-    }
-
-    /// Checks the machine and resolves names to indices. `duration_of` returns the seconds of a
-    /// clip, or an error if the clip cannot be played in this mode.
-    pub(crate) fn compile(
-        &self,
-        duration_of: impl Fn(ClipId, Mode) -> Result<f32, Error>,
-    ) -> Result<Compiled, Error> {
-        self.check_names()?;
-        let mut states = Vec::new();
-        for state in &self.states {
-            state.play.check()?;
-            let duration = duration_of(state.clip, state.play.mode)?;
-            let slot = state.play.slot(0, 0, duration);
-            // A clip of no length ends at once; one at speed 0 never ends.
-            let end_ticks = if duration > 0.0 { slot.end_tick(0).unwrap_or(u64::MAX) } else { 0 };
-            let transitions = self.transitions_of(state, end_ticks)?;
-            let rows = MachineState { slot, transitions };
-            let (clip, partial) = (state.clip, state.play.partial);
-            states.push(CompiledState { name: state.name.as_str().into(), clip, partial, rows });
-        }
-        Ok(Compiled { parameters: self.parameters.clone(), states })
     }
 
     fn check_names(&self) -> Result<(), Error> {
@@ -268,34 +246,70 @@ impl StateMachine {
 
 /// A machine whose names are resolved to indices.
 #[derive(Clone)]
-pub(crate) struct Compiled {
-    /// Names and initial values.
-    pub(crate) parameters: Vec<(String, f32)>,
-    pub(crate) states: Vec<CompiledState>,
+pub struct Compiled {
+    /// The names and initial values of the parameters.
+    pub parameters: Vec<(String, f32)>,
+    /// The states, of which the first is the initial one.
+    pub states: Vec<CompiledState>,
 }
 
+/// A state of a [`Compiled`] machine.
 #[derive(Clone)]
-pub(crate) struct CompiledState {
-    pub(crate) name: Arc<str>,
-    pub(crate) clip: ClipId,
+pub struct CompiledState {
+    /// The name.
+    pub name: Arc<str>,
+    /// The clip.
+    pub clip: ClipId,
     /// Whether names alone may bind any share of the clip's joints.
-    pub(crate) partial: bool,
+    pub partial: bool,
     /// Its rows, not yet bound to a body.
-    pub(crate) rows: MachineState,
+    pub rows: MachineState,
 }
 
 impl Compiled {
-    pub(crate) fn parameter(&self, name: &str) -> Option<usize> {
+    /// Returns the index of a parameter.
+    #[must_use]
+    pub fn parameter(&self, name: &str) -> Option<usize> {
         self.parameters.iter().position(|(own, _)| own == name)
     }
 }
 
-pub(crate) fn bad(fault: MachineFault) -> Error {
+/// Checks a machine and resolves names to indices. `duration_of` returns the seconds of a clip, or
+/// an error if the clip cannot be played in this mode.
+///
+/// # Errors
+///
+/// [`Error::BadStateMachine`], a number out of its range, or an error of `duration_of`.
+pub fn compile(
+    machine: &StateMachine,
+    duration_of: impl Fn(ClipId, Mode) -> Result<f32, Error>,
+) -> Result<Compiled, Error> {
+    machine.check_names()?;
+    let mut states = Vec::new();
+    for state in &machine.states {
+        state.play.check()?;
+        let duration = duration_of(state.clip, state.play.mode)?;
+        let slot = state.play.slot(0, 0, duration);
+        // A clip of no length ends at once; one at speed 0 never ends.
+        let end_ticks = if duration > 0.0 { slot.end_tick(0).unwrap_or(u64::MAX) } else { 0 };
+        let transitions = machine.transitions_of(state, end_ticks)?;
+        let rows = MachineState { slot, transitions };
+        let (clip, partial) = (state.clip, state.play.partial);
+        states.push(CompiledState { name: state.name.as_str().into(), clip, partial, rows });
+    }
+    Ok(Compiled { parameters: machine.parameters.clone(), states })
+}
+
+fn bad(fault: MachineFault) -> Error {
     Error::BadStateMachine(fault)
 }
 
 /// Returns the index of a name, or an error with similar names.
-pub(crate) fn find<'a>(
+///
+/// # Errors
+///
+/// [`Error::BadStateMachine`] if the name is not among `names`.
+pub fn find<'a>(
     part: MachinePart,
     name: &str,
     names: impl Iterator<Item = &'a str> + Clone,
