@@ -105,7 +105,7 @@ impl Standing {
         let (low, high) = (LOW.0 * soles.body_height_m, LOW.1 * soles.body_height_m);
         Limits {
             low_m: bobs[0].max(bobs[1]).clamp(low, high.max(low)),
-            slow: (MARGIN * at(&slides, 3) / speed).clamp(SLOW.0, SLOW.1),
+            slow: (MARGIN * at(&slides, 4) / speed).clamp(SLOW.0, SLOW.1),
             still: STILL * soles.body_height_m,
         }
     }
@@ -124,11 +124,12 @@ impl Standing {
         let feet = [Side::Left, Side::Right].into_iter().zip(&self.stands);
         let mut all: Vec<_> = feet
             .flat_map(|(foot, stands)| {
-                let step_secs = duration_secs / stands.len() as f32;
+                // By the share of the cycle: one that is full gives exactly its length.
+                let secs = move |at: usize| at as f32 / stands.len() as f32 * duration_secs;
                 runs(stands).into_iter().map(move |(first, count)| Contact {
                     foot,
-                    from_secs: first as f32 * step_secs,
-                    until_secs: (first + count) as f32 * step_secs,
+                    from_secs: secs(first),
+                    until_secs: secs(first + count),
                 })
             })
             .collect();

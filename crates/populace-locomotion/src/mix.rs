@@ -11,7 +11,7 @@ pub struct MixedClip {
     pub clip: Arc<Clip>,
     /// Its weight, 0 to 1, relative to that of the others.
     pub weight: f32,
-    /// Its phase, 0 to 1, at the start of the shared cycle.
+    /// Its phase at the start of the shared cycle, in cycles.
     pub offset: f32,
 }
 
@@ -22,18 +22,18 @@ impl MixedClip {
         Self { clip: Arc::clone(clip), weight, offset: 0.0 }
     }
 
-    /// Sets the phase, 0 to 1, at the start of the shared cycle, as
+    /// Sets the phase at the start of the shared cycle, in cycles, as
     /// [`BlendSpace::with_offset`](populace::BlendSpace::with_offset) does.
     #[must_use]
-    pub fn with_offset(mut self, phase: f32) -> Self {
-        self.offset = phase;
+    pub fn with_offset(mut self, cycles: f32) -> Self {
+        self.offset = cycles;
         self
     }
 
     /// Returns the time on the clip's own axis at a phase of the shared cycle, 0 to 1.
     pub(crate) fn secs_at(&self, phase: f32) -> f32 {
         let own = phase + self.offset;
-        let own = if own > 1.0 { own - own.floor() } else { own };
+        let own = if (0.0..=1.0).contains(&own) { own } else { own - own.floor() };
         self.clip.start_secs() + self.clip.duration_secs() * own
     }
 }
