@@ -42,9 +42,9 @@ impl Gait {
     /// without two feet, for a clip of no length, and for one in which no foot stands.
     ///
     /// Feet are found by humanoid roles, else by where the body touches the ground at rest. The
-    /// clip is played on the native device at 120 samples a second, so a retargeted clip is measured
-    /// as it is shown. A sole stands while its lowest points are near the ground or below it and
-    /// move back with it. It ceases to stand at twice the height at which it begins to.
+    /// clip is played on the native device at 120 samples a second, so a retargeted clip is
+    /// measured as it is shown. A sole stands while its lowest points are near the ground or below
+    /// it and move back with it. It ceases to stand at twice the height at which it begins to.
     ///
     /// # Errors
     ///

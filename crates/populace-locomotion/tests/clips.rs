@@ -113,8 +113,8 @@ fn trials(root: &Path) -> Vec<Trial> {
 
 fn measure(folder: &Path, case: &Case) -> Result<(Gait, f32), Failed> {
     let Case(body, file, name, ..) = case;
-    let character = Arc::new(load(&folder.join(body))?.character);
-    let clips = load(&folder.join(file))?.character.clips.clone();
+    let character = Arc::new(load(folder.join(body))?.character);
+    let clips = load(folder.join(file))?.character.clips.clone();
     let clip = clips.iter().find(|clip| clip.name() == *name).ok_or("no such clip")?;
     let gait = Gait::measure(&character, clip)?.ok_or("no gait")?;
     Ok((gait, character.height_m()))
@@ -134,6 +134,13 @@ fn check(folder: &Path, case: &Case) -> Result<(), Failed> {
     let fail = |what: &str| Err(Failed::from(format!("{what}: {gait:?}")));
     if !speeds.contains(&(gait.speed_m_per_sec() / height_m)) {
         return fail("the speed");
+    }
+    if let [Some(left), Some(right)] = gait.stance_center_m {
+        // Cesium's man faces +X, so that his left is -Z.
+        let left_of = if *body == CESIUM { right[1] - left[1] } else { left[0] - right[0] };
+        if left_of < 0.0 {
+            return fail("the sides");
+        }
     }
     let stands = match kind {
         Walk => 0.4..0.75,

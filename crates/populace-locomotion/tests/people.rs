@@ -1,8 +1,6 @@
 //! Gaits of the people made by code, against the published figures that they were made from
 //! (`motion/gait.rs` of populace-cast).
 
-#![expect(clippy::unwrap_used, reason = "tests panic on errors")]
-
 use std::sync::Arc;
 
 use populace::model::Side;
