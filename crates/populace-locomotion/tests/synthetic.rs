@@ -29,7 +29,7 @@ fn body() -> Arc<Character> {
     let skeleton = Skeleton::new(&[joint("pole", None, [0.0; 3]), left, right]).unwrap();
     let mut palette = Vec::new();
     let (mut positions, mut entries) = (Vec::new(), Vec::new());
-    for (at, joint) in skeleton.joints().enumerate() {
+    for (at, joint) in (0u16..).zip(skeleton.joints()) {
         let [x, y, z] = skeleton.rest(joint).translation;
         let mut joint_from_bind = Affine::IDENTITY;
         for (row, offset) in joint_from_bind.rows.iter_mut().zip([-x, -y, -z]) {
@@ -41,7 +41,7 @@ fn body() -> Arc<Character> {
             _ => [[x, 0.0, -0.1], [x - 0.04, 0.0, 0.2], [x + 0.04, 0.0, 0.2]],
         };
         positions.extend(corners);
-        entries.extend([[at as u16, 0, 0, 0]; 3].as_flattened());
+        entries.extend([[at, 0, 0, 0]; 3].as_flattened());
     }
     let mesh = Mesh {
         normals: vec![[0.0, 1.0, 0.0]; positions.len()],
