@@ -51,6 +51,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("populace-physics", &["populace"]),
+    ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (
@@ -75,6 +76,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-assets",
             "populace-bench",
             "populace-cast",
+            "populace-locomotion",
             "populace-render",
             "populace-testkit",
         ],

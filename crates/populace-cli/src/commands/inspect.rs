@@ -1,8 +1,10 @@
 //! `populace inspect`
 
+mod gaits;
 mod rows;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use populace::character::Character;
 use populace::clip::Clip;
@@ -32,16 +34,17 @@ pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
         return Err(Failure::usage("--json describes one file; give several only with --rows"));
     }
     for file in &args.files {
-        let document = describe(&args.input.load(file)?, &file.display().to_string());
+        let document = describe(args.input.load(file)?, &file.display().to_string());
         if args.json { report::json(&document)? } else { report::text(&as_text(&document))? }
     }
     Ok(())
 }
 
-fn describe(imported: &Imported, file: &str) -> Value {
-    let character = &imported.character;
+fn describe(imported: Imported, file: &str) -> Value {
+    let character = &Arc::new(imported.character);
     let skeleton = &character.skeleton;
-    let clips: Vec<_> = character.clips.iter().map(|clip| describe_clip(clip, skeleton)).collect();
+    let describe_clip = |clip| describe_clip(clip, character);
+    let clips: Vec<_> = character.clips.iter().map(describe_clip).collect();
     let skins: Vec<_> = character
         .skins
         .iter()
@@ -58,7 +61,7 @@ fn describe(imported: &Imported, file: &str) -> Value {
         "palette_entries": character.palette.len(),
         "skins": skins,
         "roles": describe_roles(skeleton),
-        "parts": describe_parts(imported),
+        "parts": describe_parts(character, &imported.vertex_counts),
         "materials": describe_materials(character),
         "images": describe_images(character),
         "clips": clips,
@@ -78,7 +81,7 @@ fn describe_roles(skeleton: &Skeleton) -> Value {
     })
 }
 
-fn describe_clip(clip: &Clip, skeleton: &Skeleton) -> Value {
+fn describe_clip(clip: &Arc<Clip>, character: &Arc<Character>) -> Value {
     let stats = clip.stats();
     json!({
         "name": clip.name(),
@@ -89,14 +92,14 @@ fn describe_clip(clip: &Clip, skeleton: &Skeleton) -> Value {
         "evenly_spaced": stats.evenly_spaced,
         "row_bytes": stats.row_bytes,
         "key_bytes": stats.key_bytes,
-        "worst_error_m": clip.measured_error_m(skeleton, ERROR_POINTS),
+        "worst_error_m": clip.measured_error_m(&character.skeleton, ERROR_POINTS),
         "error_bound_m": stats.error_bound_m,
         "tolerance_m": stats.tolerance_m,
-        "ground_speed_m_per_sec": stats.ground_speed_m_per_sec,
+        "gait": gaits::as_json(character, clip),
     })
 }
 
-fn describe_parts(imported: &Imported) -> Vec<Value> {
+fn describe_parts(character: &Character, vertex_counts: &[usize]) -> Vec<Value> {
     let describe = |(part, vertex_count): (&populace::character::Part, &usize)| {
         json!({
             "node": part.node,
@@ -108,7 +111,7 @@ fn describe_parts(imported: &Imported) -> Vec<Value> {
             "material": part.material,
         })
     };
-    imported.character.parts.iter().zip(&imported.vertex_counts).map(describe).collect()
+    character.parts.iter().zip(vertex_counts).map(describe).collect()
 }
 
 fn describe_materials(character: &Character) -> Vec<Value> {
@@ -184,12 +187,9 @@ fn as_text(d: &Value) -> String {
 
 fn clip_line(index: usize, c: &Value) -> String {
     let number = |name: &str| c[name].as_f64().unwrap_or_default();
-    let speed = c["ground_speed_m_per_sec"]
-        .as_f64()
-        .map_or(String::new(), |v| format!(", ground speed {v:.2} m/s"));
     format!(
         "  clip {index} {}: {:.3} s from {:.3} s, {} rows{}, worst error {:.3} mm of {:.3} \
-         mm{speed}\n",
+         mm\n{}",
         c["name"],
         number("duration_secs"),
         number("start_secs"),
@@ -197,5 +197,6 @@ fn clip_line(index: usize, c: &Value) -> String {
         if c["evenly_spaced"] == true { " evenly spaced" } else { "" },
         number("worst_error_m") * 1e3,
         number("tolerance_m") * 1e3,
+        gaits::as_text(&c["gait"]),
     )
 }

@@ -1,0 +1,158 @@
+//! The soles of a body while it plays clips, sampled through one cycle.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+use populace::character::Character;
+use populace::{Affine, ClipPlayback, Crowd, Device, Error, Placement};
+
+use crate::feet::{Carried, Feet};
+use crate::mix::{MixedClip, cycle_secs};
+
+/// Samples in a second of a cycle.
+const SAMPLES_PER_SEC: f32 = 120.0;
+/// The fewest and the most samples of a cycle.
+const SAMPLES: (f32, f32) = (8.0, 4000.0);
+/// The most joints evaluated at once.
+const MOST_JOINTS: usize = 1 << 14;
+/// Points up to this fraction of the body's height above the lowest stand with it.
+const STANDING: f32 = 0.01;
+
+/// One foot at one time. Places are in model space, and move back with the body's travel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct SoleSample {
+    /// Height of the lowest point of the sole in metres.
+    pub(crate) height: f32,
+    /// Horizontal velocity of the points that would stand, relative to the body, in metres per
+    /// second.
+    pub(crate) velocity: Vec2,
+    /// Horizontal place of the ankle relative to where the body would be.
+    pub(crate) ankle: Vec2,
+}
+
+/// Both soles through one cycle.
+#[derive(Clone, Debug)]
+pub(crate) struct Soles {
+    pub(crate) duration_secs: f32,
+    /// The height of the body at rest, in metres.
+    pub(crate) body_height_m: f32,
+    /// Evenly spaced samples, left and right.
+    pub(crate) feet: [Vec<SoleSample>; 2],
+}
+
+/// Where the feet are in one pose, in model space.
+struct Pose {
+    hips: Option<Vec3>,
+    ankles: [Vec3; 2],
+    soles: [Vec<Vec3>; 2],
+}
+
+impl Soles {
+    /// Plays clips on a body and follows its soles. `None` for a body without two feet, and for
+    /// clips of which none has a length.
+    pub(crate) fn sample(
+        character: &Arc<Character>,
+        clips: &[MixedClip],
+    ) -> Result<Option<Self>, Error> {
+        let Some(duration_secs) = cycle_secs(clips) else { return Ok(None) };
+        let Some(feet) = Feet::find(character) else { return Ok(None) };
+        let count = (duration_secs * SAMPLES_PER_SEC).ceil().clamp(SAMPLES.0, SAMPLES.1);
+        let poses = poses(character, &feet, clips, count)?;
+        let body_height_m = character.height_m();
+        let step_secs = duration_secs / count;
+        let travel = travel(&poses, duration_secs);
+        let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
+        Ok(Some(Self { duration_secs, body_height_m, feet }))
+    }
+}
+
+/// Returns the feet at `count` even steps through the cycle, and at its end. Members of one crowd
+/// each hold one step.
+fn poses(
+    character: &Arc<Character>,
+    feet: &Feet,
+    clips: &[MixedClip],
+    count: f32,
+) -> Result<Vec<Pose>, Error> {
+    let steps: Vec<f32> = (0u16..).map(f32::from).take_while(|step| *step <= count).collect();
+    let most = MOST_JOINTS / character.skeleton.joint_count();
+    let at_once = steps.len().min(most).max(1);
+    let mut crowd = Crowd::builder()
+        .device(Device::Native { threads: 1 })
+        .capacity(at_once)
+        .slots_per_member(clips.len())
+        .build()?;
+    let id = crowd.add_character(Arc::clone(character))?;
+    let mut ids = Vec::with_capacity(clips.len());
+    for mixed in clips {
+        ids.push(crowd.character_mut(id)?.add_clip(&mixed.clip)?);
+    }
+    let members = crowd.spawn_many(id, &vec![Placement::at([0.0; 3]); at_once])?;
+    let mut poses = Vec::with_capacity(steps.len());
+    for steps in steps.chunks(at_once) {
+        for (step, member) in steps.iter().zip(&members) {
+            let mut member = crowd.member_mut(*member)?;
+            for (nth, (mixed, clip)) in clips.iter().zip(&ids).enumerate() {
+                let held = ClipPlayback::held_at_secs(mixed.secs_at(step / count));
+                let held = held.weight(mixed.weight);
+                // The first takes the place of those of the step before.
+                if nth == 0 {
+                    member.play(*clip, held)?
+                } else {
+                    member.blend(*clip, held)?
+                };
+            }
+        }
+        crowd.update(0.0)?;
+        for member in &members[..steps.len()] {
+            poses.push(pose(feet, &crowd.member_mut(*member)?.model_from_joints()?));
+        }
+    }
+    Ok(poses)
+}
+
+fn pose(feet: &Feet, model_from_joints: &[Affine]) -> Pose {
+    let place = |point: &Carried| point.place(model_from_joints);
+    Pose {
+        hips: feet.hips.as_ref().map(place),
+        ankles: feet.feet.each_ref().map(|foot| place(&foot.ankle)),
+        soles: feet.feet.each_ref().map(|foot| foot.sole.iter().map(place).collect()),
+    }
+}
+
+/// Returns the horizontal velocity at which the cycle carries the body along: that of the hips or
+/// an ankle from start to end, whichever moves least. A cycle that does not close moves a foot, and
+/// one that ends seated moves the hips, but only one that travels moves all.
+fn travel(poses: &[Pose], duration_secs: f32) -> Vec2 {
+    let (Some(first), Some(last)) = (poses.first(), poses.last()) else { return Vec2::ZERO };
+    let ankles = [0, 1].map(|foot| last.ankles[foot] - first.ankles[foot]);
+    let hips = last.hips.zip(first.hips).map(|(last, first)| last - first);
+    let moved = hips.into_iter().chain(ankles).map(|moved| Vec2::new(moved.x, moved.z));
+    let least = moved.min_by(|a, b| a.length().total_cmp(&b.length()));
+    least.unwrap_or_default() / duration_secs
+}
+
+/// Follows one foot through all poses; the last pose only ends the last step.
+fn follow(
+    poses: &[Pose],
+    foot: usize,
+    travel: Vec2,
+    step_secs: f32,
+    body_height_m: f32,
+) -> Vec<SoleSample> {
+    let sample = |(nth, pair): (u16, &[Pose])| {
+        let now = &pair[0].soles[foot];
+        let height = now.iter().map(|at| at.y).fold(f32::INFINITY, f32::min);
+        let stands = |at: &Vec3| at.y <= height + STANDING * body_height_m;
+        let (mut moved, mut standing) = (Vec3::ZERO, 0.0);
+        for (now, then) in now.iter().zip(&pair[1].soles[foot]).filter(|(now, _)| stands(now)) {
+            moved += *then - *now;
+            standing += 1.0;
+        }
+        let velocity = Vec2::new(moved.x, moved.z) / (standing * step_secs) - travel;
+        let ankle = pair[0].ankles[foot];
+        let ankle = Vec2::new(ankle.x, ankle.z) - travel * step_secs * f32::from(nth);
+        SoleSample { height, velocity, ankle }
+    };
+    (0u16..).zip(poses.windows(2)).map(sample).collect()
+}
