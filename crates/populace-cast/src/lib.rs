@@ -10,7 +10,7 @@
 //!
 //! let tall = person(&Look { height_m: 1.9, ..Look::man() })?;
 //! assert!((tall.height_m() - 1.9).abs() < 0.01);
-//! assert_eq!(tall.clips.len(), 4);
+//! assert_eq!(tall.clips.len(), 8);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
 //! # Ok::<(), populace_character::Error>(())
@@ -66,11 +66,12 @@ pub fn person(look: &Look) -> Result<Character, Error> {
     let joints = rig::Joints::new(&body);
     let skeleton = joints.skeleton()?;
     let palette = joints.palette(&skeleton);
-    let (parts, materials) = surface::parts(&surface::Surface::of(&body), &joints, &look.colors);
+    let surface = surface::Surface::of(&body);
+    let (parts, materials) = surface::parts(&surface, &joints, &look.colors);
     let reach = vertex_reach_m(&skeleton, &palette, &parts);
     let soles = sole_points(&skeleton, &palette, &parts);
     let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
-    let clips = motion::all(&body)
+    let clips = motion::all(&body, &joints, &surface)
         .iter()
         .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
         .collect::<Result<_, _>>()?;
