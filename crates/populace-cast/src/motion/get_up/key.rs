@@ -78,8 +78,7 @@ impl Key {
             curl: numbers[at + 9],
             hang: numbers[at + 10],
         };
-        let foot =
-            |at: usize| Foot { at: three(at), turn: three(at + 3), knee: three(at + 6) };
+        let foot = |at: usize| Foot { at: three(at), turn: three(at + 3), knee: three(at + 6) };
         Self {
             secs,
             pelvis: three(0),

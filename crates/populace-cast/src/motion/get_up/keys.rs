@@ -58,7 +58,7 @@ pub(super) fn back() -> Vec<Key> {
         ..lie
     };
     let behind = Hand {
-        at: [0.19, 0.0, -0.48],
+        at: [0.175, 0.0, -0.435],
         turn: [50.0, 0.0, 0.0],
         elbow: [0.6, 0.3, -1.0],
         curl: 0.1,
@@ -66,7 +66,7 @@ pub(super) fn back() -> Vec<Key> {
     };
     let seat = Foot { knee: [0.2, 1.0, 0.4], ..HOME };
     let prop = Key {
-        secs: 1.0,
+        secs: 1.05,
         pelvis: [0.0, 0.0, -0.30],
         turn: [-48.0, 0.0, 0.0],
         chest: [26.0, 0.0, 0.0],
@@ -75,32 +75,33 @@ pub(super) fn back() -> Vec<Key> {
         feet: [seat, bent(0.012, 0.08)],
     };
     let sit = Key {
-        secs: 1.4,
+        secs: 1.5,
         pelvis: [0.0, 0.0, -0.285],
-        turn: [-14.0, 0.0, 0.0],
+        turn: [-18.0, 0.0, 0.0],
         chest: [24.0, 0.0, 0.0],
         head: [4.0, 0.0, 0.0],
         feet: [seat; 2],
         ..prop
     };
     let reach = Hand {
-        at: [0.12, 0.19, 0.06],
+        at: [0.12, 0.17, 0.04],
         turn: [-8.0, -15.0, 30.0],
-        elbow: [0.6, -0.6, -0.6],
+        elbow: [0.8, -0.3, -0.8],
         curl: 0.3,
         hang: 0.0,
     };
+    let leave = Hand { at: [0.18, 0.05, -0.26], turn: [15.0, -10.0, 10.0], curl: 0.2, ..behind };
     let lean = Key {
-        secs: 1.75,
-        pelvis: [0.0, 0.0, -0.25],
-        turn: [16.0, 0.0, 0.0],
+        secs: 2.0,
+        pelvis: [0.0, 0.0, -0.255],
+        turn: [14.0, 0.0, 0.0],
         chest: [32.0, 0.0, 0.0],
         head: [-14.0, 0.0, 0.0],
-        hands: [reach, behind],
+        hands: [Hand { at: [0.15, 0.14, -0.06], ..reach }, leave],
         ..sit
     };
     let squat = Key {
-        secs: 2.1,
+        secs: 2.35,
         pelvis: [0.0, 0.36, -0.16],
         turn: [38.0, 0.0, 0.0],
         chest: [26.0, 0.0, 0.0],
@@ -110,17 +111,17 @@ pub(super) fn back() -> Vec<Key> {
         ..lean
     };
     let rise = Key {
-        secs: 2.55,
+        secs: 2.8,
         pelvis: [0.0, 0.72, -0.07],
         turn: [30.0, 0.0, 0.0],
         chest: [16.0, 0.0, 0.0],
         head: [-14.0, 0.0, 0.0],
-        hands: [Hand { hang: 0.85, at: [0.13, 0.3, 0.1], ..reach }; 2],
+        hands: [Hand { hang: 0.85, at: [0.13, 0.3, 0.08], ..reach }; 2],
         feet: [HOME; 2],
         ..squat
     };
-    let up = Key { secs: 3.0, pelvis: [0.0, 0.98, -0.004], turn: [4.0, 0.0, 0.0], ..STAND };
-    vec![lie, still, curl, prop, sit, lean, squat, rise, up, Key { secs: 3.3, ..STAND }]
+    let up = Key { secs: 3.25, pelvis: [0.0, 0.98, -0.004], turn: [4.0, 0.0, 0.0], ..STAND };
+    vec![lie, still, curl, prop, sit, lean, squat, rise, up, Key { secs: 3.6, ..STAND }]
 }
 
 /// A foot whose toes are tucked under behind the knee of that leg.
@@ -132,8 +133,8 @@ const TUCKED: Foot =
 fn from_all_fours(start_secs: f64) -> Vec<Key> {
     let all_fours = Key {
         secs: start_secs,
-        pelvis: [0.0, 0.50, -0.24],
-        turn: [82.0, 0.0, 0.0],
+        pelvis: [0.0, 0.53, -0.235],
+        turn: [84.0, 0.0, 0.0],
         chest: [4.0, 0.0, 0.0],
         head: [-18.0, 0.0, 0.0],
         hands: [HAND; 2],
@@ -141,9 +142,9 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
     };
     let step = Key {
         secs: start_secs + 0.32,
-        pelvis: [0.02, 0.55, -0.235],
-        turn: [72.0, 0.0, 0.0],
-        chest: [12.0, 0.0, 0.0],
+        pelvis: [0.02, 0.54, -0.225],
+        turn: [82.0, 0.0, 0.0],
+        chest: [8.0, 0.0, 0.0],
         feet: [
             TUCKED,
             Foot { at: [0.035, 0.05, -0.2], turn: [8.0, -30.0, 10.0], knee: [0.6, 0.5, 1.0] },
@@ -152,9 +153,9 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
     };
     let planted = Key {
         secs: start_secs + 0.6,
-        pelvis: [0.015, 0.55, -0.225],
-        turn: [64.0, 0.0, 0.0],
-        chest: [20.0, 0.0, 0.0],
+        pelvis: [0.015, 0.55, -0.205],
+        turn: [78.0, 0.0, 0.0],
+        chest: [14.0, 0.0, 0.0],
         head: [-22.0, 0.0, 0.0],
         feet: [TUCKED, HOME],
         ..step
@@ -167,7 +168,7 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
         hang: 0.0,
     };
     let kneel = Key {
-        secs: start_secs + 0.98,
+        secs: start_secs + 1.05,
         pelvis: [0.01, 0.56, -0.20],
         turn: [26.0, 0.0, 0.0],
         chest: [18.0, 0.0, 0.0],
@@ -176,7 +177,7 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
         ..planted
     };
     let push = Key {
-        secs: start_secs + 1.35,
+        secs: start_secs + 1.45,
         pelvis: [-0.005, 0.76, -0.10],
         turn: [26.0, 0.0, 0.0],
         chest: [14.0, 0.0, 0.0],
@@ -188,7 +189,7 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
         ..kneel
     };
     let swing = Key {
-        secs: start_secs + 1.65,
+        secs: start_secs + 1.75,
         pelvis: [-0.012, 0.95, -0.02],
         turn: [10.0, 0.0, 0.0],
         chest: [6.0, 0.0, 0.0],
@@ -200,23 +201,19 @@ fn from_all_fours(start_secs: f64) -> Vec<Key> {
         ],
     };
     let up = Key {
-        secs: start_secs + 1.95,
+        secs: start_secs + 2.05,
         pelvis: [-0.004, 0.995, 0.0],
         turn: [2.0, 0.0, 0.0],
         ..STAND
     };
-    let stand = Key { secs: start_secs + 2.3, ..STAND };
+    let stand = Key { secs: start_secs + 2.35, ..STAND };
     vec![all_fours, step, planted, kneel, push, swing, up, stand]
 }
 
 /// Returns the keys of getting up from the front: over all fours and one knee.
 pub(super) fn front() -> Vec<Key> {
-    let beside = Hand {
-        at: [0.19, 0.0, 0.09],
-        turn: [-12.0, 0.0, 0.0],
-        elbow: [1.0, 0.1, -0.6],
-        ..HAND
-    };
+    let beside =
+        Hand { at: [0.19, 0.0, 0.09], turn: [-12.0, 0.0, 0.0], elbow: [1.0, 0.1, -0.6], ..HAND };
     let behind =
         Foot { at: [0.02, 0.0, -0.76], turn: [-6.0, -152.0, -6.0], knee: [0.25, -1.0, 0.0] };
     let lie = Key {
@@ -224,7 +221,7 @@ pub(super) fn front() -> Vec<Key> {
         pelvis: [0.0, 0.0, -0.17],
         turn: [90.0, 0.0, 0.0],
         chest: [0.0; 3],
-        head: [-6.0, 0.0, 40.0],
+        head: [-8.0, 0.0, 22.0],
         hands: [Hand { curl: 0.3, ..beside }; 2],
         feet: [behind; 2],
     };
@@ -238,11 +235,10 @@ pub(super) fn front() -> Vec<Key> {
         hands: [Hand { at: [0.17, 0.0, 0.08], ..beside }; 2],
         ..lie
     };
-    let tuck =
-        Foot { at: [0.0, 0.0, -0.60], turn: [0.0, -110.0, 60.0], knee: [0.15, -1.0, 0.4] };
+    let tuck = Foot { at: [0.0, 0.0, -0.60], turn: [0.0, -110.0, 60.0], knee: [0.15, -1.0, 0.4] };
     let rise = Key {
         secs: 0.95,
-        pelvis: [0.0, 0.36, -0.20],
+        pelvis: [0.0, 0.42, -0.20],
         turn: [80.0, 0.0, 0.0],
         chest: [-8.0, 0.0, 0.0],
         head: [-18.0, 0.0, 0.0],
@@ -291,12 +287,15 @@ pub(super) fn left_side() -> Vec<Key> {
     keys.push(lie);
     keys.push(Key { secs: 0.2, ..lie });
     let roll = Key {
-        secs: 0.65,
+        secs: 0.7,
         pelvis: [0.04, 0.0, -0.22],
         turn: [86.0, -50.0, 0.0],
         chest: [4.0, 4.0, 10.0],
         head: [-6.0, 0.0, 10.0],
-        hands: [Hand { at: [-0.02, 0.0, 0.12], turn: [-50.0, 0.0, 20.0], ..lower_hand }, upper_hand],
+        hands: [
+            Hand { at: [-0.02, 0.0, 0.12], turn: [-50.0, 0.0, 20.0], ..lower_hand },
+            upper_hand,
+        ],
         feet: [
             Foot { at: [-0.03, 0.0, -0.50], turn: [0.0, -105.0, 20.0], knee: [-0.8, -0.4, 0.4] },
             Foot { at: [0.03, 0.0, -0.50], turn: [0.0, -105.0, 30.0], knee: [0.8, -0.3, 0.6] },
@@ -304,15 +303,15 @@ pub(super) fn left_side() -> Vec<Key> {
     };
     keys.push(roll);
     let push = Key {
-        secs: 1.0,
-        pelvis: [0.015, 0.38, -0.235],
-        turn: [83.0, -16.0, 0.0],
+        secs: 1.2,
+        pelvis: [0.015, 0.53, -0.235],
+        turn: [83.0, -12.0, 0.0],
         chest: [2.0, 0.0, 4.0],
         head: [-14.0, 0.0, 0.0],
         hands: [Hand { at: [0.08, 0.01, 0.07], ..HAND }, HAND],
-        feet: [Foot { knee: [-0.2, -0.7, 1.0], ..TUCKED }, TUCKED],
+        feet: [Foot { knee: [-0.25, -0.7, 1.0], ..TUCKED }, TUCKED],
     };
     keys.push(push);
-    keys.extend(from_all_fours(1.3));
+    keys.extend(from_all_fours(1.5));
     keys
 }

@@ -51,13 +51,7 @@ impl Figure<'_> {
     }
 
     /// Sets the rotations of a foot, and returns where its ankle is in model space.
-    fn ankle(
-        &self,
-        key: &Key,
-        side: Side,
-        end: &Pose,
-        rotations: &mut [DQuat; SEGMENTS],
-    ) -> DVec3 {
+    fn ankle(&self, key: &Key, side: Side, end: &Pose, rotations: &mut [DQuat; SEGMENTS]) -> DVec3 {
         let Foot { at, turn, .. } = key.feet[side.index()];
         let [yaw, pitch, toes] = turn.map(f64::to_radians);
         let home = end.rotations[Limb::Foot.of(side)];
@@ -115,12 +109,12 @@ impl Figure<'_> {
         pose.rotations[Limb::UpperArm.of(side)] =
             rotation_between([along, hinge], [bones.upper, bones.hinge]);
         let forearm = rotation_between([along, hinge], [bones.lower, bones.hinge]);
-        // The forearm takes half of the hand's twist about it.
+        // The forearm takes a part of the hand's twist about it. The sine has no jump at half a turn.
         let between = forearm.inverse() * pose.rotations[Limb::Hand.of(side)];
         let sine = DVec3::new(between.x, between.y, between.z).dot(along);
         let twist = 2.0 * (sine * between.w.signum()).atan2(between.w.abs());
         pose.rotations[Limb::Forearm.of(side)] =
-            forearm * DQuat::from_axis_angle(along, 0.5 * twist);
+            forearm * DQuat::from_axis_angle(along, 0.6 * twist.sin());
     }
 
     /// Mixes in an arm that hangs from the chest as it does at the end.
@@ -173,7 +167,8 @@ fn bend(rest: [DVec3; 3], [from, to]: [DVec3; 2], side: DVec3, radius: f64) -> B
     // By the law of cosines.
     let cos = ((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0);
     let sin = (1.0 - cos * cos).sqrt();
-    let away = (side - straight * side.dot(straight)).normalize_or(straight.any_orthonormal_vector());
+    let away =
+        (side - straight * side.dot(straight)).normalize_or(straight.any_orthonormal_vector());
     let centre = from + straight * (a * cos);
     let away = above_ground(away, straight, (radius - centre.y) / (a * sin).max(1e-9));
     let joint = centre + away * (a * sin);
