@@ -50,14 +50,17 @@
 //! come apart, and it can blend back joint by joint.
 
 mod error;
+mod get_up;
 mod math;
 mod member_ragdoll;
+mod motion;
 mod plan;
 mod ragdolls;
 mod snapshot;
 mod world;
 
 pub use error::Error;
+pub use get_up::GetUp;
 pub use member_ragdoll::JointAngles;
 pub use plan::{Limits, PlannedBody, RagdollPlan};
 pub use ragdolls::{Ragdolls, State};

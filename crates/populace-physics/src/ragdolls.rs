@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, MemberId};
 
-use crate::error::{finite, seconds};
+use crate::error::finite;
+use crate::get_up::Rising;
 use crate::math::Vector;
-use crate::member_ragdoll::{BuildParams, Fade, JointAngles, MemberRagdoll};
+use crate::member_ragdoll::{BuildParams, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 use crate::{Error, RagdollPlan};
@@ -27,9 +28,9 @@ pub enum State {
         /// Whether all of its bodies have come to rest.
         asleep: bool,
     },
-    /// The member blends back to its clips.
+    /// The member blends back to its clips, or gets up with a motion.
     GettingUp {
-        /// Remaining weight of the ragdoll, from 1 to 0.
+        /// Remaining weight of the ragdoll, from 1 to 0. It is 0 while a motion plays.
         weight: f32,
     },
 }
@@ -42,8 +43,8 @@ struct Push {
 }
 
 /// A member that goes limp once its velocity has been measured.
-struct PendingRagdoll {
-    member: MemberId,
+pub(crate) struct PendingRagdoll {
+    pub(crate) member: MemberId,
     plan: Arc<RagdollPlan>,
     limp: Vec<bool>,
     /// The first snapshot, and the time to the next one in seconds.
@@ -58,9 +59,10 @@ struct PendingRagdoll {
 /// so it would follow the new placement only one frame later. A limp member keeps its handle, its
 /// buffer ranges and its clips, because a ragdoll only writes joint overrides.
 pub struct Ragdolls {
-    world: World,
-    pending: Vec<PendingRagdoll>,
-    active: Vec<MemberRagdoll>,
+    pub(crate) world: World,
+    pub(crate) pending: Vec<PendingRagdoll>,
+    pub(crate) active: Vec<MemberRagdoll>,
+    pub(crate) rising: Vec<Rising>,
     next_id: u64,
 }
 
@@ -74,7 +76,7 @@ impl Ragdolls {
     pub fn new(gravity: [f32; 3]) -> Result<Self, Error> {
         finite("gravity", &gravity)?;
         let world = World::new(Vector::from_array(gravity));
-        Ok(Self { world, pending: Vec::new(), active: Vec::new(), next_id: 1 })
+        Ok(Self { world, pending: Vec::new(), active: Vec::new(), rising: Vec::new(), next_id: 1 })
     }
 
     /// Sets the height of the floor in metres.
@@ -219,39 +221,6 @@ impl Ragdolls {
         push(ragdoll, &mut self.world, &Push { body, impulse, at })
     }
 
-    /// Blends a limp member back to its clips over `over_secs` seconds. Afterwards its joints are
-    /// exactly those of the clips. A member that is limp as a whole is first placed where it lies,
-    /// on the floor below its hips, with the heading that needs the least rotation. It can be
-    /// pushed until the blend ends. A member that has not gone limp yet stays as it is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Crowd`] for a stale member, [`Error::NotLimp`], or [`Error::BadValue`] if the time
-    /// is negative or not finite.
-    pub fn get_up(
-        &mut self,
-        crowd: &mut Crowd,
-        member: MemberId,
-        over_secs: f32,
-    ) -> Result<(), Error> {
-        seconds("the time to get up", over_secs)?;
-        crowd.member(member)?;
-        let was_pending = self.pending.iter().any(|w| w.member == member);
-        self.pending.retain(|w| w.member != member);
-        let Some(ragdoll) = self.active.iter_mut().find(|d| d.member == member) else {
-            return if was_pending { Ok(()) } else { Err(Error::NotLimp) };
-        };
-        if ragdoll.fade.is_some() {
-            return Ok(());
-        }
-        if ragdoll.is_fully_limp() {
-            let mut view = crowd.member_mut(member)?;
-            view.set_placement(ragdoll.placement_to_get_up(view.placement(), &self.world))?;
-        }
-        ragdoll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
-        ragdoll.write(crowd, &self.world)
-    }
-
     /// Advances the simulation by `dt_secs` and writes the joint overrides for the following
     /// update. The frame is divided into equal steps of at most 1/120 s, and at most half a second
     /// is simulated. Ragdolls of despawned members are removed.
@@ -270,6 +239,7 @@ impl Ragdolls {
             return Ok(());
         }
         self.start_pending(crowd, dt_secs)?;
+        self.advance_rising(crowd, dt_secs)?;
         let mut moves = Vec::new();
         for ragdoll in self.active.iter_mut().filter(|d| !d.is_fully_limp()) {
             if let Some(now) = Snapshot::of(crowd, ragdoll.member)? {
@@ -281,7 +251,7 @@ impl Ragdolls {
         }
         for ragdoll in &mut self.active {
             if let Some(fade) = &mut ragdoll.fade {
-                fade.elapsed_secs += dt_secs;
+                fade.advance(dt_secs);
             }
             if ragdoll.weight() > 0.0 {
                 ragdoll.write(crowd, &self.world)?;
@@ -301,6 +271,7 @@ impl Ragdolls {
             ragdoll.remove(&mut self.world);
         }
         self.active.retain(|d| crowd.member(d.member).is_ok());
+        self.rising.retain(|r| crowd.member(r.member).is_ok());
     }
 
     /// Takes a snapshot of each pending member, and builds the ragdolls of those that have two.
@@ -323,6 +294,9 @@ impl Ragdolls {
                 let old = self.active.remove(old);
                 old.release(crowd)?;
                 old.remove(&mut self.world);
+            }
+            if pending.limp.iter().all(|limp| *limp) {
+                self.end_rising(crowd, pending.member)?;
             }
             let character = crowd.character(crowd.member(pending.member)?.character())?.asset();
             let params = BuildParams {
@@ -352,6 +326,9 @@ impl Ragdolls {
             return State::GoingLimp;
         }
         match self.active.iter().find(|d| d.member == member) {
+            None if self.rising.iter().any(|r| r.member == member) => {
+                State::GettingUp { weight: 0.0 }
+            }
             None => State::Animated,
             Some(ragdoll) if ragdoll.fade.is_some() => {
                 State::GettingUp { weight: ragdoll.weight() }

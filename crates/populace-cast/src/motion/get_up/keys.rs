@@ -215,7 +215,7 @@ pub(super) fn front() -> Vec<Key> {
     let beside =
         Hand { at: [0.19, 0.0, 0.09], turn: [-12.0, 0.0, 0.0], elbow: [1.0, 0.1, -0.6], ..HAND };
     let behind =
-        Foot { at: [0.02, 0.0, -0.76], turn: [-6.0, -152.0, -6.0], knee: [0.25, -1.0, 0.0] };
+        Foot { at: [0.02, 0.0, -0.772], turn: [-6.0, -152.0, -6.0], knee: [0.25, -1.0, 0.0] };
     let lie = Key {
         secs: 0.0,
         pelvis: [0.0, 0.0, -0.17],
