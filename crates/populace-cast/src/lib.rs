@@ -1,9 +1,11 @@
 //! Procedural people: bodies of one closed surface on two kinds of skeleton, with clips for
-//! standing, walking and running. A crowd of them needs no asset files.
+//! standing, walking, running and getting up. A crowd of them needs no asset files.
 //!
 //! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
 //! character has the clips `Idle`, `Idle_Shift`, `Walk` and `Run`. `Walk` and `Run` are in place;
-//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed.
+//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed. `GetUp_Back`, `GetUp_Front`,
+//! `GetUp_Left` and `GetUp_Right` play once: they start lying on that side of the body, and end in
+//! the first pose of `Idle` at the origin.
 //!
 //! ```
 //! use populace_cast::{Look, person};

@@ -1,16 +1,20 @@
 //! The ragdolls of a crowd and their states.
 
+mod get_up;
+
 use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, MemberId};
 
 use crate::error::finite;
-use crate::get_up::Rising;
 use crate::math::Vector;
 use crate::member_ragdoll::{BuildParams, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 use crate::{Error, RagdollPlan};
+use get_up::Rising;
+
+pub use get_up::GetUp;
 
 /// Longest time step that is accepted. A longer one is considered a mistake of the caller.
 const LONGEST_SECS: f32 = 1e6;
@@ -43,8 +47,8 @@ struct Push {
 }
 
 /// A member that goes limp once its velocity has been measured.
-pub(crate) struct PendingRagdoll {
-    pub(crate) member: MemberId,
+struct PendingRagdoll {
+    member: MemberId,
     plan: Arc<RagdollPlan>,
     limp: Vec<bool>,
     /// The first snapshot, and the time to the next one in seconds.
@@ -59,10 +63,10 @@ pub(crate) struct PendingRagdoll {
 /// so it would follow the new placement only one frame later. A limp member keeps its handle, its
 /// buffer ranges and its clips, because a ragdoll only writes joint overrides.
 pub struct Ragdolls {
-    pub(crate) world: World,
-    pub(crate) pending: Vec<PendingRagdoll>,
-    pub(crate) active: Vec<MemberRagdoll>,
-    pub(crate) rising: Vec<Rising>,
+    world: World,
+    pending: Vec<PendingRagdoll>,
+    active: Vec<MemberRagdoll>,
+    rising: Vec<Rising>,
     next_id: u64,
 }
 

@@ -54,6 +54,8 @@ fn follow(scene: &mut Scene, mut before: Vec<[f32; 3]>) -> (f32, f32) {
         let now = scene.positions();
         let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)));
         let speed = moved.fold(0.0, f32::max) / DT;
+        let low = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
+        assert!(low > -0.02, "a joint is at {low} m after {frame} frames");
         if speed > fastest.0 {
             fastest = (speed, f32::from(frame) * DT);
         }
@@ -130,7 +132,9 @@ fn members_return_bitwise_to_what_they_played() {
     let before = scene.positions();
     follow(&mut scene, before);
     let mut twin = Scene::new(person(&Look::woman()).unwrap(), Some("Idle"), place);
-    twin.crowd.update((scene.crowd.time_secs() - twin.crowd.time_secs()) as f32).unwrap();
+    #[expect(clippy::cast_possible_truncation, reason = "a few seconds")]
+    let rest_secs = (scene.crowd.time_secs() - twin.crowd.time_secs()) as f32;
+    twin.crowd.update(rest_secs).unwrap();
     assert_eq!(scene.crowd.time_secs(), twin.crowd.time_secs());
     assert_eq!(scene.joints(), twin.joints());
 }

@@ -24,11 +24,11 @@ const END_SECS: f64 = 0.6;
 pub(super) fn all(body: &Body, joints: &Joints, surface: &Surface) -> [Motion; 4] {
     let figure = Figure::new(body, joints, surface);
     let end = idle::breathe(body).poses.swap_remove(0);
-    let left = keys::left_side();
+    let left = keys::from_left();
     let right = left.iter().map(|key| key.mirrored()).collect();
     [
-        ("GetUp_Back", keys::back()),
-        ("GetUp_Front", keys::front()),
+        ("GetUp_Back", keys::from_back()),
+        ("GetUp_Front", keys::from_front()),
         ("GetUp_Left", left),
         ("GetUp_Right", right),
     ]

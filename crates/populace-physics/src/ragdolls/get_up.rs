@@ -7,10 +7,11 @@ use populace::{
     CharacterId, ClipId, ClipPlayback, Crowd, LayerSettings, MAX_LAYERS, MemberId, Placement,
 };
 
+use super::Ragdolls;
+use crate::Error;
 use crate::error::seconds;
 use crate::member_ragdoll::Fade;
 use crate::motion::LyingPose;
-use crate::{Error, Ragdolls};
 
 /// Motions with which a member gets up, by the side of the body that lies on the ground. A motion
 /// starts lying on the ground and ends standing, with the feet around the model's origin, in the
@@ -99,8 +100,8 @@ impl GetUp {
 
 /// A get-up motion that plays.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Rising {
-    pub(crate) member: MemberId,
+pub(super) struct Rising {
+    pub(super) member: MemberId,
     layer: usize,
     /// Time until the motion ends, then until the member is back in what it plays.
     left_secs: f32,
@@ -232,7 +233,7 @@ impl Ragdolls {
     }
 
     /// Advances all motions by `dt_secs`. Those that have ended fade out.
-    pub(crate) fn advance_rising(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
+    pub(super) fn advance_rising(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         for rising in &mut self.rising {
             rising.left_secs -= dt_secs;
             if rising.left_secs > 0.0 {
@@ -248,7 +249,7 @@ impl Ragdolls {
     }
 
     /// Ends the motion of a member that falls again.
-    pub(crate) fn end_rising(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
+    pub(super) fn end_rising(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
         for rising in self.rising.iter().filter(|r| r.member == member) {
             crowd.member_mut(member)?.stop(rising.layer, 0.0)?;
         }
