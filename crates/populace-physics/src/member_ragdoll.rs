@@ -1,6 +1,7 @@
 //! The ragdoll of one member: its bodies in the simulated world and the joints that they move.
 
 mod build;
+mod ease;
 mod get_up;
 mod overrides;
 
@@ -16,9 +17,14 @@ use crate::world::{KinematicMove, World};
 use crate::{Limits, RagdollPlan};
 
 pub(crate) use build::BuildParams;
+pub(crate) use ease::Ease;
 
 /// Largest plausible angular velocity, like [`FASTEST_M_PER_SEC`] for linear velocity.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;
+
+/// Time in seconds from the start of getting up during which model-space overrides still prevail
+/// over constraints such as planted feet.
+const MODEL_OVERRIDE_SECS: f32 = 0.3;
 
 /// A joint that is moved by a limp body.
 struct CarriedJoint {
@@ -50,36 +56,20 @@ struct BodyConstraint {
 /// Progress of the blend back to the clips.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fade {
-    elapsed_secs: f32,
-    over_secs: f32,
-    /// Time during which model-space overrides still prevail over constraints such as planted feet.
-    model_override_secs: f32,
+    pub(crate) elapsed_secs: f32,
+    pub(crate) over_secs: f32,
 }
 
 impl Fade {
-    /// Starts a blend to clips that move.
-    pub(crate) fn to_clips(over_secs: f32) -> Self {
-        Self { elapsed_secs: 0.0, over_secs, model_override_secs: over_secs.min(0.3) }
-    }
-
-    /// Starts a blend to the first pose of a motion. The overrides in model space give way before
-    /// those in local space have changed much, because the speeds of both add up.
-    pub(crate) fn to_motion(over_secs: f32) -> Self {
-        Self { elapsed_secs: 0.0, over_secs, model_override_secs: 0.15 * over_secs }
-    }
-
-    pub(crate) fn advance(&mut self, dt_secs: f32) {
-        self.elapsed_secs += dt_secs;
-    }
-
     /// Returns the remaining weight of the ragdoll, eased in and out. 0 once the blend has ended.
     pub(crate) fn weight(&self) -> f32 {
         self.remaining(self.over_secs)
     }
 
-    /// Returns the weight of the model-space overrides, which fade out early.
+    /// Returns the weight of the model-space overrides, which fade out within
+    /// [`MODEL_OVERRIDE_SECS`].
     fn model_override_weight(&self) -> f32 {
-        self.remaining(self.model_override_secs)
+        self.remaining(self.over_secs.min(MODEL_OVERRIDE_SECS))
     }
 
     /// Returns 1 minus the smoothstep of the elapsed fraction of `over_secs`.

@@ -255,7 +255,7 @@ impl Ragdolls {
         }
         for ragdoll in &mut self.active {
             if let Some(fade) = &mut ragdoll.fade {
-                fade.advance(dt_secs);
+                fade.elapsed_secs += dt_secs;
             }
             if ragdoll.weight() > 0.0 {
                 ragdoll.write(crowd, &self.world)?;
@@ -330,10 +330,10 @@ impl Ragdolls {
             return State::GoingLimp;
         }
         match self.active.iter().find(|d| d.member == member) {
-            None if self.rising.iter().any(|r| r.member == member) => {
-                State::GettingUp { weight: 0.0 }
-            }
-            None => State::Animated,
+            None => match self.rising.iter().find(|r| r.member == member) {
+                Some(rising) => State::GettingUp { weight: rising.weight() },
+                None => State::Animated,
+            },
             Some(ragdoll) if ragdoll.fade.is_some() => {
                 State::GettingUp { weight: ragdoll.weight() }
             }

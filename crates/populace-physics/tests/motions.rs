@@ -45,17 +45,19 @@ fn motion(scene: &Scene) -> String {
     clips.into_iter().find(|(id, _)| *id == playing).unwrap().1.name().to_owned()
 }
 
-/// Steps until the member is animated. Returns the speed of the fastest joint in m/s and the time
-/// at which it was that fast.
+/// Steps until the member is animated, and checks that no joint sinks lower than `before`, where the
+/// ragdoll lies. Returns the speed of the fastest joint in m/s and the time at which it was that
+/// fast.
 fn follow(scene: &mut Scene, mut before: Vec<[f32; 3]>) -> (f32, f32) {
     let mut fastest = (0.0, 0.0);
+    let lowest = before.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     for frame in 0..400_u16 {
         scene.frame();
         let now = scene.positions();
         let moved = now.iter().zip(&before).map(|(a, b)| length(minus(*a, *b)));
         let speed = moved.fold(0.0, f32::max) / DT;
         let low = now.iter().map(|p| p[1]).fold(f32::MAX, f32::min);
-        assert!(low > -0.02, "a joint is at {low} m after {frame} frames");
+        assert!(low > lowest.min(0.0) - 0.04, "a joint is at {low} m after {frame} frames");
         if speed > fastest.0 {
             fastest = (speed, f32::from(frame) * DT);
         }
@@ -115,7 +117,7 @@ fn falls_end_standing_without_a_jump() {
             assert!((tall - now).abs() < 0.03, "{} stands", look.name);
             let away = length(minus([up[0][0], 0.0, up[0][2]], [lay[0][0], 0.0, lay[0][2]]));
             assert!(away < 0.5 * tall, "{} gets up {away} m from where they lay", look.name);
-            assert!(fastest.0 < 7.0, "{} {push:?}: {fastest:?}", look.name);
+            assert!(fastest.0 < 5.0, "{} {push:?}: {fastest:?}", look.name);
             scene.frame();
             let active = scene.crowd.member(scene.member).unwrap().active_clips();
             assert_eq!(active.len(), 1, "only what the member played goes on");

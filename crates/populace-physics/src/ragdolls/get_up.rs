@@ -10,7 +10,7 @@ use populace::{
 use super::Ragdolls;
 use crate::Error;
 use crate::error::seconds;
-use crate::member_ragdoll::Fade;
+use crate::member_ragdoll::{Ease, Fade};
 use crate::motion::LyingPose;
 
 /// Motions with which a member gets up, by the side of the body that lies on the ground. A motion
@@ -99,14 +99,22 @@ impl GetUp {
 }
 
 /// A get-up motion that plays.
-#[derive(Clone, Copy, Debug)]
 pub(super) struct Rising {
     pub(super) member: MemberId,
+    /// The way from the pose of the ragdoll into the motion.
+    ease: Option<Ease>,
     layer: usize,
     /// Time until the motion ends, then until the member is back in what it plays.
     left_secs: f32,
     /// The time to return once the motion has ended; `None` while it returns.
     return_secs: Option<f32>,
+}
+
+impl Rising {
+    /// Returns the remaining weight of the ragdoll's pose.
+    pub(super) fn weight(&self) -> f32 {
+        self.ease.as_ref().map_or(0.0, Ease::weight)
+    }
 }
 
 impl Ragdolls {
@@ -135,14 +143,17 @@ impl Ragdolls {
             let placement = self.active[ragdoll].placement_to_get_up(placement, &self.world);
             crowd.member_mut(member)?.set_placement(placement)?;
         }
-        self.fade(crowd, ragdoll, Fade::to_clips(over_secs))
+        self.active[ragdoll].fade = Some(Fade { elapsed_secs: 0.0, over_secs });
+        self.active[ragdoll].write(crowd, &self.world)
     }
 
     /// Lets a limp member get up with the motion for the side on which it lies. The member is placed
     /// so that the motion starts where it lies and as it lies, on the floor below its hips. Its
     /// pose eases into the motion, the motion plays, and the member returns to what it plays.
-    /// Afterwards its joints are exactly those of the clips. Until the pose has eased into the
-    /// motion it can be pushed. It can fall again at any time.
+    /// Afterwards its joints are exactly those of the clips. It can fall again at any time.
+    ///
+    /// The pose of the ragdoll stands still from this call on, so it should have come to rest:
+    /// [`State::Limp`](crate::State::Limp) tells.
     ///
     /// Without any motion, and if only a part of the member is limp, this is
     /// [`get_up`](Self::get_up) in `ease_secs + return_secs`.
@@ -166,9 +177,20 @@ impl Ragdolls {
         };
         let clip = Arc::clone(crowd.clip_mut(motion)?.asset());
         let placement = self.placement_for(crowd, ragdoll, &clip)?;
-        self.play(crowd, member, get_up, (motion, &clip))?;
+        play(crowd, member, get_up, (motion, &clip))?;
         crowd.member_mut(member)?.set_placement(placement)?;
-        self.fade(crowd, ragdoll, Fade::to_motion(get_up.ease_secs))
+        let ragdoll = self.active.remove(ragdoll);
+        let ease = ragdoll.ease(crowd, &self.world, &placement, get_up.ease_secs);
+        ease.start(crowd)?;
+        ragdoll.remove(&mut self.world);
+        self.rising.push(Rising {
+            member,
+            ease: Some(ease),
+            layer: get_up.layer,
+            left_secs: get_up.ease_secs + clip.duration_secs(),
+            return_secs: Some(get_up.return_secs),
+        });
+        Ok(())
     }
 
     /// Returns the index of a ragdoll that can get up. Returns `None` for a member that gets up
@@ -183,11 +205,6 @@ impl Ragdolls {
             None if was_pending || is_rising => Ok(None),
             None => Err(Error::NotLimp),
         }
-    }
-
-    fn fade(&mut self, crowd: &mut Crowd, ragdoll: usize, fade: Fade) -> Result<(), Error> {
-        self.active[ragdoll].fade = Some(fade);
-        self.active[ragdoll].write(crowd, &self.world)
     }
 
     /// Returns the placement at which a motion starts where a ragdoll lies.
@@ -207,34 +224,14 @@ impl Ragdolls {
         Ok(ragdoll.placement_for(&lying, &posture, view.placement(), &self.world))
     }
 
-    /// Holds the first pose of a motion until the ragdoll has eased into it, then plays it. The first
-    /// pose does not move, so that rotations by half a turn keep their way.
-    fn play(
-        &mut self,
-        crowd: &mut Crowd,
-        member: MemberId,
-        get_up: &GetUp,
-        (motion, clip): (ClipId, &Clip),
-    ) -> Result<(), Error> {
-        let layer = get_up.layer;
-        let mut view = crowd.member_mut(member)?;
-        let held = ClipPlayback::held_at_secs(clip.start_secs()).on_layer(layer);
-        view.play(motion, held)?;
-        view.play(motion, ClipPlayback::once().on_layer(layer).after_secs(get_up.ease_secs))?;
-        view.set_layer(layer, LayerSettings::default(), None)?;
-        self.rising.retain(|r| r.member != member);
-        self.rising.push(Rising {
-            member,
-            layer,
-            left_secs: get_up.ease_secs + clip.duration_secs(),
-            return_secs: Some(get_up.return_secs),
-        });
-        Ok(())
-    }
-
     /// Advances all motions by `dt_secs`. Those that have ended fade out.
     pub(super) fn advance_rising(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         for rising in &mut self.rising {
+            if let Some(ease) = &mut rising.ease
+                && !ease.advance(crowd, dt_secs)?
+            {
+                rising.ease = None;
+            }
             rising.left_secs -= dt_secs;
             if rising.left_secs > 0.0 {
                 continue;
@@ -251,9 +248,28 @@ impl Ragdolls {
     /// Ends the motion of a member that falls again.
     pub(super) fn end_rising(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
         for rising in self.rising.iter().filter(|r| r.member == member) {
+            if let Some(ease) = &rising.ease {
+                ease.release(crowd)?;
+            }
             crowd.member_mut(member)?.stop(rising.layer, 0.0)?;
         }
         self.rising.retain(|r| r.member != member);
         Ok(())
     }
+}
+
+/// Plays a motion after holding its first pose for the time of easing.
+fn play(
+    crowd: &mut Crowd,
+    member: MemberId,
+    get_up: &GetUp,
+    (motion, clip): (ClipId, &Clip),
+) -> Result<(), Error> {
+    let mut view = crowd.member_mut(member)?;
+    let held = ClipPlayback::held_at_secs(clip.start_secs()).on_layer(get_up.layer);
+    view.play(motion, held)?;
+    let once = ClipPlayback::once().on_layer(get_up.layer).after_secs(get_up.ease_secs);
+    view.play(motion, once)?;
+    view.set_layer(get_up.layer, LayerSettings::default(), None)?;
+    Ok(())
 }
