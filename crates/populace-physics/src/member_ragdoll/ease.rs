@@ -275,19 +275,24 @@ fn local_rotation(rotations: &[Rotation], eased: &EasedJoint, turn: Rotation) ->
     local.normalize().to_array()
 }
 
+/// Returns the heading about +Y and the slope of a direction in radians.
+fn angles(direction: Vector) -> (f32, f32) {
+    let unit = direction.normalize_or(Vector::Y);
+    (unit.x.atan2(unit.z), unit.y.clamp(-1.0, 1.0).asin())
+}
+
+/// Returns the unit vector with a heading and a slope.
+fn towards(heading: f32, slope: f32) -> Vector {
+    Rotation::from_rotation_y(heading) * Rotation::from_rotation_x(-slope) * Vector::Z
+}
+
 /// Returns the unit vector between the directions of `a` and `b` whose heading and slope are between
 /// theirs.
 fn swept(a: Vector, b: Vector, weight: f32) -> Vector {
-    let angles = |v: Vector| {
-        let unit = v.normalize_or(Vector::Y);
-        (unit.x.atan2(unit.z), unit.y.clamp(-1.0, 1.0).asin())
-    };
     let ((from, low), (to, high)) = (angles(a), angles(b));
     let half_turn = std::f32::consts::PI;
     let turn = (to - from + half_turn).rem_euclid(2.0 * half_turn) - half_turn;
-    let (heading, slope) = (from + turn * weight, low + (high - low) * weight);
-    let (sin, cos) = heading.sin_cos();
-    Vector::new(sin * slope.cos(), slope.sin(), cos * slope.cos())
+    towards(from + turn * weight, low + (high - low) * weight)
 }
 
 /// Returns `axis` turned up until it rises by at least `rise`.
@@ -296,9 +301,7 @@ fn lifted(axis: Vector, rise: f32) -> Vector {
     if axis.y >= rise || length <= 1e-6 {
         return axis;
     }
-    let up = rise.clamp(-length, length);
-    let aside = (axis * Vector::new(1.0, 0.0, 1.0)).normalize_or(Vector::X);
-    aside * (length * length - up * up).max(0.0).sqrt() + Vector::Y * up
+    towards(angles(axis).0, (rise / length).clamp(-1.0, 1.0).asin()) * length
 }
 
 /// Returns the shortest rotation from one direction to another.
