@@ -15,7 +15,7 @@ use figure::Figure;
 use key::{Key, between};
 
 /// Keys of a clip per second.
-const KEYS_PER_SEC: f64 = 24.0;
+const KEYS_PER_SEC: f64 = 20.0;
 /// Time in seconds over which a motion ends in the first pose of the idle.
 const END_SECS: f64 = 0.6;
 

@@ -8,8 +8,10 @@ use crate::anatomy::{HEAD, Limb, NECK, PELVIS, SEGMENTS, SPINE, Side};
 use crate::motion::Pose;
 use crate::motion::stance::{rotation_between, solve_fingers};
 
-/// Steps in which the trunk is laid onto the ground. Each moves it by the gap that is left.
-const STEPS: usize = 4;
+/// Most steps in which the trunk is laid onto the ground. Each moves it by the gap that is left.
+const STEPS: usize = 8;
+/// Gap in metres that may be left.
+const CLOSE_M: f64 = 2e-4;
 /// Distance in metres within which the trunk's height changes over from the key pose's to that of
 /// the ground.
 const SOFT_M: f64 = 0.012;
@@ -32,16 +34,25 @@ impl Figure<'_> {
         let wanted = y * end_y - rest_y;
         pose.pelvis_offset = end.pelvis_offset + DVec3::new(x * height, 0.0, z * height);
         pose.pelvis_offset.y = wanted;
-        let ankles = Side::BOTH.map(|side| self.ankle(key, side, end, &mut pose.rotations));
+        let end_at = self.positions(end);
+        let ankles = Side::BOTH.map(|side| self.ankle(key, side, (end, &end_at), &mut pose));
         let wrists = Side::BOTH.map(|side| self.wrist(key, side, &mut pose.rotations));
-        for step in 0..=STEPS {
+        for _ in 0..STEPS {
+            // Hips and shoulders do not depend on the limbs.
+            let at = self.positions(&pose);
             for side in Side::BOTH {
-                self.bend_leg(&mut pose, side, &key.feet[side.index()], ankles[side.index()]);
-                self.bend_arm(&mut pose, side, &key.hands[side.index()], wrists[side.index()]);
+                let (foot, hand) = (&key.feet[side.index()], &key.hands[side.index()]);
+                let hip = self.joint(&at, Limb::Thigh, side);
+                let shoulder = self.joint(&at, Limb::UpperArm, side);
+                self.bend_leg(&mut pose, side, foot, [hip, ankles[side.index()]]);
+                self.bend_arm(&mut pose, side, hand, [shoulder, wrists[side.index()]]);
             }
-            if step < STEPS {
-                let on_ground = pose.pelvis_offset.y - self.trunk_low(&pose);
-                pose.pelvis_offset.y = soft_max(wanted, on_ground);
+            let before = pose.pelvis_offset.y;
+            pose.pelvis_offset.y = soft_max(wanted, before - self.trunk_low(&pose));
+            if (pose.pelvis_offset.y - before).abs() < CLOSE_M {
+                // The limbs reach as before.
+                pose.pelvis_offset.y = before;
+                break;
             }
         }
         for side in Side::BOTH {
@@ -51,7 +62,14 @@ impl Figure<'_> {
     }
 
     /// Sets the rotations of a foot, and returns where its ankle is in model space.
-    fn ankle(&self, key: &Key, side: Side, end: &Pose, rotations: &mut [DQuat; SEGMENTS]) -> DVec3 {
+    fn ankle(
+        &self,
+        key: &Key,
+        side: Side,
+        (end, end_at): (&Pose, &[DVec3]),
+        pose: &mut Pose,
+    ) -> DVec3 {
+        let rotations = &mut pose.rotations;
         let Foot { at, turn, .. } = key.feet[side.index()];
         let [yaw, pitch, toes] = turn.map(f64::to_radians);
         let home = end.rotations[Limb::Foot.of(side)];
@@ -60,8 +78,7 @@ impl Figure<'_> {
         rotations[Limb::Foot.of(side)] = foot;
         rotations[Limb::Toes.of(side)] = foot * DQuat::from_rotation_x(-toes);
         let [ankle, ball] = [Limb::Foot, Limb::Toes].map(|limb| self.body.joint(limb, side));
-        let end_at = self.positions(end);
-        let mut to = self.joint(&end_at, Limb::Foot, side) + home * (ball - ankle);
+        let mut to = self.joint(end_at, Limb::Foot, side) + home * (ball - ankle);
         to += side.mirror_point(DVec3::from_array(at) * self.body.height);
         let mut from = to - foot * (ball - ankle);
         from.y = at[1] * self.body.height - self.foot_low(side, rotations);
@@ -87,11 +104,10 @@ impl Figure<'_> {
         wrist
     }
 
-    fn bend_leg(&self, pose: &mut Pose, side: Side, foot: &Foot, ankle: DVec3) {
-        let from = self.joint(&self.positions(pose), Limb::Thigh, side);
+    fn bend_leg(&self, pose: &mut Pose, side: Side, foot: &Foot, span: [DVec3; 2]) {
         let rest = [Limb::Thigh, Limb::Shin, Limb::Foot].map(|limb| self.body.joint(limb, side));
         let front = side.mirror_point(DVec3::from_array(foot.knee));
-        let bones = bend(rest, [from, ankle], front, self.knee);
+        let bones = bend(rest, span, front, self.knee);
         let [hip, knee, end] = rest;
         pose.rotations[Limb::Thigh.of(side)] =
             rotation_between([knee - hip, DVec3::X], [bones.upper, bones.hinge]);
@@ -99,11 +115,10 @@ impl Figure<'_> {
             rotation_between([end - knee, DVec3::X], [bones.lower, bones.hinge]);
     }
 
-    fn bend_arm(&self, pose: &mut Pose, side: Side, hand: &Hand, wrist: DVec3) {
-        let from = self.joint(&self.positions(pose), Limb::UpperArm, side);
+    fn bend_arm(&self, pose: &mut Pose, side: Side, hand: &Hand, span: [DVec3; 2]) {
         let rest = [Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|l| self.body.joint(l, side));
         let back = side.mirror_point(DVec3::from_array(hand.elbow));
-        let bones = bend(rest, [from, wrist], back, self.elbow);
+        let bones = bend(rest, span, back, self.elbow);
         let along = side.mirror_point(self.body.along);
         let hinge = side.mirror_point(-self.body.outward) * side.sign();
         pose.rotations[Limb::UpperArm.of(side)] =
