@@ -1,16 +1,18 @@
 //! Procedural people: bodies of one closed surface on two kinds of skeleton, with clips for
-//! standing, walking and running. A crowd of them needs no asset files.
+//! standing, walking, running and getting up. A crowd of them needs no asset files.
 //!
 //! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
 //! character has the clips `Idle`, `Idle_Shift`, `Walk` and `Run`. `Walk` and `Run` are in place;
-//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed.
+//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed. `GetUp_Back`, `GetUp_Front`,
+//! `GetUp_Left` and `GetUp_Right` play once: they start lying on that side of the body, and end in
+//! the first pose of `Idle` at the origin.
 //!
 //! ```
 //! use populace_cast::{Look, person};
 //!
 //! let tall = person(&Look { height_m: 1.9, ..Look::man() })?;
 //! assert!((tall.height_m() - 1.9).abs() < 0.01);
-//! assert_eq!(tall.clips.len(), 4);
+//! assert_eq!(tall.clips.len(), 8);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
 //! # Ok::<(), populace_character::Error>(())
@@ -66,11 +68,12 @@ pub fn person(look: &Look) -> Result<Character, Error> {
     let joints = rig::Joints::new(&body);
     let skeleton = joints.skeleton()?;
     let palette = joints.palette(&skeleton);
-    let (parts, materials) = surface::parts(&surface::Surface::of(&body), &joints, &look.colors);
+    let surface = surface::Surface::of(&body);
+    let (parts, materials) = surface::parts(&surface, &joints, &look.colors);
     let reach = vertex_reach_m(&skeleton, &palette, &parts);
     let soles = sole_points(&skeleton, &palette, &parts);
     let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
-    let clips = motion::all(&body)
+    let clips = motion::all(&body, &joints, &surface)
         .iter()
         .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
         .collect::<Result<_, _>>()?;

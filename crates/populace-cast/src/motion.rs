@@ -1,7 +1,9 @@
-//! Motions of a body: stances sampled over a cycle and solved to segment rotations.
+//! Motions of a body: stances sampled over a cycle, or key poses on the ground, solved to segment
+//! rotations.
 
 mod curve;
 mod gait;
+mod get_up;
 mod idle;
 mod stance;
 mod stride;
@@ -9,6 +11,8 @@ mod stride;
 use glam::{DQuat, DVec3};
 
 use crate::anatomy::{Body, SEGMENTS};
+use crate::rig::Joints;
+use crate::surface::Surface;
 
 /// Pose of all segments, relative to rest, in model space.
 #[derive(Clone, Debug)]
@@ -18,7 +22,7 @@ pub(crate) struct Pose {
     pub(crate) pelvis_offset: DVec3,
 }
 
-/// A looping motion: poses at equal time steps, of which the last equals the first.
+/// A motion: poses at equal time steps. In a looping motion the last equals the first.
 pub(crate) struct Motion {
     pub(crate) name: &'static str,
     pub(crate) duration_secs: f64,
@@ -26,7 +30,7 @@ pub(crate) struct Motion {
 }
 
 impl Motion {
-    /// Samples `stance` at `keys` equal steps of the phase, from 0 to below 1.
+    /// Samples a looping motion: `stance` at `keys` equal steps of the phase, from 0 to below 1.
     fn sampled(
         name: &'static str,
         duration_secs: f64,
@@ -42,6 +46,9 @@ impl Motion {
 }
 
 /// Returns all motions of a body.
-pub(crate) fn all(body: &Body) -> [Motion; 4] {
-    [idle::breathe(body), idle::shift(body), gait::walk(body), gait::run(body)]
+pub(crate) fn all(body: &Body, joints: &Joints, surface: &Surface) -> Vec<Motion> {
+    let mut motions =
+        vec![idle::breathe(body), idle::shift(body), gait::walk(body), gait::run(body)];
+    motions.extend(get_up::all(body, joints, surface));
+    motions
 }

@@ -49,6 +49,26 @@ impl Joints {
         Self { entries, of_segment, positions, rotations }
     }
 
+    /// Returns the number of joints.
+    pub(crate) fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Returns the position of a joint at rest in model space.
+    pub(crate) fn position(&self, joint: usize) -> DVec3 {
+        self.positions[joint]
+    }
+
+    /// Returns the parent of a joint, which has a lower index.
+    pub(crate) fn parent(&self, joint: usize) -> Option<usize> {
+        self.entries[joint].parent
+    }
+
+    /// Returns the segment that gives a joint's rotation.
+    pub(crate) fn driver(&self, joint: usize) -> Segment {
+        self.entries[joint].driver
+    }
+
     pub(crate) fn skeleton(&self) -> Result<Skeleton, Error> {
         let sources: Vec<JointSource> = (0..self.entries.len())
             .map(|at| {

@@ -1,11 +1,11 @@
-//! Test of the example `ragdoll`: it draws people who fall.
+//! Tests of the examples `ragdoll` and `get_up`: they draw people who fall and get up.
 #![cfg(not(skip_gl))]
 
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Builds and runs the example.
-fn run(file: &Path, frames: &str) -> Output {
+/// Builds and runs an example.
+fn run(example: &str, file: &Path, frames: &str) -> Output {
     let cargo = [
         "run",
         "--quiet",
@@ -13,7 +13,7 @@ fn run(file: &Path, frames: &str) -> Output {
         "--package",
         "populace-physics",
         "--example",
-        "ragdoll",
+        example,
         "--",
     ];
     Command::new(env!("CARGO")).args(cargo).arg(file).arg(frames).output().expect("cargo runs")
@@ -32,7 +32,7 @@ fn ragdoll_example_draws_falling_people() {
     let folder = tempfile::tempdir().unwrap();
     let picture = |name: &str, frames: &str| {
         let file = folder.path().join(name);
-        let run = run(&file, frames);
+        let run = run("ragdoll", &file, frames);
         assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
         image::open(&file).unwrap().to_rgba8()
     };
@@ -41,4 +41,18 @@ fn ragdoll_example_draws_falling_people() {
     let before = picture("c.png", "6");
     assert_eq!(differing(&lying, &again), 0, "two runs must draw the same picture");
     assert!(differing(&lying, &before) > 10_000, "the people must have moved");
+}
+
+#[test]
+fn get_up_example_draws_people_who_lie_and_then_stand() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |name: &str, frames: &str| {
+        let file = folder.path().join(name);
+        let run = run("get_up", &file, frames);
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        image::open(&file).unwrap().to_rgba8()
+    };
+    let lying = picture("a.png", "180");
+    let up = picture("b.png", "480");
+    assert!(differing(&lying, &up) > 3_000, "the people must have got up");
 }

@@ -1,6 +1,6 @@
 //! Ragdolls for crowds. A member goes limp with its current pose and velocity, is simulated by
-//! `rapier3d`, and gets up again by blending back to its clips. A part of a member, such as an arm,
-//! can go limp alone.
+//! `rapier3d`, and gets up again with a motion, or by blending back to its clips. A part of a
+//! member, such as an arm, can go limp alone.
 //!
 //! Axes and units are those of [`populace`]: right-handed, Y up, metres, seconds, radians. Masses
 //! are in kg, impulses in newton-seconds. Bodies are simulated in world space, so placements must
@@ -10,7 +10,7 @@
 //! use std::sync::Arc;
 //!
 //! use populace::{ClipPlayback, Crowd, Device, Placement};
-//! use populace_physics::{RagdollPlan, Ragdolls, State};
+//! use populace_physics::{GetUp, RagdollPlan, Ragdolls, State};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let mut crowd = Crowd::builder().device(Device::native()).capacity(10).build()?;
@@ -32,8 +32,9 @@
 //! let hips = crowd.member_mut(member)?.model_from_joints()?[0];
 //! assert!(hips.rows[1][3] < 0.4, "he lies on the ground");
 //!
-//! ragdolls.get_up(&mut crowd, member, 1.0)?;
-//! for _ in 0..61 {
+//! let motions = GetUp::find(&crowd, man); // those of the built-in people
+//! ragdolls.get_up_with(&mut crowd, member, &motions)?;
+//! for _ in 0..330 {
 //!     ragdolls.step(&mut crowd, 1.0 / 60.0)?;
 //!     crowd.update(1.0 / 60.0)?;
 //! }
@@ -44,14 +45,16 @@
 //!
 //! # Design
 //!
-//! A ragdoll only writes joint overrides. The joints rotate against their parents like the
+//! A limp member is moved by joint overrides only. The joints rotate against their parents like the
 //! simulated bodies and keep their lengths and scales; only the first joint gets a position in
 //! model space. So a limp member keeps its buffers, handle and rendering path, its joints never
-//! come apart, and it can blend back joint by joint.
+//! come apart, and it can blend back joint by joint. A motion for getting up plays on a layer above
+//! what the member plays, which goes on beneath.
 
 mod error;
 mod math;
 mod member_ragdoll;
+mod motion;
 mod plan;
 mod ragdolls;
 mod snapshot;
@@ -60,4 +63,4 @@ mod world;
 pub use error::Error;
 pub use member_ragdoll::JointAngles;
 pub use plan::{Limits, PlannedBody, RagdollPlan};
-pub use ragdolls::{Ragdolls, State};
+pub use ragdolls::{GetUp, Ragdolls, State};

@@ -1,6 +1,7 @@
 //! The ragdoll of one member: its bodies in the simulated world and the joints that they move.
 
 mod build;
+mod ease;
 mod get_up;
 mod overrides;
 
@@ -16,6 +17,7 @@ use crate::world::{KinematicMove, World};
 use crate::{Limits, RagdollPlan};
 
 pub(crate) use build::BuildParams;
+pub(crate) use ease::Ease;
 
 /// Largest plausible angular velocity, like [`FASTEST_M_PER_SEC`] for linear velocity.
 const FASTEST_RAD_PER_SEC: f32 = 40.0;

@@ -108,7 +108,8 @@ impl PlannedBody {
 pub struct RagdollPlan {
     bodies: Vec<PlannedBody>,
     body_of: Vec<Option<usize>>,
-    rest_rotation: Rotation,
+    /// Rotations of all joints at rest in model space.
+    rest_rotations: Vec<Rotation>,
     rest_position: Vector,
 }
 
@@ -142,8 +143,8 @@ impl RagdollPlan {
         let root = chosen[0].head;
         Self {
             bodies: (0..chosen.len()).map(planned).collect(),
-            rest_rotation: rest.rotations[root],
             rest_position: rest.positions[root],
+            rest_rotations: rest.rotations,
             body_of,
         }
     }
@@ -175,7 +176,12 @@ impl RagdollPlan {
 
     /// Returns rotation and position of the first body's joint at rest in model space.
     pub(crate) fn rest(&self) -> (Rotation, Vector) {
-        (self.rest_rotation, self.rest_position)
+        (self.rest_rotations[self.bodies[0].head], self.rest_position)
+    }
+
+    /// Returns the rotation of a joint at rest in model space.
+    pub(crate) fn rest_rotation(&self, joint: JointIndex) -> Rotation {
+        self.rest_rotations.get(joint.index()).copied().unwrap_or(Rotation::IDENTITY)
     }
 
     /// Returns for each body whether it is `body` or one of its descendants.

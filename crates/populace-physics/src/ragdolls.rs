@@ -1,15 +1,20 @@
 //! The ragdolls of a crowd and their states.
 
+mod get_up;
+
 use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, MemberId};
 
-use crate::error::{finite, seconds};
+use crate::error::finite;
 use crate::math::Vector;
-use crate::member_ragdoll::{BuildParams, Fade, JointAngles, MemberRagdoll};
+use crate::member_ragdoll::{BuildParams, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
 use crate::world::World;
 use crate::{Error, RagdollPlan};
+use get_up::Rising;
+
+pub use get_up::GetUp;
 
 /// Longest time step that is accepted. A longer one is considered a mistake of the caller.
 const LONGEST_SECS: f32 = 1e6;
@@ -27,9 +32,9 @@ pub enum State {
         /// Whether all of its bodies have come to rest.
         asleep: bool,
     },
-    /// The member blends back to its clips.
+    /// The member blends back to its clips, or gets up with a motion.
     GettingUp {
-        /// Remaining weight of the ragdoll, from 1 to 0.
+        /// Remaining weight of the ragdoll, from 1 to 0. It is 0 while a motion plays.
         weight: f32,
     },
 }
@@ -61,6 +66,7 @@ pub struct Ragdolls {
     world: World,
     pending: Vec<PendingRagdoll>,
     active: Vec<MemberRagdoll>,
+    rising: Vec<Rising>,
     next_id: u64,
 }
 
@@ -74,7 +80,7 @@ impl Ragdolls {
     pub fn new(gravity: [f32; 3]) -> Result<Self, Error> {
         finite("gravity", &gravity)?;
         let world = World::new(Vector::from_array(gravity));
-        Ok(Self { world, pending: Vec::new(), active: Vec::new(), next_id: 1 })
+        Ok(Self { world, pending: Vec::new(), active: Vec::new(), rising: Vec::new(), next_id: 1 })
     }
 
     /// Sets the height of the floor in metres.
@@ -219,39 +225,6 @@ impl Ragdolls {
         push(ragdoll, &mut self.world, &Push { body, impulse, at })
     }
 
-    /// Blends a limp member back to its clips over `over_secs` seconds. Afterwards its joints are
-    /// exactly those of the clips. A member that is limp as a whole is first placed where it lies,
-    /// on the floor below its hips, with the heading that needs the least rotation. It can be
-    /// pushed until the blend ends. A member that has not gone limp yet stays as it is.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::Crowd`] for a stale member, [`Error::NotLimp`], or [`Error::BadValue`] if the time
-    /// is negative or not finite.
-    pub fn get_up(
-        &mut self,
-        crowd: &mut Crowd,
-        member: MemberId,
-        over_secs: f32,
-    ) -> Result<(), Error> {
-        seconds("the time to get up", over_secs)?;
-        crowd.member(member)?;
-        let was_pending = self.pending.iter().any(|w| w.member == member);
-        self.pending.retain(|w| w.member != member);
-        let Some(ragdoll) = self.active.iter_mut().find(|d| d.member == member) else {
-            return if was_pending { Ok(()) } else { Err(Error::NotLimp) };
-        };
-        if ragdoll.fade.is_some() {
-            return Ok(());
-        }
-        if ragdoll.is_fully_limp() {
-            let mut view = crowd.member_mut(member)?;
-            view.set_placement(ragdoll.placement_to_get_up(view.placement(), &self.world))?;
-        }
-        ragdoll.fade = Some(Fade { elapsed_secs: 0.0, over_secs });
-        ragdoll.write(crowd, &self.world)
-    }
-
     /// Advances the simulation by `dt_secs` and writes the joint overrides for the following
     /// update. The frame is divided into equal steps of at most 1/120 s, and at most half a second
     /// is simulated. Ragdolls of despawned members are removed.
@@ -270,6 +243,7 @@ impl Ragdolls {
             return Ok(());
         }
         self.start_pending(crowd, dt_secs)?;
+        self.advance_rising(crowd, dt_secs)?;
         let mut moves = Vec::new();
         for ragdoll in self.active.iter_mut().filter(|d| !d.is_fully_limp()) {
             if let Some(now) = Snapshot::of(crowd, ragdoll.member)? {
@@ -301,6 +275,7 @@ impl Ragdolls {
             ragdoll.remove(&mut self.world);
         }
         self.active.retain(|d| crowd.member(d.member).is_ok());
+        self.rising.retain(|r| crowd.member(r.member).is_ok());
     }
 
     /// Takes a snapshot of each pending member, and builds the ragdolls of those that have two.
@@ -323,6 +298,9 @@ impl Ragdolls {
                 let old = self.active.remove(old);
                 old.release(crowd)?;
                 old.remove(&mut self.world);
+            }
+            if pending.limp.iter().all(|limp| *limp) {
+                self.end_rising(crowd, pending.member)?;
             }
             let character = crowd.character(crowd.member(pending.member)?.character())?.asset();
             let params = BuildParams {
@@ -352,7 +330,10 @@ impl Ragdolls {
             return State::GoingLimp;
         }
         match self.active.iter().find(|d| d.member == member) {
-            None => State::Animated,
+            None => match self.rising.iter().find(|r| r.member == member) {
+                Some(rising) => State::GettingUp { weight: rising.weight() },
+                None => State::Animated,
+            },
             Some(ragdoll) if ragdoll.fade.is_some() => {
                 State::GettingUp { weight: ragdoll.weight() }
             }

@@ -86,24 +86,7 @@ impl Stance {
         rotations[Limb::Forearm.of(side)] = forearm;
         let hand = forearm * on_side(DQuat::from_axis_angle(DVec3::Z, 0.25 * arm.curl_rad));
         rotations[Limb::Hand.of(side)] = hand;
-        let towards_palm = body.along.cross(-body.outward).normalize();
-        for finger in 1..5 {
-            let mut rotation = hand;
-            let curl = arm.curl_rad * (0.85 + 0.15 * finger as f64);
-            // The little finger spreads backwards, the index finger forwards.
-            let fan = DQuat::from_axis_angle(body.outward, 0.02 * (finger as f64 - 2.3));
-            for (joint, part) in [0.9, 1.15, 0.7].into_iter().enumerate() {
-                let bend = DQuat::from_axis_angle(towards_palm, curl * part);
-                rotation *= on_side(if joint == 0 { fan * bend } else { bend });
-                rotations[Limb::Finger(finger, joint).of(side)] = rotation;
-            }
-        }
-        let across = body.thumb.cross(-body.outward).normalize();
-        let mut rotation = hand;
-        for (joint, part) in [0.42, 0.4, 0.5].into_iter().enumerate() {
-            rotation *= on_side(DQuat::from_axis_angle(across, arm.curl_rad * part));
-            rotations[Limb::Finger(0, joint).of(side)] = rotation;
-        }
+        solve_fingers(body, side, arm.curl_rad, rotations);
     }
 
     fn solve_leg(&self, body: &Body, side: Side, rotations: &mut [DQuat; SEGMENTS]) {
@@ -127,8 +110,8 @@ impl Stance {
         };
         let thigh = DQuat::from_axis_angle(hinge, -angle(upper, reach, lower)) * down;
         let shin = DQuat::from_axis_angle(hinge, angle(lower, reach, upper)) * down;
-        rotations[Limb::Thigh.of(side)] = rotation_between(knee - hip, thigh, hinge);
-        rotations[Limb::Shin.of(side)] = rotation_between(ankle - knee, shin, hinge);
+        rotations[Limb::Thigh.of(side)] = rotation_between([knee - hip, DVec3::X], [thigh, hinge]);
+        rotations[Limb::Shin.of(side)] = rotation_between([ankle - knee, DVec3::X], [shin, hinge]);
     }
 
     /// Returns the position of a hip joint in model space.
@@ -138,13 +121,42 @@ impl Stance {
     }
 }
 
-/// Returns the rotation that takes the bone direction `rest` to `dir`, and the bending axis X to
-/// `hinge`.
-fn rotation_between(rest: DVec3, dir: DVec3, hinge: DVec3) -> DQuat {
-    let frame = |along: DVec3, side: DVec3| {
+/// Sets the rotations of a hand's fingers and thumb. `curl_rad` is that of [`Arm`].
+pub(super) fn solve_fingers(
+    body: &Body,
+    side: Side,
+    curl_rad: f64,
+    rotations: &mut [DQuat; SEGMENTS],
+) {
+    let on_side = |q: DQuat| side.mirror_rotation(q);
+    let hand = rotations[Limb::Hand.of(side)];
+    let towards_palm = body.along.cross(-body.outward).normalize();
+    for finger in 1..5 {
+        let mut rotation = hand;
+        let curl = curl_rad * (0.85 + 0.15 * finger as f64);
+        // The little finger spreads backwards, the index finger forwards.
+        let fan = DQuat::from_axis_angle(body.outward, 0.02 * (finger as f64 - 2.3));
+        for (joint, part) in [0.9, 1.15, 0.7].into_iter().enumerate() {
+            let bend = DQuat::from_axis_angle(towards_palm, curl * part);
+            rotation *= on_side(if joint == 0 { fan * bend } else { bend });
+            rotations[Limb::Finger(finger, joint).of(side)] = rotation;
+        }
+    }
+    let across = body.thumb.cross(-body.outward).normalize();
+    let mut rotation = hand;
+    for (joint, part) in [0.42, 0.4, 0.5].into_iter().enumerate() {
+        rotation *= on_side(DQuat::from_axis_angle(across, curl_rad * part));
+        rotations[Limb::Finger(0, joint).of(side)] = rotation;
+    }
+}
+
+/// Returns the rotation that takes the bone direction and the bending axis at rest to those of
+/// `posed`.
+pub(super) fn rotation_between(rest: [DVec3; 2], posed: [DVec3; 2]) -> DQuat {
+    let frame = |[along, side]: [DVec3; 2]| {
         let along = along.normalize();
         let side = (side - along * side.dot(along)).normalize();
         DMat3::from_cols(side, along, side.cross(along))
     };
-    DQuat::from_mat3(&(frame(dir, hinge) * frame(rest, DVec3::X).transpose()))
+    DQuat::from_mat3(&(frame(posed) * frame(rest).transpose()))
 }

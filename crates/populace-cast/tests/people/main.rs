@@ -5,6 +5,7 @@
 
 mod bodies;
 mod gaits;
+mod get_ups;
 mod motions;
 mod skinning;
 

@@ -28,8 +28,10 @@ impl MemberRagdoll {
             .map(|carried| self.joint_override(world, &place, carried, weight))
             .collect();
         if self.is_fully_limp() {
-            let model_overrides = self.model_overrides(&overrides);
-            overrides.extend(model_overrides);
+            let index = |joint: usize| self.carried.binary_search_by_key(&joint, |c| c.joint).ok();
+            let parents: Vec<_> = self.carried.iter().map(|c| c.parent.and_then(index)).collect();
+            let weight = self.fade.map_or(1.0, |fade| fade.model_override_weight());
+            overrides.extend(model_overrides(&parents, &overrides, weight));
         }
         crowd.member_mut(self.member)?.override_joints(&overrides)?;
         self.resting_placement = is_resting.then_some(place);
@@ -47,7 +49,7 @@ impl MemberRagdoll {
     /// Returns the local override of a joint: its rotation against the parent, with unchanged
     /// translation and scale, so that joints never come apart. If no body moves the parent, returns
     /// an override in model space.
-    fn joint_override(
+    pub(super) fn joint_override(
         &self,
         world: &World,
         place: &Placement,
@@ -82,29 +84,6 @@ impl MemberRagdoll {
         JointOverride { joint, space: carried.space(), transform, weight }
     }
 
-    /// Returns the same joint transforms as overrides in model space. These are applied last, so
-    /// that no constraint such as a planted foot moves a limp joint. They fade out early when the
-    /// member gets up, because only local overrides blend well. Joints whose model transform has
-    /// shear are left out.
-    fn model_overrides(&self, local: &[JointOverride]) -> Vec<JointOverride> {
-        let weight = self.fade.map_or(1.0, |fade| fade.model_override_weight());
-        let mut models: Vec<Affine> = Vec::with_capacity(local.len());
-        let mut overrides = Vec::with_capacity(local.len());
-        for (carried, given) in self.carried.iter().zip(local) {
-            let own = Affine::from_trs(&given.transform);
-            let parent = carried
-                .parent
-                .and_then(|p| self.carried.binary_search_by_key(&p, |c| c.joint).ok());
-            let model = parent.map_or(own, |at| models[at].mul(&own));
-            models.push(model);
-            let transform = trs(&model);
-            if parent.is_some() && is_same_linear_part(&Affine::from_trs(&transform), &model) {
-                overrides.push(JointOverride { space: Space::Model, transform, weight, ..*given });
-            }
-        }
-        overrides
-    }
-
     /// Returns the rotation in world space of a joint that some body moves.
     fn world_rotation(&self, world: &World, joint: usize) -> Rotation {
         let Some(body) = self.plan.body_of(joint_index(joint)) else { return Rotation::IDENTITY };
@@ -116,6 +95,30 @@ impl MemberRagdoll {
         let head = self.plan.bodies()[body].head;
         body_rotation * self.last.model_rotation(head).inverse() * self.last.model_rotation(joint)
     }
+}
+
+/// Returns the joint transforms `local` as overrides in model space. These are applied last, so that
+/// no constraint such as a planted foot moves a limp joint. They fade out early when the member gets
+/// up, because only local overrides blend well. Joints whose model transform has shear are left out.
+/// `parents` are indices in `local`.
+pub(super) fn model_overrides(
+    parents: &[Option<usize>],
+    local: &[JointOverride],
+    weight: f32,
+) -> Vec<JointOverride> {
+    let mut models: Vec<Affine> = Vec::with_capacity(local.len());
+    let mut overrides = Vec::with_capacity(local.len());
+    for (parent, given) in parents.iter().zip(local) {
+        let own = Affine::from_trs(&given.transform);
+        let model = parent.map_or(own, |at| models[at].mul(&own));
+        models.push(model);
+        let transform = trs(&model);
+        let is_child = given.space == Space::Local;
+        if is_child && is_same_linear_part(&Affine::from_trs(&transform), &model) {
+            overrides.push(JointOverride { space: Space::Model, transform, weight, ..*given });
+        }
+    }
+    overrides
 }
 
 /// Returns whether the 3x3 parts of two transforms agree within a relative tolerance of 0.001.
