@@ -1,0 +1,3 @@
+//! Walkers: local avoidance.
+
+pub mod avoidance;
