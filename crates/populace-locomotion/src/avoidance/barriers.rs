@@ -96,8 +96,8 @@ impl<'a> Barriers<'a> {
         if from.perp_dot(to) > 0.0 { [from, to] } else { [to, from] }
     }
 
-    /// Returns the direction past the outline of a wall's obstacle on one side. `None` if the outline
-    /// goes on to beyond a quarter turn from the wall, or around the walker.
+    /// Returns the direction past the outline of a wall's obstacle on one side. `None` if the
+    /// outline goes on to beyond a quarter turn from the wall, or around the walker.
     fn outline(&self, nth: u32, body: &Body, side: f32) -> Option<Vec2> {
         let all = self.walls.all();
         let [left, right] = self.ends(nth, body.position);

@@ -26,26 +26,8 @@ pub(crate) fn nearest_to_origin(from: Vec2, to: Vec2) -> Vec2 {
     from + along * share.clamp(0.0, 1.0)
 }
 
-/// Eight directions, a quarter turn and an eighth apart in turns, so that neighbours differ much.
-const DIRECTIONS: [Vec2; 8] = {
-    const R: f32 = std::f32::consts::FRAC_1_SQRT_2;
-    [
-        Vec2::new(1.0, 0.0),
-        Vec2::new(-R, R),
-        Vec2::new(0.0, 1.0),
-        Vec2::new(R, R),
-        Vec2::new(-1.0, 0.0),
-        Vec2::new(R, -R),
-        Vec2::new(0.0, -1.0),
-        Vec2::new(-R, -R),
-    ]
-};
-
-/// Returns the direction from one walker to another at the same place. The opposite one the other
-/// way around.
+/// Returns the direction from one walker to another at the same place, by their indices. It is the
+/// opposite one the other way around.
 pub(crate) fn parting(from: u32, to: u32) -> Vec2 {
-    let (low, high) = (from.min(to), from.max(to));
-    let nth = low.wrapping_mul(3).wrapping_add(high) & 7;
-    let direction = DIRECTIONS[nth as usize];
-    if from < to { direction } else { -direction }
+    if from < to { Vec2::X } else { Vec2::NEG_X }
 }

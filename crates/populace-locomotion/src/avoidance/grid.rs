@@ -130,3 +130,41 @@ impl Grid {
         &self.seen[from..until]
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn queries_find_everybody_near_once() {
+        let mut random = fastrand::Rng::with_seed(6);
+        let mut grid = Grid::default();
+        // Fewer in later rounds, in the same memory. All around the origin, and far away.
+        for (count, size) in [(900, 60.0), (300, 500.0), (40, 20.0), (2, 1e6), (0, 1.0)] {
+            let mut place = || [(); 2].map(|()| (random.f32() * 2.0 - 1.0) * size);
+            let positions: Vec<_> = (0..count).map(|_| place()).collect();
+            let zeros = vec![[0.0; 2]; count];
+            grid.rebuild(&Agents {
+                positions: &positions,
+                velocities: &zeros,
+                preferred: &zeros,
+                radii_m: &vec![0.25; count],
+                most_speeds: &vec![1.0; count],
+                groups: &vec![0; count],
+            });
+            for from in positions.iter().map(|at| Vec2::from(*at)) {
+                let near = |at: &Vec2| at.distance(from) <= Grid::FARTHEST_M;
+                let mut found = Vec::new();
+                grid.around(from, Grid::FARTHEST_M, |other| {
+                    if near(&other.position) {
+                        found.push(other.index);
+                    }
+                });
+                found.sort_unstable();
+                let all = positions.iter().map(|at| Vec2::from(*at)).enumerate();
+                let expected = all.filter(|(_, at)| near(at)).map(|(nth, _)| index(nth));
+                assert!(found.iter().copied().eq(expected), "around {from}");
+            }
+        }
+    }
+}

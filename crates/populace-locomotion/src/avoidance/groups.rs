@@ -98,8 +98,8 @@ impl Groups {
         self.all.get(self.group_of[walker as usize] as usize).filter(|group| group.count > 1.0)
     }
 
-    /// Returns another walker's group as one disc to walk around; `None` if it is spread out, or the
-    /// walker is among its members.
+    /// Returns another walker's group as one disc to walk around; `None` if it is spread out, or
+    /// the walker is among its members.
     pub(crate) fn disc(&self, body: &Body, other: &Seen) -> Option<Seen> {
         let group = self.of(other.index)?;
         let position = group.centre();
@@ -150,7 +150,8 @@ impl Group {
     }
 }
 
-/// Returns how fast a walker moves to its right to walk beside another member, in metres per second.
+/// Returns how fast a walker moves to its right to walk beside another member, in metres per
+/// second.
 fn room(body: &Body, other: &Seen, ahead: Vec2, spacing_m: f32) -> f32 {
     let apart = body.position - other.position;
     let right = apart.dot(ahead.perp());

@@ -61,8 +61,8 @@ pub(crate) fn solve(planes: &[HalfPlane], most: f32, goal: Goal) -> Result<Vec2,
     Ok(velocity)
 }
 
-/// Returns the best velocity on the edge of a half-plane that lies in all others; `None` if there is
-/// none.
+/// Returns the best velocity on the edge of a half-plane that lies in all others; `None` if there
+/// is none.
 fn best_on_edge(others: &[HalfPlane], edge: &HalfPlane, most: f32, goal: Goal) -> Option<Vec2> {
     let reach = most * most - edge.offset * edge.offset;
     if reach < 0.0 {

@@ -1,5 +1,5 @@
-//! What other walkers ask of a velocity: section 4 of the paper, with a choice of the neighbours that
-//! matter most.
+//! What other walkers ask of a velocity: section 4 of the paper, with a choice of the neighbours
+//! that matter most.
 
 use glam::Vec2;
 
@@ -50,7 +50,7 @@ impl Neighbours {
             let apart = other.position - body.position;
             if other.index != body.index && apart.length_squared() <= distance * distance {
                 chosen.insert((urgency(body, other), *other));
-                if is_oncoming(body, other) {
+                if is_oncoming(body, other) && !hidden(other.position) {
                     chosen.oncoming += 1.0;
                 }
             }
@@ -158,8 +158,8 @@ pub(crate) fn half_plane(body: &Body, other: &Seen, manner: Manner) -> HalfPlane
     }
 }
 
-/// Returns the normal of the boundary of the velocity obstacle where it is nearest to a velocity, and
-/// the way there: positive from inside.
+/// Returns the normal of the boundary of the velocity obstacle where it is nearest to a velocity,
+/// and the way there: positive from inside.
 fn change(
     apart: Vec2,
     closing: Vec2,

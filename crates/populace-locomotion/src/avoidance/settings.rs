@@ -7,8 +7,8 @@ use super::persons::MOST_NEIGHBOURS;
 /// How walkers avoid each other. The defaults are for people on foot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AvoidanceSettings {
-    /// The time ahead in which walkers do not collide with each other if both keep their velocities,
-    /// in seconds, 0.1 to 10.
+    /// The time ahead in which walkers do not collide with each other if both keep their
+    /// velocities, in seconds, 0.1 to 10.
     pub horizon_secs: f32,
     /// The same for two who hardly move. Shorter, so that a queue closes up.
     pub slow_horizon_secs: f32,

@@ -20,8 +20,8 @@ const PRESSED: f32 = 0.8;
 
 /// How much more of a change of velocity a walker makes for one ahead of it than for one behind it.
 const VIEW: f32 = 0.35;
-/// How much the shares of two walkers differ by their indices, from the half. Equal ones would block
-/// each other in a door.
+/// How much the shares of two walkers differ by their indices, from the half. Equal ones would
+/// block each other in a door.
 const UNEQUAL: f32 = 0.15;
 /// The number of oncoming walkers for which a walker keeps to the right as much as it can.
 const MANY: f32 = 3.0;

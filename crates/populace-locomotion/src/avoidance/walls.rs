@@ -7,8 +7,8 @@ use super::{Error, LARGEST_M, Obstacle, WITHIN_LARGEST};
 
 /// Edge of a cell in metres, where the area of all walls allows it.
 const CELL_M: f32 = 2.0;
-/// The most cells of the grid for each wall; for fewer cells their edges are longer.
-const MOST_CELLS: usize = 64;
+/// The most cells of the grid, at least and for each wall; in larger areas their edges are longer.
+const MOST_CELLS: (usize, usize) = (16_384, 64);
 /// No wall.
 pub(crate) const NONE: u32 = u32::MAX;
 
@@ -59,7 +59,7 @@ impl Walls {
         let points = || self.all.iter().flat_map(|wall| [wall.from, wall.to]);
         let low = points().fold(Vec2::INFINITY, Vec2::min);
         let size = points().fold(Vec2::NEG_INFINITY, Vec2::max) - low;
-        let most = (MOST_CELLS * self.all.len()) as f32;
+        let most = MOST_CELLS.0.max(MOST_CELLS.1 * self.all.len()) as f32;
         let mut edge = CELL_M;
         while (size.x / edge + 1.0) * (size.y / edge + 1.0) > most {
             edge *= 2.0;

@@ -7,15 +7,17 @@ use crate::walk::{FRAME_SECS, Walk, distance, towards};
 
 #[test]
 fn opposing_streams_pass_each_other_in_a_corridor() -> Result<(), Error> {
-    for (count, width_m) in [(50, 4.0), (60, 4.0), (40, 2.5)] {
-        let Scene { mut walk, goals } = corridor(count, width_m)?;
+    // Up to 1.25 people a square metre where the streams are within each other.
+    for (count, seed) in [(40, 1), (40, 2), (50, 3), (50, 4), (50, 5)] {
+        let width_m = 4.0;
+        let Scene { mut walk, goals } = corridor(count, width_m, seed)?;
         let is_through = |(at, goal): (&[f32; 2], &[f32; 2])| at[0] * goal[0].signum() > 5.0;
         while !walk.positions.iter().zip(&goals).all(is_through) {
             walk.step(|nth, _| [1.3 * goals[nth][0].signum(), 0.0])?;
             let side = width_m / 2.0 - 0.25;
             assert!(walk.positions.iter().all(|at| at[1].abs() <= side), "nobody is in a wall");
             // The last one has 30 m to go: 23 s without the others.
-            assert!(walk.frame < 40 * 60, "{count} in {width_m} m are not through after 40 s");
+            assert!(walk.frame < 40 * 60, "{count}, seed {seed}, are not through after 40 s");
         }
     }
     Ok(())
@@ -105,15 +107,13 @@ fn a_walker_goes_around_a_pillar_straight_ahead() -> Result<(), Error> {
 fn nobody_heeds_those_behind_a_wall() -> Result<(), Error> {
     let wall = Obstacle::line([[-20.0, 0.0], [20.0, 0.0]]);
     let mut walk = Walk::new(AvoidanceSettings::default(), &[wall])?;
-    walk.add([-5.0, 0.3], 0.25, 0);
-    walk.add([5.0, -0.3], 0.25, 0);
+    walk.add([-5.0, 0.26], 0.25, 0);
+    walk.add([5.0, -0.26], 0.25, 0);
     walk.velocities = vec![[1.3, 0.0], [-1.3, 0.0]];
     for _ in 0..300 {
         walk.step(|nth, _| [if nth == 0 { 1.3 } else { -1.3 }, 0.0])?;
-        if distance(walk.positions[0], walk.positions[1]) < 1.0 {
-            let [x, z] = walk.velocities[0];
-            assert!(x > 1.2 && z.abs() < 0.15, "{x} {z}");
-        }
+        let [x, z] = walk.told[0];
+        assert!(x > 1.29 && z.abs() < 0.01, "{x} {z} at {:?}", walk.positions[0]);
     }
     Ok(())
 }

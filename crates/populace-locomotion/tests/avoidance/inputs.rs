@@ -58,7 +58,7 @@ fn a_clone_replays_the_same_bits() -> Result<(), Error> {
 
 #[test]
 fn shares_of_a_stagger_add_up_to_all() -> Result<(), Error> {
-    let Scene { mut walk, .. } = corridor(40, 4.0)?;
+    let Scene { mut walk, .. } = corridor(40, 4.0, 1)?;
     walk.preferred.iter_mut().for_each(|wish| *wish = [1.0, 0.3]);
     let agents = Agents {
         positions: &walk.positions,

@@ -10,12 +10,12 @@ pub(crate) struct Scene {
     pub(crate) goals: Vec<[f32; 2]>,
 }
 
-/// Two streams of `count` people each in a corridor along x, `width_m` wide.
-pub(crate) fn corridor(count: usize, width_m: f32) -> Result<Scene, Error> {
+/// Two streams of `count` people each at random places of a corridor along x, `width_m` wide.
+pub(crate) fn corridor(count: usize, width_m: f32, seed: u64) -> Result<Scene, Error> {
     let side = width_m / 2.0;
     let walls = [side, -side].map(|z| Obstacle::line([[-60.0, z], [-10.0, z], [60.0, z]]));
     let mut walk = Walk::new(AvoidanceSettings::default(), &walls)?;
-    let mut random = fastrand::Rng::with_seed(3);
+    let mut random = fastrand::Rng::with_seed(seed);
     let mut goals = Vec::new();
     for (from, to) in [(-25.0, 50.0), (5.0, -50.0)] {
         let high = [from + 20.0, side - 0.3];
