@@ -1,9 +1,9 @@
 //! Local avoidance: from the velocities that walkers prefer to velocities that do not collide.
 //!
 //! Optimal reciprocal collision avoidance (ORCA) after van den Berg, Guy, Lin and Manocha,
-//! "Reciprocal n-body collision avoidance", 2011. Each walker heeds the neighbours that it would meet
-//! soonest, and takes the velocity nearest to the preferred one that avoids them all, while they do
-//! the same. Members of groups walk side by side and wait for each other.
+//! "Reciprocal n-body collision avoidance", 2011. Each walker heeds the neighbours that it would
+//! meet soonest, and takes the velocity nearest to the preferred one that avoids them all, while
+//! they do the same. Members of groups walk side by side and wait for each other.
 //!
 //! All is in the ground plane: points and velocities are `[x, z]`, in metres and metres per second.
 //! Seen along +Z, +X is to the left. A walker is a disc.
@@ -212,9 +212,9 @@ impl Avoidance {
     }
 
     /// Moves a disc from one point towards another and returns where it comes to. It slides along
-    /// walls and never crosses one, however long the step. A disc that is not in a wall at `from` is
-    /// not in one afterwards. A disc that is in a wall comes no nearer to it, and is led out by up to
-    /// 5 cm in a call.
+    /// walls and never crosses one, however long the step. A disc that is not in a wall at `from`
+    /// is not in one afterwards. A disc that is in a wall comes no nearer to it, and is led out by
+    /// up to 5 cm in a call.
     ///
     /// Returns `from` if an argument is not finite. A negative radius counts as 0.
     #[must_use]

@@ -3,7 +3,7 @@
 use glam::Vec2;
 
 use super::Agents;
-use super::geometry::{cell, index};
+use super::geometry::{cell, index, root};
 
 /// Edge of a cell in metres.
 const CELL_M: f32 = 2.0;
@@ -35,6 +35,7 @@ pub(crate) struct Grid {
     cells: Vec<u32>,
     seen: Vec<Seen>,
     largest_radius: f32,
+    highest_speed: f32,
 }
 
 impl Grid {
@@ -78,6 +79,8 @@ impl Grid {
             *last = index(count);
         }
         self.largest_radius = agents.radii_m.iter().copied().fold(0.0, f32::max);
+        let squares = self.seen.iter().map(|walker| walker.velocity.length_squared());
+        self.highest_speed = root(squares.fold(0.0, f32::max));
     }
 
     fn cell(&self, x: f32, z: f32) -> u32 {
@@ -102,12 +105,17 @@ impl Grid {
         self.largest_radius
     }
 
+    /// The highest speed of any walker, in metres per second.
+    pub(crate) fn highest_speed(&self) -> f32 {
+        self.highest_speed
+    }
+
     /// The largest distance of a query, in metres: a larger one would meet the same cells again.
     pub(crate) const FARTHEST_M: f32 = CELL_M * (FEWEST as f32 / 2.0 - 1.0);
 
-    /// Calls `visit` for all walkers in cells within a distance, at most [`Self::FARTHEST_M`], and
-    /// some farther ones.
-    pub(crate) fn around(&self, position: Vec2, distance: f32, mut visit: impl FnMut(&Seen)) {
+    /// Calls `visit` with place and walker for all walkers in cells within a distance, at most
+    /// [`Self::FARTHEST_M`], and some farther ones.
+    pub(crate) fn around(&self, position: Vec2, distance: f32, mut visit: impl FnMut(u32, &Seen)) {
         let low = position - Vec2::splat(distance);
         let high = position + Vec2::splat(distance);
         let [first, last] =
@@ -115,19 +123,19 @@ impl Grid {
         for z in first.1..=last.1 {
             let row = self.row(z);
             let (from, until) = (self.column(first.0), self.column(last.0));
+            let mut run = |from: u32, until: u32| {
+                let [from, until] =
+                    [row + from, row + until + 1].map(|cell| self.starts[cell as usize]);
+                let walkers = &self.seen[from as usize..until as usize];
+                (from..until).zip(walkers).for_each(|(place, walker)| visit(place, walker));
+            };
             if from <= until {
-                self.run(row + from, row + until).iter().for_each(&mut visit);
+                run(from, until);
             } else {
-                self.run(row + from, row + self.side - 1).iter().for_each(&mut visit);
-                self.run(row, row + until).iter().for_each(&mut visit);
+                run(from, self.side - 1);
+                run(0, until);
             }
         }
-    }
-
-    /// The walkers in a run of cells of one row.
-    fn run(&self, first: u32, last: u32) -> &[Seen] {
-        let [from, until] = [first, last + 1].map(|cell| self.starts[cell as usize] as usize);
-        &self.seen[from..until]
     }
 }
 
@@ -155,7 +163,7 @@ mod tests {
             for from in positions.iter().map(|at| Vec2::from(*at)) {
                 let near = |at: &Vec2| at.distance(from) <= Grid::FARTHEST_M;
                 let mut found = Vec::new();
-                grid.around(from, Grid::FARTHEST_M, |other| {
+                grid.around(from, Grid::FARTHEST_M, |_, other| {
                     if near(&other.position) {
                         found.push(other.index);
                     }

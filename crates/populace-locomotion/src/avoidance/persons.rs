@@ -25,67 +25,108 @@ const PARTING_SHARES: (f32, f32) = (0.2, 0.8);
 const DEEPEST_M: f32 = 0.15;
 
 /// The neighbours of one walker.
-pub(crate) struct Neighbours {
-    /// Urgency in seconds, and the neighbour.
-    all: [(f32, Seen); MOST_NEIGHBOURS],
-    count: usize,
-    most: usize,
+pub(crate) struct Neighbours<'a> {
+    all: [Option<&'a Seen>; MOST_NEIGHBOURS],
     /// How many walkers in sight come towards this one.
     pub(crate) oncoming: f32,
 }
 
-impl Neighbours {
+impl<'a> Neighbours<'a> {
     /// Chooses the neighbours that a walker would meet soonest: by the time to a collision, or
     /// by the gap between them if that is shorter. They are in order of distance, and of indices at
     /// the same distance.
     pub(crate) fn choose(
-        grid: &Grid,
+        grid: &'a Grid,
         body: &Body,
         (distance, most): (f32, usize),
         hidden: impl Fn(Vec2) -> bool,
     ) -> Self {
-        let mut chosen =
-            Self { all: [Default::default(); MOST_NEIGHBOURS], count: 0, most, oncoming: 0.0 };
-        grid.around(body.position, distance, |other| {
-            let apart = other.position - body.position;
-            if other.index != body.index && apart.length_squared() <= distance * distance {
-                chosen.insert((urgency(body, other), *other));
-                if is_oncoming(body, other) && !hidden(other.position) {
-                    chosen.oncoming += 1.0;
+        let mut nearest = Ranking { all: [Ranked::LAST; MOST_NEIGHBOURS], most };
+        let mut soonest = Ranking { all: [Ranked::LAST; MOST_NEIGHBOURS], most };
+        let mut oncoming = 0.0;
+        let widest = body.radius + grid.largest_radius() + COMFORT_M;
+        let fastest = (body.velocity.length() + grid.highest_speed()).max(APPROACH_M_PER_SEC);
+        // Beyond this distance nobody is more urgent than those who are chosen.
+        let mut square_limit = distance * distance;
+        grid.around(body.position, distance, |place, other| {
+            let square = other.position.distance_squared(body.position);
+            if square > distance * distance || other.index == body.index {
+                return;
+            }
+            if is_oncoming(body, other) && !hidden(other.position) {
+                oncoming += 1.0;
+            }
+            if square <= square_limit {
+                let key = urgency(body, other, square);
+                if soonest.insert(Ranked { key, index: other.index, place }) {
+                    let limit = widest + 1.01 * fastest * soonest.all[most - 1].key;
+                    square_limit = square_limit.min(limit * limit);
                 }
             }
         });
-        let seen = &mut chosen.all[..chosen.count];
-        for (key, other) in &mut *seen {
-            *key = other.position.distance_squared(body.position);
-        }
-        seen.sort_unstable_by(order);
-        let mut kept = 0;
-        for nth in 0..chosen.count {
-            if !hidden(chosen.all[nth].1.position) {
-                chosen.all[kept] = chosen.all[nth];
-                kept += 1;
+        for ranked in soonest.iter() {
+            let other = &grid.walkers()[ranked.place as usize];
+            if !hidden(other.position) {
+                let key = other.position.distance_squared(body.position);
+                nearest.insert(Ranked { key, ..*ranked });
             }
         }
-        chosen.count = kept;
-        chosen
-    }
-
-    fn insert(&mut self, new: (f32, Seen)) {
-        let known = &self.all[..self.count];
-        if self.count == self.most && order(&known[self.count - 1], &new).is_le() {
-            return;
+        let mut all = [None; MOST_NEIGHBOURS];
+        for (other, ranked) in all.iter_mut().zip(nearest.iter()) {
+            *other = Some(&grid.walkers()[ranked.place as usize]);
         }
-        let at = known.partition_point(|known| order(known, &new).is_lt());
-        let end = (self.count + 1).min(self.most);
-        self.all.copy_within(at..end - 1, at + 1);
-        self.all[at] = new;
-        self.count = end;
+        Self { all, oncoming }
     }
 
     /// The neighbours, nearest first.
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &Seen> {
-        self.all[..self.count].iter().map(|(_, other)| other)
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &'a Seen> {
+        self.all.iter().map_while(|other| *other)
+    }
+}
+
+/// A neighbour by a key, and by index for equal keys.
+#[derive(Clone, Copy)]
+struct Ranked {
+    key: f32,
+    index: u32,
+    /// Where it is in the grid.
+    place: u32,
+}
+
+impl Ranked {
+    const LAST: Self = Self { key: f32::INFINITY, index: u32::MAX, place: 0 };
+
+    fn is_before(&self, other: &Self) -> bool {
+        self.key < other.key || (self.key == other.key && self.index < other.index)
+    }
+}
+
+/// The neighbours with the least keys, in order.
+struct Ranking {
+    all: [Ranked; MOST_NEIGHBOURS],
+    most: usize,
+}
+
+impl Ranking {
+    /// Takes a neighbour if it is among the first; returns whether it is.
+    fn insert(&mut self, new: Ranked) -> bool {
+        let all = &mut self.all[..self.most];
+        let mut at = all.len();
+        while at > 0 && new.is_before(&all[at - 1]) {
+            if at < all.len() {
+                all[at] = all[at - 1];
+            }
+            at -= 1;
+        }
+        let is_among = at < all.len();
+        if is_among {
+            all[at] = new;
+        }
+        is_among
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &Ranked> {
+        self.all[..self.most].iter().take_while(|ranked| ranked.index != u32::MAX)
     }
 }
 
@@ -97,14 +138,9 @@ fn is_oncoming(body: &Body, other: &Seen) -> bool {
         && apart.dot(body.ahead.perp()) > -CLEAR_M
 }
 
-fn order(a: &(f32, Seen), b: &(f32, Seen)) -> std::cmp::Ordering {
-    a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index))
-}
-
-/// Returns the seconds until a neighbour matters.
-fn urgency(body: &Body, other: &Seen) -> f32 {
+/// Returns the seconds until a neighbour at the root of `square` matters.
+fn urgency(body: &Body, other: &Seen, square: f32) -> f32 {
     let apart = other.position - body.position;
-    let square = apart.length_squared();
     let reach = body.radius + other.radius;
     let gap_secs = (root(square) - reach).max(0.0) / APPROACH_M_PER_SEC;
     let closing = body.velocity - other.velocity;

@@ -108,7 +108,7 @@ impl Avoidance {
     }
 
     /// Adds the groups of strangers as discs.
-    fn add_groups(&self, body: &Body, neighbours: &Neighbours, planes: &mut Planes) {
+    fn add_groups(&self, body: &Body, neighbours: &Neighbours<'_>, planes: &mut Planes) {
         let mut known = [0; MOST_GROUPS];
         let mut count = 0;
         let strangers =
