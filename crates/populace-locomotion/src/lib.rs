@@ -1,5 +1,6 @@
 //! Gaits of clips: contacts of feet, ground speed, stride and cadence, on any body.
 
+pub mod avoidance;
 mod contacts;
 mod feet;
 mod gait;
