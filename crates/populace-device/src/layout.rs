@@ -215,19 +215,29 @@ device_consts! {
     ///
     /// | Element | `x` | `y` | `z` | `w` |
     /// |---|---|---|---|---|
-    /// | foot `i`, planted | position x | position y | position z | bits: `epoch << 1 \| 1` |
-    /// | foot `i`, lifted | lag x | lag y | lag z | bits: `epoch << 1` |
+    /// | foot `i`, planted | anchor x | height of the ground | anchor z | bits |
+    /// | foot `i`, lifted | lag x | height of the ground | lag z | bits |
+    /// | `FOOT_TURN_STATE` + `i`, planted | direction x | direction z | height above ground | 0 |
+    /// | `FOOT_TURN_STATE` + `i`, lifted | lag of the turn | 0 | 0 | 0 |
+    /// | `PELVIS_STATE` | drop | 0 | 0 | bits: `epoch` |
     /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::operand`] |
     /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
     /// | `MOTION_STATE + 2` | velocity x | velocity y | velocity z | sine of turn per tick |
     /// | `MOTION_STATE + 3` | excess x | excess y | excess z | sine of turn per tick |
     ///
-    /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to
-    /// [`MAX_FEET`]` - 1`; their positions and lags are in world space. The *lag* of a foot is how
-    /// far it trails behind the clip. *Velocity* is that of the last frame. *Excess* is the
-    /// velocity at the start of an inertialization minus the velocity of the clips that play since.
-    /// `epoch` is [`Control::epoch`].
-    pub const MOTION_STATE: u32 = MAX_FEET;
+    /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to [`MAX_FEET`]`
+    /// - 1`, in world space. The *anchor* is where the sole's pivot stands, and the *direction*
+    /// that from heel to toes. The *lag* of a foot is how far it trails behind the clip; that of
+    /// its turn is the tangent of half the angle. The bits of a foot are `epoch <<
+    /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
+    /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
+    /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
+    /// the velocity of the clips that play since. `epoch` is [`Control::epoch`].
+    pub const MOTION_STATE: u32 = 2 * MAX_FEET;
+    /// Element of the pelvis in a member's history state; see [`MOTION_STATE`].
+    pub const PELVIS_STATE: u32 = 3 * MAX_FEET;
+    /// First element of the directions of feet in a member's history state; see [`MOTION_STATE`].
+    pub const FOOT_TURN_STATE: u32 = MAX_FEET;
     /// Elements per row of root motion: an offset, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
     /// Maximum number of user stages.
@@ -249,7 +259,7 @@ device_consts! {
     /// Maximum number of feet of a member.
     pub const MAX_FEET: u32 = 4;
     /// History elements per control, see [`MOTION_STATE`].
-    pub const STATES_PER_CONTROL: u32 = 8;
+    pub const STATES_PER_CONTROL: u32 = 13;
     /// Elements per watched joint: three rows of its matrix, in world space, or in model space for
     /// joints that members are attached to.
     pub const WATCHED_ELEMENTS: u32 = 3;
@@ -291,7 +301,39 @@ device_consts! {
     /// Passes of the chain solver, always as many, so that the result follows targets smoothly.
     pub const CHAIN_PASSES: u32 = 16;
     /// Time in which a lifted foot makes up for half of what it was held back, in seconds.
-    pub const FOOT_RELEASE_SECS: f32 = 0.06;
+    pub const FOOT_RELEASE_SECS: f32 = 0.08;
+    /// Time in which a pelvis that was lowered rises again, in seconds.
+    pub const PELVIS_RISE_SECS: f32 = 0.12;
+    /// Largest lag of a foot's turn: the tangent of half the angle.
+    pub const FOOT_MAX_TURN: f32 = 0.35;
+    /// Slope between the ends of a sole from which it is on the edge of a step: it stands level, on
+    /// the higher side.
+    pub const FOOT_EDGE: f32 = 0.5;
+    /// Time around a contact in which a foot comes down to the ground or leaves it, in seconds.
+    pub const FOOT_NEAR_SECS: f32 = 0.12;
+    /// Fastest rise or fall of the ground beneath a lifted foot that the foot follows, in metres
+    /// per second.
+    pub const FOOT_CLIMB_M_PER_SEC: f32 = 1.5;
+    /// Distance in front of a lifted foot at which it looks for higher ground, in parts of the
+    /// maximum lag.
+    pub const FOOT_AHEAD: f32 = 0.5;
+    /// Height by which another point of the sole must be lower to become the pivot, in parts of the
+    /// maximum lag.
+    pub const FOOT_PIVOT_SLACK: f32 = 0.002;
+    /// Horizontal distance of the ankle from the hip beyond which a lag lets the lock go, in parts
+    /// of the maximum lag.
+    pub const FOOT_REACH: f32 = 1.4;
+    /// Part of a clip's length from which a contact counts as one that does not end.
+    pub const CONTACT_WHOLE: f32 = 0.999;
+    /// Lag of a foot that was let go within its contact at which it is locked again, in parts of
+    /// the maximum lag.
+    pub const FOOT_RELOCK: f32 = 0.1;
+    /// Share of the clips with lift-offs in a layer's weight below which both feet stand.
+    pub const FOOT_STEPPING: f32 = 0.02;
+    /// Bits of a foot's state below the epoch.
+    pub const FOOT_STATE_BITS: u32 = 6;
+    /// Maximum number of points of a sole that one joint carries.
+    pub const MAX_SOLE_POINTS: u32 = 6;
     /// Largest distance that a pelvis sinks, in parts of a leg's length.
     pub const MAX_PELVIS_SINK: f32 = 0.5;
     /// Largest size of a number that a user's stage may leave; larger ones are refused.
@@ -352,7 +394,7 @@ macro_rules! with_device_structs {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            Body, Entry, ClipRows, RowBlock, BoundClip, BoundBlock, Source, Slot,
+            Body, Entry, ClipRows, RowBlock, BoundClip, Contact, BoundBlock, Source, Slot,
             InertializationSlot, Layer, Member, SlotSample, Control, Step, Override, Constraint,
             Link, Target, Ground, MachineState, Transition, Condition, MachineInstance, Running
         }

@@ -12,6 +12,7 @@ mod rows;
 mod runs;
 mod sample;
 mod set;
+mod soles;
 mod space;
 mod table;
 
@@ -34,6 +35,7 @@ use populace_model::convert::u32_from;
 use populace_model::{Mask, Skeleton, Trs};
 use runs::{Asset, Runs};
 use set::{BlockTableSet, TableSet};
+use soles::Soles;
 use space::Space;
 
 pub use controls::Ground;
@@ -66,6 +68,8 @@ pub struct Tables {
     instance_space: InstanceSpace,
     /// The runs of each asset, by kind and index.
     asset_runs: HashMap<(Asset, u32), Runs>,
+    /// Soles of bodies that have some, by body.
+    soles_of_bodies: HashMap<u32, Soles>,
 }
 
 impl Tables {
@@ -100,6 +104,7 @@ impl Tables {
             phase_members: [0; MAX_PHASES as usize],
             instance_space: InstanceSpace::new(),
             asset_runs: HashMap::new(),
+            soles_of_bodies: HashMap::new(),
         }
     }
 
@@ -204,8 +209,10 @@ impl Tables {
                 limit,
             });
         }
+        let mut soles = Soles::default();
         let index = self.add_asset(Asset::Body, |tables, runs| {
             let all = &mut tables.all;
+            soles = Soles::add(skeleton, all, runs)?;
             let parents = skeleton.joints().map(|j| skeleton.parent(j).map_or(NONE, |p| p.0));
             let joint_first = runs.add(&mut all.parents, parents)?;
             let levels = skeleton.levels();
@@ -226,6 +233,7 @@ impl Tables {
             };
             runs.add(&mut all.bodies, [body])
         })?;
+        self.soles_of_bodies.insert(index, soles);
         self.measure_levels();
         Ok(BodyIndex(index))
     }

@@ -10,7 +10,9 @@
 //! chain's local transforms, and hands rotations down to the steps of the other joints.
 
 mod chain;
+mod contacts;
 mod feet;
+mod foot;
 mod gaze;
 mod limb;
 mod motion;

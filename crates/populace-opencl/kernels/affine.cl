@@ -36,6 +36,13 @@ INLINE float4 affine_row(float4 a, float4 b0, float4 b1, float4 b2)
 // Returns the image of the origin.
 INLINE float4 origin_of(float16 m) { return vec(m.s3, m.s7, m.sb); }
 
+INLINE float4 transform_point(float16 m, float4 p)
+{
+    return vec(m.s0 * p.x + m.s1 * p.y + m.s2 * p.z + m.s3,
+               m.s4 * p.x + m.s5 * p.y + m.s6 * p.z + m.s7,
+               m.s8 * p.x + m.s9 * p.y + m.sa * p.z + m.sb);
+}
+
 INLINE float4 transform_vector(float16 m, float4 v)
 {
     return vec(m.s0 * v.x + m.s1 * v.y + m.s2 * v.z, m.s4 * v.x + m.s5 * v.y + m.s6 * v.z,

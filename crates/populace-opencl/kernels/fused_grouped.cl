@@ -111,7 +111,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, states_before,
+        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
+        states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Body body = bodies[member.body];
@@ -162,7 +163,8 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_j
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, states_before,
+        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
+        states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Member member = members[owner];

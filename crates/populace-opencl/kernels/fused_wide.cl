@@ -204,7 +204,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, states_before,
+        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
+        states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     __global float16 *desk =
@@ -271,7 +272,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, states_before,
+        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
+        states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Member member = members[owner];

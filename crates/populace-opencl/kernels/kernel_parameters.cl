@@ -9,6 +9,7 @@
     __global const Constraint *constraints, __global const Link *links, \
     __global const Target *targets, \
     __global const Ground *ground, __global const float *heights, \
+    __global const float4 *soles, __global const Contact *contacts, \
     __global const float4 *states_before, __global const float4 *watched_before, \
     __global float4 *states, __global float4 *watched, \
     __global const float4 *stage_values, \
@@ -35,6 +36,8 @@ INLINE ConstraintTables constraint_tables_of(
     tables.targets = targets;
     tables.ground = ground;
     tables.heights = heights;
+    tables.soles = soles;
+    tables.contacts = contacts;
     tables.states_before = states_before;
     tables.watched_before = watched_before;
     tables.states = states;

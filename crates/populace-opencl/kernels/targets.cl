@@ -12,10 +12,12 @@ typedef struct {
     __global const Target *targets;
     __global const Ground *ground;
     __global const float *heights;
+    __global const float4 *soles;
+    __global const Contact *contacts;
     __global const float4 *states_before, *watched_before; // as the previous frame left them
     __global float4 *states, *watched;                     // as this frame leaves them
     __global const float4 *stage_values, *motions;
-    // What members play, for root motion.
+    // What members play, for root motion and contacts of feet.
     __global const Member *members;
     __global const Slot *slots;
     __global const Layer *layers;

@@ -17,8 +17,8 @@ use opencl3::memory::{
 use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_device::BackendError;
 use populace_device::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, DeviceStruct, Entry,
-    Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, DeviceStruct,
+    Entry, Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock,
     Running, Slot, SlotSample, Source, Step, Target, Transition,
 };
 
@@ -43,8 +43,8 @@ macro_rules! struct_elements {
 elements! { f32 => "float", u32 => "uint", Float4 => "float4" }
 struct_elements! {
     Body, Entry, ClipRows, BoundClip, RowBlock, BoundBlock, Source, Slot, Layer, Member, SlotSample,
-    Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition, Condition,
-    MachineInstance, Running,
+    Contact, Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition,
+    Condition, MachineInstance, Running,
 }
 
 /// Elements that are written at once to fill a buffer with zeros.

@@ -141,6 +141,8 @@ impl History {
             .buffer("targets", &tables.targets.buffer)
             .buffer("ground", &tables.ground.buffer)
             .buffer("heights", &tables.heights.buffer)
+            .buffer("soles", &tables.soles.buffer)
+            .buffer("contacts", &tables.contacts.buffer)
             .buffer("states_before", &self.states[before])
             .buffer("watched_before", &self.watched[before])
             .buffer("states", states)

@@ -82,6 +82,8 @@ impl Form {
             include_str!("../kernels/gaze.cl"),
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),
+            include_str!("../kernels/contacts.cl"),
+            include_str!("../kernels/foot.cl"),
             include_str!("../kernels/feet.cl"),
             include_str!("../kernels/motion.cl"),
             include_str!("../kernels/constraints.cl"),

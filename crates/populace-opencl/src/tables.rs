@@ -1,9 +1,9 @@
 //! The device's copies of the host's tables.
 
 use populace_device::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
-    Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
-    Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, Entry, Float4,
+    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source,
+    Step, Target, Transition,
 };
 use populace_device::{BackendError, Tables};
 

@@ -22,23 +22,38 @@ pub struct SpacePoint {
     pub speed: f32,
     /// The coordinate on the second axis; ignored by a line.
     pub turn: f32,
+    /// Cycles per second of the shared phase; negative plays backwards. `None` for the weighted
+    /// mean of the clips' own, times
+    /// [`BlendSpacePlayback::speed`](crate::BlendSpacePlayback::speed).
+    pub cycles_per_sec: Option<f32>,
 }
 
 impl From<f32> for SpacePoint {
     fn from(speed: f32) -> Self {
-        Self { speed, turn: 0.0 }
+        Self::from([speed, 0.0])
     }
 }
 
 impl From<[f32; 2]> for SpacePoint {
     fn from([speed, turn]: [f32; 2]) -> Self {
-        Self { speed, turn }
+        Self { speed, turn, cycles_per_sec: None }
+    }
+}
+
+impl SpacePoint {
+    /// Sets the cycles per second of the shared phase.
+    #[must_use]
+    pub const fn at_cycles_per_sec(mut self, cycles_per_sec: f32) -> Self {
+        self.cycles_per_sec = Some(cycles_per_sec);
+        self
     }
 }
 
 impl Check for SpacePoint {
     fn check(&self) -> Result<(), Error> {
-        bounded("the point of a blend space", &[self.speed, self.turn])
+        bounded("the point of a blend space", &[self.speed, self.turn])?;
+        let rate = self.cycles_per_sec.unwrap_or_default();
+        bounded("the cycles per second of a blend space", &[rate])
     }
 }
 

@@ -8,6 +8,7 @@ mod check;
 mod control;
 mod error;
 mod fault;
+mod feet;
 mod ids;
 mod machine;
 pub mod parts;
@@ -21,6 +22,7 @@ pub use error::Error;
 pub use fault::{
     Allowed, AttachmentFault, BlendSpaceFault, IdKind, MachineFault, MachinePart, User,
 };
+pub use feet::{Contact, Stride};
 pub use ids::{
     BlendSpaceId, CharacterId, ClipId, MachineId, MaskId, MemberId, Parameter, ParameterId,
     PlaybackId,

@@ -8,6 +8,7 @@ use crate::{
 pub use crate::blend_space::{MOST, Weights, phase_offset, slots_needed, weights_at};
 pub use crate::check::{Check, bounded, check_layer, check_secs, check_weight, finite};
 pub use crate::control::{ReachParts, WeightParts, device_target};
+pub use crate::feet::{check_contact, contact_row, stride_row};
 pub use crate::ids::{Key, MaskParts, ParameterParts, PlaybackParts};
 pub use crate::machine::{Compiled, CompiledState, compile, find};
 pub use crate::playback::{Mode, Playback};

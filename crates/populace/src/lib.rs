@@ -44,10 +44,10 @@ pub use populace_retarget::{BindingMethod, BindingReport};
 #[doc(inline)]
 pub use populace_settings::{
     ActiveClip, Allowed, AttachmentFault, BlendSpace, BlendSpaceFault, BlendSpaceId,
-    BlendSpacePlayback, CharacterId, ClipId, ClipPlayback, Condition, Error, Gaze, IdKind,
+    BlendSpacePlayback, CharacterId, ClipId, ClipPlayback, Condition, Contact, Error, Gaze, IdKind,
     MachineFault, MachineId, MachinePart, MachinePlayback, MaskId, MemberId, Parameter,
     ParameterId, Placement, PlaybackId, Reach, SpacePoint, StageUse, StateMachine, StatePlayback,
-    Target, User, Weight,
+    Stride, Target, User, Weight,
 };
 
 pub use crowd::{

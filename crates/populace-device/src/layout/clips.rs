@@ -97,6 +97,26 @@ device_struct! {
         pub row_first: u32,
         /// Words between rows of the correction; 0 if it uses the clip's rows.
         pub row_stride: u32,
+        /// Offset into `contacts`.
+        pub contact_first: u32,
+        /// Number of contacts; 0 if they are not known.
+        pub contact_count: u32,
+    }
+}
+
+device_struct! {
+    /// A time in which a foot stands, in seconds after the clip's start. It may go on through the
+    /// end of a cycle. A foot that never lifts has one contact as long as the clip
+    /// ([`CONTACT_WHOLE`]).
+    pub struct Contact {
+        /// The ankle's joint.
+        pub joint: u32,
+        /// Touchdown: from 0 up to the clip's duration.
+        pub from_secs: f32,
+        /// Lift-off: at most one duration after touchdown.
+        pub until_secs: f32,
+        /// Zero.
+        pub unused: u32,
     }
 }
 

@@ -82,6 +82,10 @@ device_struct! {
         /// Sine and cosine of the heading about +Y, then zeros. Heading 0 faces +Z, a quarter turn
         /// +X.
         pub facing: Float4,
+        /// How planted feet step: `x` and `z` where a step of the clips that leads one metre along
+        /// +Z leads instead; then the tangent of half the angle that the member turns per metre of
+        /// the clips' strides; then 0. A clip as it is has `0 1 0 0`.
+        pub stride: Float4,
         /// Offset into `steps`.
         pub step_first: u32,
         /// Number of steps that run during Transform, sorted by joint.
@@ -157,13 +161,16 @@ device_struct! {
         /// See the table above.
         pub front: Float4,
         /// Gaze: see the table above. Foot, in metres: height of the ankle at rest; height above it
-        /// up to which the foot counts as planted; height above it from which the foot follows only
-        /// the clip; maximum lag behind the clip.
+        /// up to which the foot counts as planted, and from which it follows only the clip, if the
+        /// contacts of the clips are not known; maximum lag behind the clip.
         pub up: Float4,
         /// Gaze: maximum yaw, pitch up and pitch down, in radians. Limb, chain and foot: fraction
-        /// of the length over which the chain straightens, then the constraint's weight.
+        /// of the length over which the chain straightens, then the constraint's weight. Foot: then
+        /// `z` of the ankle at rest, and its height above the sole if no point of the sole is
+        /// known.
         pub limits: Float4,
-        /// Offset into `links`: the chain, every joint from the first to the last.
+        /// Offset into `links`: the chain, every joint from the first to the last. Foot: the joints
+        /// from the pelvis to the ankle, then those to the toes.
         pub link_first: u32,
         /// Number of joints of the chain.
         pub link_count: u32,
@@ -182,6 +189,22 @@ device_struct! {
         /// First foot: 1 if no other step moves the legs after the pelvis, so that they are solved
         /// with it.
         pub at_once: u32,
+        /// Foot: offset into `soles` of the points that the ankle carries.
+        pub sole_first: u32,
+        /// Foot: number of these points.
+        pub sole_count: u32,
+        /// Foot: offset into `soles` of the points that the last link carries.
+        pub toe_first: u32,
+        /// Foot: number of these points.
+        pub toe_count: u32,
+        /// Foot: number of links below the ankle.
+        pub toe_links: u32,
+        /// Zero.
+        pub unused0: u32,
+        /// Zero.
+        pub unused1: u32,
+        /// Zero.
+        pub unused2: u32,
     }
 }
 

@@ -7,9 +7,9 @@ use super::runs::{Asset, Runs};
 use super::{BodyIndex, Tables, padded};
 use crate::Error;
 use crate::layout::{
-    BLOCK_CORRECTED, BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, CORRECTION_PLANES, JOINT_BLOCK,
-    MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES, REST_SCALE,
-    REST_TRANSLATION, RowBlock, Source,
+    BLOCK_CORRECTED, BLOCK_STRAIGHT, Body, BoundBlock, BoundClip, CORRECTION_PLANES, Contact,
+    JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE, MAP_TRANSLATION, NONE, RANGE_PLANES,
+    REST_SCALE, REST_TRANSLATION, RowBlock, Source,
 };
 
 /// For each block of 16 joints of a body: whether a joint of it has a rotation or an arm in a
@@ -63,6 +63,32 @@ impl Tables {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
         self.add_asset(Asset::BoundClip, |tables, runs| tables.bind(clip, body, binding, runs))
+    }
+
+    /// Sets the contacts of a bound clip, in place of those that it had.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] if the bound clip does not exist; [`Error::TooLarge`] if offsets
+    /// exceed 32 bits.
+    pub fn set_contacts(&mut self, bound: u32, contacts: &[Contact]) -> Result<(), Error> {
+        let row = self.all.bound_clips.as_slice().get(bound as usize).copied();
+        let unknown = Error::BadPlayback { what: "bound clip", value: bound };
+        let row = row.filter(|row| row.body != NONE).ok_or(unknown)?;
+        let mut runs = Runs::default();
+        let contact_first = runs.add(&mut self.all.contacts, contacts.iter().copied())?;
+        self.release_contacts(bound);
+        self.asset_runs.insert((Asset::Contacts, bound), runs);
+        let row = BoundClip { contact_first, contact_count: u32_from(contacts.len()), ..row };
+        self.all.bound_clips.set(bound as usize, row);
+        Ok(())
+    }
+
+    /// Frees the contacts of a bound clip.
+    pub(super) fn release_contacts(&mut self, bound: u32) {
+        if let Some(runs) = self.asset_runs.remove(&(Asset::Contacts, bound)) {
+            runs.release(&mut self.all);
+        }
     }
 
     fn bind(

@@ -2,7 +2,9 @@
 //! runs of steps, overrides, constraints, links and targets.
 
 mod compile;
+mod foot;
 mod ground;
+mod limb;
 mod ranges;
 mod stages;
 
@@ -13,10 +15,13 @@ use compile::Program;
 use populace_model::Skeleton;
 use populace_model::convert::u32_from;
 
+use super::soles::Soles;
 use super::{Space, Table, Tables};
 use crate::Error;
 use crate::control::Controls;
-use crate::layout::{Control, Float4, NONE, STATES_PER_CONTROL, Target, WATCHED_ELEMENTS};
+use crate::layout::{
+    Control, FOOT_STATE_BITS, Float4, NONE, STATES_PER_CONTROL, Target, WATCHED_ELEMENTS,
+};
 use crate::place::Place;
 
 pub use ground::Ground;
@@ -123,7 +128,10 @@ impl Tables {
         {
             return Err(Error::BadPlayback { what: "watched joint", value });
         }
-        let program = Program::compile(skeleton, controls)?;
+        let program = match self.soles_of_bodies.get(&member.body) {
+            Some(soles) => Program::compile(skeleton, soles, controls)?,
+            None => Program::compile(skeleton, &Soles::default(), controls)?,
+        };
         self.check_control_capacity(&program)?;
         let control =
             if member.control == NONE { self.add_control(member_index) } else { member.control };
@@ -156,12 +164,13 @@ impl Tables {
         let spaces = &mut self.control_spaces;
         let (first, _) = spaces.controls.take(1);
         spaces.runs.resize(spaces.runs.len().max(first + 1), Runs::default());
-        spaces.epoch = spaces.epoch.wrapping_add(1) & (u32::MAX >> 1);
+        spaces.epoch = spaces.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);
         let standing = Place { position: [0.0; 3], sin_cos: [0.0, 1.0], scale: 1.0 };
         let [at, facing] = device_place(&standing);
         let control = Control {
             place: at,
             facing,
+            stride: Float4([0.0, 1.0, 0.0, 0.0]),
             epoch: spaces.epoch,
             scale_first: NONE,
             member: member_index,
@@ -183,6 +192,19 @@ impl Tables {
     #[must_use]
     pub fn has_control(&self, member_index: u32) -> bool {
         self.all.members.as_slice()[member_index as usize].control != NONE
+    }
+
+    /// Returns the sine and the cosine of the heading that [`set_place`](Self::set_place) set;
+    /// `None` for a member without a constraint program.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member.
+    #[must_use]
+    pub fn sin_cos(&self, member_index: u32) -> Option<[f32; 2]> {
+        let control = self.all.members.as_slice()[member_index as usize].control;
+        let [sin, cos, ..] = self.all.controls.as_slice().get(control as usize)?.facing.0;
+        Some([sin, cos])
     }
 
     /// Removes the constraint program of a member.
@@ -254,9 +276,26 @@ impl Tables {
         let control = self.used_member(member_index)?.control;
         if control != NONE {
             let [at, facing] = device_place(standing);
-            let row =
-                Control { place: at, facing, ..self.all.controls.as_slice()[control as usize] };
-            write(&mut self.all.controls, control as usize, &[row]);
+            let row = &self.all.controls.as_slice()[control as usize];
+            if row.place != at || row.facing != facing {
+                let row = self.all.controls.change(control as usize);
+                (row.place, row.facing) = (at, facing);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets how a member's locked feet step; see [`Control::stride`]. Does nothing if the member
+    /// has no constraint program.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadPlayback`] if the member does not exist.
+    pub fn set_stride(&mut self, member_index: u32, stride: Float4) -> Result<(), Error> {
+        let control = self.used_member(member_index)?.control;
+        let controls = &mut self.all.controls;
+        if control != NONE && controls.as_slice()[control as usize].stride != stride {
+            controls.change(control as usize).stride = stride;
         }
         Ok(())
     }

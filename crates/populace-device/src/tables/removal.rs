@@ -48,6 +48,7 @@ impl Tables {
         self.remove_asset(Asset::Body, body.0, |tables| {
             tables.all.bodies.set(body.0 as usize, Body::default());
         })?;
+        self.soles_of_bodies.remove(&body.0);
         self.measure_levels();
         Ok(())
     }
@@ -69,6 +70,7 @@ impl Tables {
     ///
     /// [`Error::BadPlayback`] if the bound clip does not exist.
     pub fn remove_bound_clip(&mut self, bound: u32) -> Result<(), Error> {
+        self.release_contacts(bound);
         self.remove_asset(Asset::BoundClip, bound, |tables| {
             let free = BoundClip { body: NONE, next: NONE, ..BoundClip::default() };
             tables.all.bound_clips.set(bound as usize, free);

@@ -12,6 +12,7 @@ pub(super) enum Asset {
     Body,
     Clip,
     BoundClip,
+    Contacts,
     States,
     Mask,
     JointScales,

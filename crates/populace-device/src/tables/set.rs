@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::{Table, Tables};
 use crate::layout::{
-    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Control, Entry, Float4, Ground,
-    Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source, Step,
-    Target, Transition,
+    Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, Entry, Float4,
+    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source,
+    Step, Target, Transition,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name and its
@@ -45,6 +45,8 @@ macro_rules! with_tables {
             row_blocks: RowBlock,
             /// Clips bound to bodies.
             bound_clips: BoundClip,
+            /// Contacts of feet, for each bound clip whose contacts are known.
+            contacts: Contact,
             /// Location of the columns of 16 neighbouring joints, for each bound clip.
             bound_blocks: BoundBlock,
             /// Blocks of columns that bound blocks follow.
@@ -77,6 +79,9 @@ macro_rules! with_tables {
             joint_scales: f32,
             /// The ground: one element.
             ground: Ground,
+            /// Points of the soles of bodies, in the spaces of the joints that carry them: `x y z
+            /// 0`.
+            soles: Float4,
             /// Height samples of the ground's grid.
             heights: f32,
             /// Parameters of user stages, `STAGE_PARAMETERS / 4` elements each, then the values of

@@ -91,6 +91,12 @@ impl<T: bytemuck::Pod> Table<T> {
         self.data[index] = value;
     }
 
+    /// Changes an element where it is.
+    pub(super) fn change(&mut self, index: usize) -> &mut T {
+        self.record_change(index);
+        &mut self.data[index]
+    }
+
     /// Overwrites existing elements from `first` on.
     pub(super) fn set_run(&mut self, first: usize, values: &[T]) {
         (first..first + values.len()).for_each(|index| self.record_change(index));

@@ -342,6 +342,6 @@ impl Solver<'_> {
 }
 
 const _: () = assert!(
-    MOTION_STATE == MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    MOTION_STATE == 2 * MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
     "the states of feet come first, then that of root motion"
 );

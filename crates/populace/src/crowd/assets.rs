@@ -11,7 +11,7 @@ use populace_settings::parts::Parts;
 use super::member::MemberRef;
 use super::state::State;
 use super::{BlendSpaceId, CharacterId, ClipId, Crowd, MachineId, MaskId, ParameterId};
-use crate::{BlendSpace, Error, StateMachine};
+use crate::{BlendSpace, Contact, Error, StateMachine};
 
 /// A view that reads a character; see [`Crowd::character`].
 #[derive(Clone, Copy)]
@@ -171,6 +171,19 @@ impl CharacterMut<'_> {
     /// More data than devices can address.
     pub fn add_clip(&mut self, clip: &Arc<Clip>) -> Result<ClipId, Error> {
         self.crowd.state.base.add_clip(self.id, clip)
+    }
+
+    /// Sets when feet stand while the character plays a clip, in place of what was set before.
+    /// Planted feet then lock from contact to lift-off; without contacts they lock while the ankle
+    /// is near its height at rest. Members that play the clip already follow from the next update
+    /// on. `populace-locomotion` measures contacts.
+    ///
+    /// # Errors
+    ///
+    /// A clip of another crowd or one that does not fit the character, a contact outside of the
+    /// clip, an ankle that does not exist, or more data than devices can address.
+    pub fn set_contacts(&mut self, clip: ClipId, contacts: &[Contact]) -> Result<(), Error> {
+        self.crowd.state.base.set_contacts(self.id, clip, contacts)
     }
 
     /// Adds a live clip: [`ClipMut::append`] adds poses of the character's skeleton while members

@@ -164,11 +164,30 @@ impl Base {
         }
         let placement = self.members.all[member.number() as usize].placement;
         let [cos_row, _, _] = placement.scaled(1.0).world_from_model().rows;
-        let place = Place {
-            position: placement.position(),
-            sin_cos: [cos_row[2], cos_row[0]],
-            scale: placement.scale(),
-        };
-        Ok(self.tables.set_place(member.number(), &place)?)
+        let sin_cos = [cos_row[2], cos_row[0]];
+        Ok(self.tables.set_place(member.number(), &place(&placement, sin_cos))?)
     }
+
+    /// Sets the placement of a member, and uploads it if the member has a constraint program. The
+    /// one from before must have been uploaded.
+    pub(super) fn move_member(
+        &mut self,
+        member: MemberId,
+        placement: Placement,
+    ) -> Result<(), Error> {
+        let before = &mut self.members.all[member.number() as usize].placement;
+        let yaw_rad = std::mem::replace(before, placement).yaw_rad();
+        // Most members keep their heading from frame to frame; its sine and cosine stay.
+        match self.tables.sin_cos(member.number()) {
+            Some(sin_cos) if yaw_rad.to_bits() == placement.yaw_rad().to_bits() => {
+                Ok(self.tables.set_place(member.number(), &place(&placement, sin_cos))?)
+            }
+            Some(_) => self.upload_placement(member),
+            None => Ok(()),
+        }
+    }
+}
+
+fn place(placement: &Placement, sin_cos: [f32; 2]) -> Place {
+    Place { position: placement.position(), sin_cos, scale: placement.scale() }
 }

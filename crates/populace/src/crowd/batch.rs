@@ -4,12 +4,12 @@
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{Schedule, StageBuffer};
 use populace_model::{Affine, JointIndex};
-use populace_settings::parts::{Check, bounded, check_secs};
+use populace_settings::parts::{Check, bounded, check_secs, stride_row};
 
 use super::base::Base;
 use super::state::State;
 use super::{CharacterId, Crowd, MemberId, ParameterId};
-use crate::{Allowed, Error, IdKind, Placement, SpacePoint};
+use crate::{Allowed, Error, IdKind, Placement, SpacePoint, Stride};
 
 impl Crowd {
     /// Adds a member for each placement, as [`spawn`](Self::spawn) does.
@@ -91,6 +91,24 @@ impl Crowd {
         }
         for (member, point) in points {
             player.set_blend_parameter(base, *member, *point, over_secs)?;
+        }
+        Ok(())
+    }
+
+    /// Sets how the planted feet of members step, as
+    /// [`MemberMut::set_stride`](crate::MemberMut::set_stride) does.
+    ///
+    /// # Errors
+    ///
+    /// A stale member, or a number that is not finite. Nothing is changed then.
+    pub fn set_strides(&mut self, strides: &[(MemberId, Stride)]) -> Result<(), Error> {
+        let base = &mut self.state.base;
+        for (member, stride) in strides {
+            base.check(*member)?;
+            stride.check()?;
+        }
+        for (member, stride) in strides {
+            base.tables.set_stride(member.number(), stride_row(stride))?;
         }
         Ok(())
     }
@@ -198,12 +216,16 @@ impl State {
             placement.check()?;
         }
         if self.attachments.is_empty() && self.motion.is_empty() {
-            for (member, placement) in placements {
-                self.base.members.all[member.number() as usize].placement = *placement;
-            }
             // Only constraint programs read placements.
-            let uploaded = if self.constraints.is_empty() { &[] } else { placements };
-            return uploaded.iter().try_for_each(|(member, _)| self.base.upload_placement(*member));
+            if self.constraints.is_empty() {
+                for (member, placement) in placements {
+                    self.base.members.all[member.number() as usize].placement = *placement;
+                }
+                return Ok(());
+            }
+            return placements
+                .iter()
+                .try_for_each(|(member, placement)| self.base.move_member(*member, *placement));
         }
         for (member, _) in placements {
             self.attachments.check_placeable(*member)?;

@@ -3,11 +3,11 @@
 use std::cell::RefCell;
 
 use populace::{
-    ClipPlayback, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride, MemberId, Placement, Reach,
-    Space, Target, Trs, Weight,
+    ClipPlayback, Contact, Feet, Foot, Gaze, GazeLimits, Ground, JointOverride, MemberId,
+    Placement, Reach, Space, Stride, Target, Trs, Weight,
 };
 
-use crate::fixture::{Scene, everywhere, joint};
+use crate::fixture::{Scene, everywhere, joint, with_soles};
 
 fn at_once() -> Weight {
     Weight::FULL.over_secs(0.0)
@@ -76,19 +76,37 @@ fn constraints_give_equal_bits_on_every_device_and_schedule() {
             .crowd
             .set_ground(&Ground::plane(0.05, [0.1, -0.15]).expect("a plane"))
             .expect("ground");
+        let soled = scene.crowd.add_character(with_soles()).expect("enough capacity");
+        let (walk, ankles) = (scene.clip("walk"), ["leftFoot", "rightFoot"].map(joint));
+        let contacts = ankles.map(|ankle| Contact { ankle, from_secs: 0.6, until_secs: 1.2 });
+        for body in [scene.body, soled] {
+            let mut character = scene.crowd.character_mut(body).expect("a character");
+            character.set_contacts(walk, &contacts).expect("contacts within the clip");
+        }
         let mut members = Vec::new();
         for number in 0..16u8 {
             let x = f32::from(number);
             let placement =
                 Placement::at([x, 0.05 + 0.1 * x, 0.0]).facing(x).scaled(0.9 + 0.02 * x);
-            let member = scene.member(placement);
+            let body = if number % 4 < 2 { scene.body } else { soled };
+            let member = scene.crowd.spawn(body, placement).expect("enough capacity");
             let clip = scene.clip(if number % 2 == 0 { "walk" } else { "sway" });
             scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
             constrain(scene, member, number, members.last().copied());
+            let stride =
+                Stride::along([0.3 * (x * 0.7).sin(), 0.5 + 0.1 * x]).turning_rad_per_m(0.2 * x);
+            if number % 8 < 5 {
+                scene.edit(member).set_stride(stride).expect("finite numbers");
+            }
             members.push(member);
         }
         let mut bits = Vec::new();
-        for _ in 0..12 {
+        for frame in 0..12 {
+            if frame == 6 {
+                let heights = (0..64_u8).map(|n| 0.05 * f32::from(n % 5)).collect();
+                let ground = Ground::height_field([-1.0; 2], 0.4, 8, heights).expect("a field");
+                scene.crowd.set_ground(&ground).expect("ground");
+            }
             scene.update(0.06);
             for member in &members {
                 let palette = scene.edit(*member).palette().expect("a palette");

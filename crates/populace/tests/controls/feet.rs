@@ -3,9 +3,13 @@
 use populace::character::{Character, CharacterSource};
 use populace::model::math::vec3;
 use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
-use populace::{ClipPlayback, Feet, Foot, Ground, JointIndex, Placement, Trs};
+use populace::{
+    Affine, ClipPlayback, Contact, Feet, Foot, Ground, JointIndex, Placement, Stride, Trs,
+};
 
-use crate::fixture::{axes, character, distance, everywhere, joint, rest_position, skeleton};
+use crate::fixture::{
+    axes, character, distance, everywhere, joint, rest_position, skeleton, with_soles,
+};
 
 pub(crate) fn feet() -> Feet {
     let foot = |side: &str| Foot {
@@ -96,6 +100,146 @@ fn planted_feet_follow_a_height_field() {
         // The bounds allow for interpolation of the heights; `walk` does not know the ground's
         // slope.
         assert!(moved < 0.002 && planted > 50 && lifted < 0.006, "{moved} {planted} {lifted}");
+    });
+}
+
+/// Contacts of both feet of the clip "walk", on the ends of which the ankle is well above its
+/// height at rest.
+fn contacts() -> [Contact; 2] {
+    [("leftFoot", 0.8), ("rightFoot", 0.3)].map(|(name, from_secs)| Contact {
+        ankle: joint(name),
+        from_secs,
+        until_secs: from_secs + 0.4,
+    })
+}
+
+#[test]
+fn feet_lock_from_contact_to_lift_off() {
+    everywhere(|scene| {
+        let (clip, body) = (scene.clip("walk"), scene.body);
+        let mut character = scene.crowd.character_mut(body).expect("a character");
+        character.set_contacts(clip, &contacts()).expect("contacts within the clip");
+        let at = |secs: f32| Placement::at([0.3, 0.0, 1.1 * secs]).facing(0.2 * secs);
+        let member = scene.member(at(0.0));
+        scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
+        scene.edit(member).plant_feet_with(&feet()).expect("feet");
+        let mut places = Vec::new();
+        for frame in 0..120_u8 {
+            let secs = f32::from(frame) / 60.0;
+            scene.edit(member).set_placement(at(secs)).expect("a member");
+            scene.update(if frame == 0 { 0.0 } else { 1.0 / 60.0 });
+            let world =
+                scene.crowd.member(member).expect("a member").placement().world_from_model();
+            let place = |name| world.transform_point(scene.position(member, name));
+            places.push((secs, ["leftFoot", "rightFoot"].map(place)));
+        }
+        for (foot, contact) in contacts().iter().enumerate() {
+            let stands = |secs: f32| {
+                let within = (secs - contact.from_secs).rem_euclid(1.0);
+                within > 0.001 && within < contact.until_secs - contact.from_secs - 0.001
+            };
+            let (mut held, mut swung) = (0, 0.0_f32);
+            for pair in places.windows(2) {
+                let moved = distance(pair[0].1[foot], pair[1].1[foot]);
+                if stands(pair[0].0) && stands(pair[1].0) {
+                    held += 1;
+                    assert!(moved < 1e-4, "foot {foot} moved {moved} m at {} s", pair[1].0);
+                    let height = pair[1].1[foot][1];
+                    assert!((height - ANKLE).abs() < 1e-4, "foot {foot} is at {height} m");
+                } else {
+                    swung = swung.max(moved);
+                }
+            }
+            assert!(held > 40 && swung > 0.02, "{held} frames held, {swung} m at most");
+        }
+    });
+}
+
+#[test]
+fn sole_rolls_over_the_point_that_stands() {
+    everywhere(|scene| {
+        let soled = scene.crowd.add_character(with_soles()).expect("enough capacity");
+        // The whole leg swings, so the foot pitches from heel to toes.
+        let clip = scene.clip("walk");
+        let whole =
+            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 1.0, ..contact });
+        let mut character = scene.crowd.character_mut(soled).expect("a character");
+        character.set_contacts(clip, &whole).expect("contacts within the clip");
+        let member = scene.crowd.spawn(soled, Placement::at([0.0; 3])).expect("enough capacity");
+        scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
+        scene.edit(member).plant_feet_with(&feet()).expect("feet");
+        let rest = scene.crowd.character(soled).expect("a character").asset().skeleton.clone();
+        let foot = joint("leftFoot");
+        let rest_foot = rest.rest_model(foot);
+        let in_foot: Vec<_> =
+            rest.soles(foot).iter().map(|point| to_joint(&rest_foot, *point)).collect();
+        let (mut heel, mut toes) = (0, 0);
+        for _ in 0..60 {
+            scene.update(1.0 / 60.0);
+            let model = scene.models(member)[foot.index()];
+            let points: Vec<_> =
+                in_foot.iter().map(|point| model.transform_point(*point)).collect();
+            let lowest = (0..points.len()).min_by(|a, b| points[*a][1].total_cmp(&points[*b][1]));
+            let lowest = lowest.expect("points");
+            let height = points[lowest][1];
+            assert!(height.abs() < 2e-3, "the sole is {height} m above the ground");
+            heel += u32::from(lowest == 0);
+            toes += u32::from(lowest == points.len() - 1);
+        }
+        assert!(heel > 5 && toes > 5, "{heel} frames on the heel, {toes} on the toes");
+    });
+}
+
+/// Returns a point of model space in the space of a joint without scale.
+fn to_joint(model_from_joint: &Affine, point: [f32; 3]) -> [f32; 3] {
+    let from = vec3::sub(point, model_from_joint.origin());
+    [0, 1, 2].map(|axis: usize| {
+        (0..3).map(|row: usize| model_from_joint.rows[row][axis] * from[row]).sum()
+    })
+}
+
+#[test]
+fn strides_scale_turn_and_follow_directions() {
+    everywhere(|scene| {
+        let (clip, body) = (scene.clip("walk"), scene.body);
+        // No foot ever stands, so that positions are those of the strides.
+        let never =
+            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 0.0, ..contact });
+        let mut character = scene.crowd.character_mut(body).expect("a character");
+        character.set_contacts(clip, &never).expect("contacts within the clip");
+        let strides = [
+            Stride::OF_CLIPS,
+            Stride::along([0.0, 0.0]),
+            Stride::along([0.0, -0.5]),
+            Stride::along([0.9, 0.4]),
+            Stride::OF_CLIPS.turning_rad_per_m(1.5),
+        ];
+        let members = strides.map(|stride| {
+            let member = scene.member(Placement::at([0.0; 3]));
+            scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
+            scene.edit(member).plant_feet_with(&feet()).expect("feet");
+            scene.edit(member).set_stride(stride).expect("finite numbers");
+            member
+        });
+        let [_, _, rest_z] = rest_position(15);
+        for _ in 0..10 {
+            scene.update(0.1);
+            let [own, on_the_spot, back, aside, turned] =
+                members.map(|member| scene.position(member, "leftFoot"));
+            let step = own[2] - rest_z;
+            let wanted = |x: f32, z: f32| [x, own[1], z];
+            for (what, found, wanted) in [
+                ("on the spot", on_the_spot, wanted(own[0], rest_z)),
+                ("back", back, wanted(own[0], rest_z - 0.5 * step)),
+                ("aside", aside, wanted(own[0] + step * 0.9, rest_z + step * 0.4)),
+            ] {
+                let apart = distance(found, wanted);
+                assert!(apart < 0.01, "{what}: {found:?}, but {wanted:?} is wanted");
+            }
+            let angle = |at: [f32; 3]| at[0].atan2(at[2]);
+            let by = angle(turned) - angle(own);
+            assert!((by - 1.5 * step).abs() < 0.03 || step.abs() < 0.05, "{by} at {step}");
+        }
     });
 }
 

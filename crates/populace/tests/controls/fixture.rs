@@ -151,6 +151,19 @@ pub(crate) fn character() -> Character {
     .expect("a good character")
 }
 
+/// The humanoid with soles: each foot is 0.25 m long and touches the ground along its whole length.
+pub(crate) fn with_soles() -> Character {
+    let plain = character();
+    let mut soles = vec![Vec::new(); plain.skeleton.joint_count()];
+    for name in ["leftFoot", "rightFoot"] {
+        let [x, _, z] = rest_position(plain.skeleton.source_from_joint(joint(name)));
+        soles[joint(name).index()] = [-0.06, 0.12, 0.19].map(|along| [x, 0.0, z + along]).to_vec();
+    }
+    let source = CharacterSource::clone(&plain);
+    let skeleton = source.skeleton.clone().with_soles(&soles);
+    Character::new(CharacterSource { skeleton, ..source }).expect("a good character")
+}
+
 /// A crowd with the humanoid on one device.
 pub(crate) struct Scene {
     pub(crate) crowd: Crowd,

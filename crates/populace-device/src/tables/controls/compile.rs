@@ -4,9 +4,12 @@
 use populace_model::convert::{not_finite, u32_from};
 use populace_model::{JointIndex, LARGEST, Skeleton, Trs, f64math};
 
+use super::super::soles::Soles;
+use super::foot::foot_row;
+use super::limb::{bad, float4, limb_links};
 use crate::Error;
 use crate::control::{
-    Chain, Constraint, Controls, Feet, Foot, Gaze, JointOverride, Limb, Space, in_joint, path,
+    Chain, Constraint, Controls, Feet, Gaze, JointOverride, Limb, Space, in_joint, path,
 };
 use crate::fault::{ConstraintFault, ConstraintPart};
 use crate::layout::{
@@ -14,16 +17,6 @@ use crate::layout::{
     STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE, STEP_PELVIS, STEP_REACH,
     STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, Target,
 };
-
-/// Fraction of a leg's length over which it straightens. It is small because clips of standing
-/// people have almost straight legs.
-const FOOT_SOFT: f32 = 0.005;
-/// Ankle heights above rest, as fractions of the leg's length. Up to `PLANTED` a foot is planted;
-/// from `LIFTED` on it follows only the clip.
-const PLANTED: f32 = 0.03;
-const LIFTED: f32 = 0.14;
-/// Maximum lag of a foot behind the clip, as a fraction of the leg's length.
-const HELD_BACK: f32 = 0.5;
 
 /// The compiled constraint program of one member. Indices count from the program's own first
 /// elements until [`move_to`](Self::move_to) is called.
@@ -42,10 +35,6 @@ pub(super) struct Program {
     pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
     rotation_count: usize,
-}
-
-fn bad<T>(fault: ConstraintFault) -> Result<T, Error> {
-    Err(fault.into())
 }
 
 fn check_finite(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
@@ -91,12 +80,12 @@ fn tangent(angle_rad: f32) -> f32 {
     if angle_rad < std::f32::consts::FRAC_PI_2 { angle_rad.tan() } else { f32::MAX }
 }
 
-fn float4([x, y, z]: [f32; 3], w: f32) -> Float4 {
-    Float4([x, y, z, w])
-}
-
 impl Program {
-    pub(super) fn compile(skeleton: &Skeleton, controls: &Controls) -> Result<Self, Error> {
+    pub(super) fn compile(
+        skeleton: &Skeleton,
+        soles: &Soles,
+        controls: &Controls,
+    ) -> Result<Self, Error> {
         let mut program =
             Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
         for constraint in &controls.constraints {
@@ -104,7 +93,7 @@ impl Program {
                 Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
                 Constraint::Limb(limb) => program.limb(skeleton, limb)?,
                 Constraint::Chain(chain) => program.chain(skeleton, chain)?,
-                Constraint::Feet(feet) => program.feet(skeleton, feet)?,
+                Constraint::Feet(feet) => program.feet(skeleton, soles, feet)?,
             }
         }
         for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
@@ -263,7 +252,7 @@ impl Program {
         Ok(())
     }
 
-    fn feet(&mut self, skeleton: &Skeleton, feet: &Feet) -> Result<(), Error> {
+    fn feet(&mut self, skeleton: &Skeleton, soles: &Soles, feet: &Feet) -> Result<(), Error> {
         if feet.feet.is_empty() || feet.feet.len() > MAX_FEET as usize {
             return bad(ConstraintFault::FootCount { count: feet.feet.len() });
         }
@@ -276,7 +265,7 @@ impl Program {
         let first_rotation = self.allocate_rotations(3 * feet.feet.len());
         let first = u32_from(self.constraints.len());
         for (nth, foot) in feet.feet.iter().enumerate() {
-            let (row, links) = foot_row(skeleton, feet, foot)?;
+            let (row, links) = foot_row(skeleton, feet, foot, soles)?;
             let row = layout::Constraint { target_count: u32_from(feet.feet.len()), ..row };
             let index = self.add(row, &links, &[])?;
             let first_rotation = first_rotation + 3 * nth;
@@ -378,52 +367,4 @@ fn rank(kind: u32) -> u32 {
         STEP_WATCH | STEP_CARRY => 6,
         _ => 3,
     }
-}
-
-/// Returns the chain of links from `from` to the end of a limb, and the link index of `middle`.
-fn limb_links(
-    skeleton: &Skeleton,
-    from: JointIndex,
-    [first, middle, end]: [JointIndex; 3],
-) -> Result<(Vec<Link>, u32), Error> {
-    let joints = path(skeleton, from, end)?;
-    let at = |joint: JointIndex| joints.iter().position(|j| *j == joint);
-    let (Some(upper), Some(bends)) = (at(first), at(middle)) else {
-        let [middle, end] = [middle, end].map(|joint| skeleton.name(joint).to_owned());
-        return bad(ConstraintFault::NotBetween { middle, end });
-    };
-    if !(upper < bends && bends + 1 < joints.len()) {
-        return bad(ConstraintFault::LimbOrder { end: skeleton.name(end).to_owned() });
-    }
-    Ok((joints.iter().map(|joint| Link { joint: joint.0, share: 0.0 }).collect(), u32_from(bends)))
-}
-
-/// Builds the constraint and the chain of one foot. The chain begins at the pelvis.
-fn foot_row(
-    skeleton: &Skeleton,
-    feet: &Feet,
-    foot: &Foot,
-) -> Result<(layout::Constraint, Vec<Link>), Error> {
-    let legs = [foot.hip, foot.knee, foot.ankle];
-    let (links, middle) = limb_links(skeleton, feet.pelvis, legs)?;
-    let upper = links.iter().position(|link| link.joint == foot.hip.0).unwrap_or(0);
-    if upper == 0 {
-        let ankle = skeleton.name(foot.ankle).to_owned();
-        return bad(ConstraintFault::LegAtPelvis { ankle });
-    }
-    let models = skeleton.rest_models();
-    let place = |joint: JointIndex| models[joint.index()].translation;
-    let [hip, knee, ankle] = legs.map(place);
-    let [length, rest_height] =
-        f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y]);
-    let row = layout::Constraint {
-        axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
-        up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
-        limits: Float4([FOOT_SOFT, feet.weight, 0.0, 0.0]),
-        middle,
-        upper: u32_from(upper),
-        keeps_end: 1,
-        ..layout::Constraint::default()
-    };
-    Ok((row, links))
 }

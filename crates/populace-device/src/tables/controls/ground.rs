@@ -1,7 +1,8 @@
-//! The ground that feet stand on.
+//! The ground that feet stand on. Twin of the functions of the ground in `kernels/foot.cl`.
 
 use populace_model::LARGEST;
 use populace_model::convert::u32_from;
+use populace_model::math::vec3;
 
 use crate::Error;
 use crate::fault::{ConstraintFault, ConstraintPart};
@@ -63,6 +64,48 @@ impl Ground {
             ..layout::Ground::default()
         };
         Ok(Self { plane, heights })
+    }
+
+    /// Returns the height in metres at a point of the world.
+    #[must_use]
+    pub fn height_at(&self, x: f32, z: f32) -> f32 {
+        self.plane.at(&self.heights, x, z).0
+    }
+}
+
+/// Returns the last sample at or before a position on a grid, except the very last one, and the
+/// part of the way to the next sample. Positions are in samples, and clamped to the grid.
+fn grid_sample(at: f32, count: u32) -> (u32, f32) {
+    let last = (count - 1) as f32;
+    let at = if at > 0.0 { if at < last { at } else { last } } else { 0.0 };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "between 0 and a count"
+    )]
+    let whole = (at as u32).min(count - 2);
+    (whole, at - whole as f32)
+}
+
+impl layout::Ground {
+    /// Returns the height and the upward unit normal at a point of the world. `heights` are the
+    /// samples of the grid.
+    #[must_use]
+    pub fn at(&self, heights: &[f32], x: f32, z: f32) -> (f32, [f32; 3]) {
+        let mut height = self.offset + self.slope_x * x + self.slope_z * z;
+        let mut slope = [self.slope_x, self.slope_z];
+        if self.per_metre > 0.0 {
+            let (column, across) = grid_sample((x - self.grid_x) * self.per_metre, self.count_x);
+            let (row, along) = grid_sample((z - self.grid_z) * self.per_metre, self.count_z);
+            let at = |row: u32, column: u32| heights[(row * self.count_x + column) as usize];
+            let (h00, h10) = (at(row, column), at(row, column + 1));
+            let (h01, h11) = (at(row + 1, column), at(row + 1, column + 1));
+            let (near, far) = (h00 + (h10 - h00) * across, h01 + (h11 - h01) * across);
+            height += near + (far - near) * along;
+            slope[0] += ((h10 - h00) + ((h11 - h01) - (h10 - h00)) * along) * self.per_metre;
+            slope[1] += (far - near) * self.per_metre;
+        }
+        (height, vec3::unit_or([-slope[0], 1.0, -slope[1]], [0.0, 1.0, 0.0]))
     }
 }
 

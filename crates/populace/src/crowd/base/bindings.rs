@@ -5,8 +5,10 @@ use std::sync::Arc;
 use populace_clip::Clip;
 use populace_retarget::{Binding, BindingReport};
 
+use populace_settings::parts::{check_contact, contact_row};
+
 use super::{Base, CharacterState, ClipIndex};
-use crate::{CharacterId, ClipId, Error};
+use crate::{CharacterId, ClipId, Contact, Error, IdKind};
 
 /// A clip bound to a body.
 #[derive(Clone, Copy, Debug)]
@@ -52,6 +54,26 @@ impl Base {
         let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
         Ok(index)
+    }
+
+    /// Sets the contacts of a clip on a character's body, in place of those that it had.
+    pub(crate) fn set_contacts(
+        &mut self,
+        character: CharacterId,
+        clip: ClipId,
+        contacts: &[Contact],
+    ) -> Result<(), Error> {
+        let (state, known) = self.to_bind(character, clip)?;
+        let joints = state.character.skeleton.joint_count();
+        for contact in contacts {
+            check_contact(contact, known.duration_secs())?;
+            if contact.ankle.index() >= joints {
+                return Err(Error::UnknownId { what: IdKind::Joint, index: contact.ankle.0 });
+            }
+        }
+        let bound = self.bind(character, clip, true)?;
+        let rows: Vec<_> = contacts.iter().map(contact_row).collect();
+        Ok(self.tables.set_contacts(bound, &rows)?)
     }
 
     fn to_bind(

@@ -8,7 +8,7 @@ use populace_model::{JointIndex, Trs};
 use super::super::state::State;
 use super::super::{MemberId, StageId};
 use super::{MemberMut, MemberView};
-use crate::{Error, Gaze, Reach, StageUse, Target, Weight};
+use crate::{Error, Gaze, Reach, StageUse, Stride, Target, Weight};
 
 impl<C: Borrow<State>> MemberView<C> {
     /// The member and joint that this member is attached to, if any.
@@ -151,6 +151,16 @@ impl MemberMut<'_> {
     pub fn plant_feet(&mut self, weight: f32) -> Result<(), Error> {
         let (constraints, base) = self.crowd.state.constraints();
         constraints.plant_feet(base, self.id, weight)
+    }
+
+    /// Sets how planted feet step. It holds until feet are planted no longer and does nothing for a
+    /// member whose feet are not planted.
+    ///
+    /// # Errors
+    ///
+    /// A number that is not finite.
+    pub fn set_stride(&mut self, stride: Stride) -> Result<(), Error> {
+        self.crowd.set_strides(&[(self.id, stride)])
     }
 
     /// Keeps feet of the caller's choice on the ground. A weight of 0 ends it.

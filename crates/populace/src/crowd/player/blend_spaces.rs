@@ -2,7 +2,7 @@
 
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::BodyIndex;
-use populace_device::layout::Slot;
+use populace_device::layout::{NONE, Slot};
 use populace_model::convert::single;
 use populace_settings::parts::{
     Check, Key, MOST, Parts, Playback, Weights, check_secs, phase_offset, slots_needed, weights_at,
@@ -131,6 +131,9 @@ impl Player {
             return if waits { Ok(()) } else { Err(not_playing) };
         };
         let (play, serial) = (active_space.play, active_space.serial);
+        if active_space.at == Some(at) && self.scheduled.is_empty() {
+            return Ok(());
+        }
         self.scheduled
             .retain(member.number(), |start| !matches!(start.action, Action::Move { .. }));
         let action = Action::Move { at, over_secs };
@@ -191,7 +194,7 @@ impl Player {
             at: Some(at),
             start_tick: tick,
             phase: cycles(phase),
-            cycles_per_sec: self.cycles_per_sec(index, &weights, start.play.speed),
+            cycles_per_sec: self.cycles_per_sec(index, at, &weights, start.play.speed),
             faded_in_tick: tick.saturating_add(ticks_from_secs(f64::from(secs))),
         };
         self.active_space.insert(member_index, active_space);
@@ -271,7 +274,7 @@ impl Player {
             return Ok(());
         }
         let cycles_per_sec =
-            self.cycles_per_sec(active_space.space, &weights, active_space.play.speed);
+            self.cycles_per_sec(active_space.space, at, &weights, active_space.play.speed);
         let phase = active_space.phase_at(tick);
         let active_space =
             ActiveSpace { at: Some(at), start_tick: tick, phase, cycles_per_sec, ..active_space };
@@ -306,8 +309,7 @@ impl Player {
             }
             let own = started.sample.filter(|_| started.serial == active_space.serial);
             if let Some(sample) = own {
-                let paced =
-                    self.in_phase(base, member_index, active_space, usize::from(sample), tick);
+                let paced = self.in_phase(active_space, usize::from(sample), NONE, tick);
                 self.note_left(base, member_index, &slot, tick);
                 slot = Slot {
                     start_tick: tick,
@@ -335,8 +337,12 @@ impl Player {
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
+        let body = base.tables.members().as_slice()[member_index as usize].body;
+        let space = &self.spaces[active_space.space].space;
+        let key = (BodyIndex(body), ClipIndex::of(space.clips()[sample]));
+        let bound = base.assets.bound_clips.get(&key).map_or(NONE, |bound| bound.index);
         let mut slot = self
-            .in_phase(base, member_index, active_space, sample, tick)
+            .in_phase(active_space, sample, bound, tick)
             .on_layer(u32_from(active_space.play.layer));
         slot.ramp_weight(tick, 0.0, weight * active_space.play.weight, secs);
         let sample = u16::try_from(sample).ok();
@@ -349,29 +355,12 @@ impl Player {
         )
     }
 
-    fn in_phase(
-        &self,
-        base: &Base,
-        member_index: u32,
-        active_space: &ActiveSpace,
-        sample: usize,
-        tick: u64,
-    ) -> Slot {
+    /// Returns a slot that plays a bound clip in the phase of its blend space.
+    fn in_phase(&self, active_space: &ActiveSpace, sample: usize, bound: u32, tick: u64) -> Slot {
         let space = &self.spaces[active_space.space].space;
-        let body = base.tables.members().as_slice()[member_index as usize].body;
-        let key = (BodyIndex(body), ClipIndex::of(space.clips()[sample]));
-        let bound = base
-            .assets
-            .bound_clips
-            .get(&key)
-            .map_or(populace_device::layout::NONE, |bound| bound.index);
         let offset = cycles(f64::from(phase_offset(space, sample).rem_euclid(1.0)));
-        Slot::in_phase(
-            bound,
-            tick,
-            active_space.phase_at(tick).wrapping_add(offset),
-            active_space.cycles_per_sec,
-        )
+        let phase = active_space.phase_at(tick).wrapping_add(offset);
+        Slot::in_phase(bound, tick, phase, active_space.cycles_per_sec)
     }
 
     /// Returns the slot of a clip of a blend space, unless it has faded out.
@@ -391,8 +380,12 @@ impl Player {
         })
     }
 
-    /// Returns the weighted mean of the clips' cycles per second. Clips of no length do not count.
-    fn cycles_per_sec(&self, space: u32, weights: &Weights, speed: f32) -> f64 {
+    /// Returns the cycles per second at a point: its own, or the weighted mean of the clips'. Clips
+    /// of no length do not count.
+    fn cycles_per_sec(&self, space: u32, at: SpacePoint, weights: &Weights, speed: f32) -> f64 {
+        if let Some(cycles_per_sec) = at.cycles_per_sec {
+            return f64::from(cycles_per_sec);
+        }
         let durations = &self.spaces[space].durations_secs;
         let (mut sum, mut total) = (0.0, 0.0);
         for (sample, weight) in weights.iter().filter(|(sample, _)| durations[*sample] > 0.0) {
