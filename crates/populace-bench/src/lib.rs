@@ -2,7 +2,7 @@
 //!
 //! [`measure`] times [`Subject`]s: a [`Scene`] evaluated by one [`Method`] on one [`DeviceSetup`].
 //! Each result is compared with the oracle of `populace-testkit`. A [`Document`] holds all
-//! measurements and formats them.
+//! measurements and formats them. A [`SkateDocument`] holds the foot skate of characters.
 //!
 //! ```
 //! use populace::{Device, Schedule, Split};
@@ -29,6 +29,7 @@ mod memory;
 mod observer;
 mod rigs;
 mod scene;
+mod skate;
 mod spec;
 mod table;
 mod timing;
@@ -38,5 +39,6 @@ pub use document::Document;
 pub use machine::machine;
 pub use observer::Observer;
 pub use scene::{DeviceSetup, Load, Scene, SceneSettings};
+pub use skate::SkateDocument;
 pub use spec::{Measurement, Method, Subject};
 pub use timing::measure;

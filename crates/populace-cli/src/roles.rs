@@ -71,7 +71,7 @@ impl<'a> Loader<'a> {
         Self { input, referenced: Vec::new() }
     }
 
-    fn load(&mut self, file: &Path) -> Result<Character, Failure> {
+    pub(crate) fn load(&mut self, file: &Path) -> Result<Character, Failure> {
         let imported = self.input.load(file)?;
         for note in &imported.notes {
             message!("{}: {}: {}", file.display(), note.place, note.what);
@@ -158,6 +158,13 @@ fn create_person(look: &Look) -> Result<Character, Failure> {
     person(look).map_err(|e| Failure::Run(e.into()))
 }
 
+/// Returns the people of this name, each in one outfit; all of them for `people`.
+#[cfg(feature = "bench")]
+pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
+    let looks = if name == "people" { Look::presets() } else { looks(name)? };
+    looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
+}
+
 fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     looks(name)?.iter().map(|look| create_person(look).map(Arc::new)).collect()
 }
@@ -170,7 +177,7 @@ pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Cli
     }
 }
 
-fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
+pub(crate) fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
     looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(create_person(look)?.clips.clone()))
 }
 

@@ -67,7 +67,16 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-cast", &["populace-character", "populace-clip", "populace-model"]),
     // The benchmark counts bytes of device tables, and holds its results against the oracle of the
     // testkit.
-    ("populace-bench", &["populace", "populace-device", "populace-model", "populace-testkit"]),
+    (
+        "populace-bench",
+        &[
+            "populace",
+            "populace-device",
+            "populace-locomotion",
+            "populace-model",
+            "populace-testkit",
+        ],
+    ),
     // The places of members are drawn by the testkit's random generator.
     (
         "populace-cli",

@@ -27,6 +27,8 @@ const STILL: f32 = 0.06;
 /// What the skewness of velocities counts against their correlation with height, in telling which
 /// way feet swing.
 const SKEWNESS: f64 = 0.07;
+/// A clip goes forwards or backwards, not aside, if at least this part of its direction is along Z.
+const ALONG: f32 = 0.4;
 /// The share of the samples of a foot that moves back, from the lowest up, at which it is on the
 /// ground: soles dip below the ground as well as above it.
 const GROUND: f32 = 0.3;
@@ -165,8 +167,10 @@ impl Limits {
     }
 }
 
-/// Returns the direction in which feet swing: that in which they move where they are high. Where
-/// height hardly tells, it is that in which they move fastest. Zero if they keep still.
+/// Returns the direction in which feet swing. If the clip's own skeleton tells which way the clip
+/// goes, it is that way: on bodies of other proportions a retargeted foot may hover while it stands
+/// and touch the ground while it swings. Otherwise it is that in which feet move where they are
+/// high. Where height hardly tells, it is that in which they move fastest. Zero if they keep still.
 fn forward(soles: &Soles) -> Vec2 {
     let raised = |samples: &[SoleSample]| {
         let mean = samples.iter().map(|s| s.height).sum::<f32>() / samples.len() as f32;
@@ -174,6 +178,10 @@ fn forward(soles: &Soles) -> Vec2 {
     };
     let all = soles.feet.iter().flat_map(|samples| raised(samples)).collect::<Vec<_>>();
     let axis = all.iter().map(|(raised, v)| *v * *raised).sum::<Vec2>().normalize_or_zero();
+    let goes = soles.own_speed * axis.y;
+    if soles.own_speed.abs() > STILL * soles.body_height_m && axis.y.abs() > ALONG {
+        return if goes < 0.0 { -axis } else { axis };
+    }
     let (mut heights, mut speeds, mut both, mut cubes) = (0.0, 0.0, 0.0, 0.0);
     for (raised, velocity) in &all {
         let (raised, along) = (f64::from(*raised), f64::from(velocity.dot(axis)));

@@ -27,6 +27,11 @@ impl Carried {
         at.is_finite().then_some(Self { joint, at })
     }
 
+    /// The joint that carries it.
+    pub(crate) const fn joint(&self) -> JointIndex {
+        self.joint
+    }
+
     /// Returns the place in model space of a pose.
     pub(crate) fn place(&self, model_from_joints: &[Affine]) -> Vec3 {
         affine(&model_from_joints[self.joint.index()]).transform_point3(self.at)

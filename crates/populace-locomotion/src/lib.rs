@@ -1,12 +1,33 @@
-//! Gaits of clips: contacts of feet, ground speed, stride and cadence, on any body.
+//! People who walk where and how fast they are told: gaits of clips on any body, walkers, and local
+//! avoidance.
 
 pub mod avoidance;
 mod contacts;
+mod error;
 mod feet;
 mod gait;
+mod gait_clips;
+mod gait_space;
 mod mix;
+mod path;
+mod skate;
 mod soles;
+mod strides;
+mod walker;
+mod walkers;
 
 pub use contacts::Contact;
+pub use error::Error;
 pub use gait::Gait;
+pub use gait_clips::GaitClips;
+pub use gait_space::{GaitSpace, Step};
 pub use mix::MixedClip;
+pub use path::Path;
+pub use skate::Skate;
+pub use walker::WalkerSettings;
+pub use walkers::{Goal, UpdateTimes, Walkers};
+
+/// The page on locomotion, its program compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/locomotion.md")]
+pub struct LocomotionPage;

@@ -30,12 +30,27 @@ pub(crate) struct SoleSample {
     pub(crate) ankle: Vec2,
 }
 
+/// Heights of the hips in metres.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hips {
+    pub(crate) rest_m: f32,
+    /// Over the cycle.
+    pub(crate) mean_m: f32,
+}
+
 /// Both soles through one cycle.
 #[derive(Clone, Debug)]
 pub(crate) struct Soles {
     pub(crate) duration_secs: f32,
     /// The height of the body at rest, in metres.
     pub(crate) body_height_m: f32,
+    /// The horizontal velocity at which the clips carry the body along, in metres per second.
+    pub(crate) travel: Vec2,
+    /// `None` if the hips are not known, or not above the ground at rest.
+    pub(crate) hips: Option<Hips>,
+    /// The speed forwards that the clips have on their own skeletons, in metres per second; 0 if it
+    /// is not known.
+    pub(crate) own_speed: f32,
     /// Evenly spaced samples, left and right.
     pub(crate) feet: [Vec<SoleSample>; 2],
 }
@@ -61,9 +76,23 @@ impl Soles {
         let body_height_m = character.height_m();
         let step_secs = duration_secs / count;
         let travel = travel(&poses, duration_secs);
+        let hips = feet.hips.as_ref().and_then(|hips| {
+            let rest_m = character.skeleton.rest_model(hips.joint()).origin()[1];
+            let heights = poses.iter().filter_map(|pose| Some(pose.hips?.y));
+            let mean_m = heights.sum::<f32>() / poses.len() as f32;
+            (rest_m > 0.0).then_some(Hips { rest_m, mean_m })
+        });
         let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
-        Ok(Some(Self { duration_secs, body_height_m, feet }))
+        let own_speed = own_speed(clips);
+        Ok(Some(Self { duration_secs, body_height_m, travel, hips, own_speed, feet }))
     }
+}
+
+/// Returns the weighted mean speed of clips on their own skeletons.
+fn own_speed(clips: &[MixedClip]) -> f32 {
+    let weights: f32 = clips.iter().map(|mixed| mixed.weight).sum();
+    let speed = |mixed: &MixedClip| mixed.clip.stats().ground_speed_m_per_sec.unwrap_or(0.0);
+    clips.iter().map(|mixed| mixed.weight * speed(mixed)).sum::<f32>() / weights
 }
 
 /// Returns the feet at `count` even steps through the cycle, and at its end. Members of one crowd

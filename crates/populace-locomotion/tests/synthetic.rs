@@ -9,7 +9,7 @@ use populace::clip::Clip;
 use populace::model::{
     Affine, ClipSource, Interpolation, JointSource, Property, Side, Skeleton, Track, Trs,
 };
-use populace_locomotion::{Contact, Gait, MixedClip};
+use populace_locomotion::{Contact, Gait, GaitClips, MixedClip};
 
 const FEET: [(&str, f32); 2] = [("left", 0.1), ("right", -0.1)];
 /// The height of ankles above their soles.
@@ -244,6 +244,19 @@ fn a_clip_that_carries_the_body_walks_at_the_same_speed() {
     contacts_are(&gait, &[(Side::Left, 0.25, 0.85), (Side::Right, 0.75, 1.35)]);
     near(gait.velocity_m_per_sec[1], 1.0, 0.01);
     near(gait.stance_center_m[0].unwrap()[1], 0.0, 0.01);
+}
+
+#[test]
+fn a_clip_that_carries_the_body_is_chosen_in_place() {
+    let still = vec![(0.0, [0.0, 0.0]), (1.0, [0.0, 0.0])];
+    let idle = symmetric(1.0, still, 0.0);
+    // In model space feet stand where they are, and the body is carried over them.
+    let path = steps(1.0, 0.6, 0.6);
+    let carried = clip(1.0, &[path.clone(), path], [0.0, 0.5], 1.0);
+    let chosen = GaitClips::among(&body(), &[idle, Arc::clone(&carried)]).unwrap();
+    let [walk] = chosen.moving.as_slice() else { panic!("{:?}", chosen.moving.len()) };
+    assert!(!Arc::ptr_eq(walk, &carried) && walk.root_motion().is_some());
+    near(measure(walk).speed_m_per_sec(), 1.0, 0.02);
 }
 
 #[test]

@@ -45,9 +45,9 @@ fn motion(scene: &Scene) -> String {
     clips.into_iter().find(|(id, _)| *id == playing).unwrap().1.name().to_owned()
 }
 
-/// Steps until the member is animated, and checks that no joint sinks lower than `before`, where the
-/// ragdoll lies. Returns the speed of the fastest joint in m/s and the time at which it was that
-/// fast.
+/// Steps until the member is animated, and checks that no joint sinks lower than `before`, where
+/// the ragdoll lies. Returns the speed of the fastest joint in m/s and the time at which it was
+/// that fast.
 fn follow(scene: &mut Scene, mut before: Vec<[f32; 3]>) -> (f32, f32) {
     let mut fastest = (0.0, 0.0);
     let lowest = before.iter().map(|p| p[1]).fold(f32::MAX, f32::min);

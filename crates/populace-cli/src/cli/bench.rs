@@ -6,8 +6,25 @@ use clap::Args;
 use populace::{Devices, Split};
 use populace_bench::{Load, Method};
 
+use crate::input::InputArgs;
+
 #[derive(Args, Debug)]
 pub(crate) struct BenchArgs {
+    /// Characters whose foot skate is measured, with their own clips and with those of the built-in
+    /// people; `@people` or one of them by name, such as `@child`; files without meshes give clips
+    /// to all others [default: @people]
+    #[arg(value_name = "FILE", requires = "skate")]
+    pub(crate) files: Vec<PathBuf>,
+    /// Measure foot skate instead of times: how fast planted soles move over the ground, on a
+    /// standard course, with and without planting
+    #[arg(
+        long,
+        conflicts_with_all = [
+            "members", "joints", "slots", "frames", "device", "split", "schedule", "load",
+            "retarget", "changing", "seed", "chart", "from",
+        ]
+    )]
+    pub(crate) skate: bool,
     /// Members of the crowd; a list of sizes, or repeated
     #[arg(
         long,
@@ -87,6 +104,8 @@ pub(crate) struct BenchArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) input: InputArgs,
 }
 
 /// Parses a percentage above 0.

@@ -1,5 +1,7 @@
 //! `populace bench`
 
+mod skate;
+
 use std::io::Read;
 use std::path::Path;
 
@@ -21,6 +23,9 @@ use crate::report;
 const TEXT_BYTES: u64 = 64 << 20;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
+    if args.skate {
+        return skate::run(args);
+    }
     if let Some(chart) = &args.chart {
         check_kind(chart, "svg")?;
         check_inputs(std::iter::once(chart.clone()), args.from.as_slice())?;

@@ -12,6 +12,7 @@ mod pictures;
 mod post;
 #[cfg(unix)]
 mod signals;
+mod skate;
 mod usage;
 
 use std::process::{Command, Output};

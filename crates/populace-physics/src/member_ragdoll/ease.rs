@@ -286,8 +286,8 @@ fn towards(heading: f32, slope: f32) -> Vector {
     Rotation::from_rotation_y(heading) * Rotation::from_rotation_x(-slope) * Vector::Z
 }
 
-/// Returns the unit vector between the directions of `a` and `b` whose heading and slope are between
-/// theirs.
+/// Returns the unit vector between the directions of `a` and `b` whose heading and slope are
+/// between theirs.
 fn swept(a: Vector, b: Vector, weight: f32) -> Vector {
     let ((from, low), (to, high)) = (angles(a), angles(b));
     let half_turn = std::f32::consts::PI;

@@ -97,10 +97,10 @@ impl MemberRagdoll {
     }
 }
 
-/// Returns the joint transforms `local` as overrides in model space. These are applied last, so that
-/// no constraint such as a planted foot moves a limp joint. They fade out early when the member gets
-/// up, because only local overrides blend well. Joints whose model transform has shear are left out.
-/// `parents` are indices in `local`.
+/// Returns the joint transforms `local` as overrides in model space. These are applied last, so
+/// that no constraint such as a planted foot moves a limp joint. They fade out early when the
+/// member gets up, because only local overrides blend well. Joints whose model transform has shear
+/// are left out. `parents` are indices in `local`.
 pub(super) fn model_overrides(
     parents: &[Option<usize>],
     local: &[JointOverride],

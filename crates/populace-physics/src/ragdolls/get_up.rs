@@ -147,9 +147,9 @@ impl Ragdolls {
         self.active[ragdoll].write(crowd, &self.world)
     }
 
-    /// Lets a limp member get up with the motion for the side on which it lies. The member is placed
-    /// so that the motion starts where it lies and as it lies, on the floor below its hips. Its
-    /// pose eases into the motion, the motion plays, and the member returns to what it plays.
+    /// Lets a limp member get up with the motion for the side on which it lies. The member is
+    /// placed so that the motion starts where it lies and as it lies, on the floor below its hips.
+    /// Its pose eases into the motion, the motion plays, and the member returns to what it plays.
     /// Afterwards its joints are exactly those of the clips. It can fall again at any time.
     ///
     /// The pose of the ragdoll stands still from this call on, so it should have come to rest:

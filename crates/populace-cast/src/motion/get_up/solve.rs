@@ -124,7 +124,8 @@ impl Figure<'_> {
         pose.rotations[Limb::UpperArm.of(side)] =
             rotation_between([along, hinge], [bones.upper, bones.hinge]);
         let forearm = rotation_between([along, hinge], [bones.lower, bones.hinge]);
-        // The forearm takes a part of the hand's twist about it. The sine has no jump at half a turn.
+        // The forearm takes a part of the hand's twist about it. The sine has no jump at half a
+        // turn.
         let between = forearm.inverse() * pose.rotations[Limb::Hand.of(side)];
         let sine = DVec3::new(between.x, between.y, between.z).dot(along);
         let twist = 2.0 * (sine * between.w.signum()).atan2(between.w.abs());

@@ -1,0 +1,368 @@
+//! The gaits of a character by speed: which mix of clips goes at a speed, and how fast it steps.
+
+use std::sync::Arc;
+
+use populace::character::Character;
+use populace::clip::Clip;
+use populace::model::{Role, Side};
+use populace::{BlendSpace, BlendSpaceId, CharacterId, ClipId, Crowd, SpacePoint, Stride};
+
+use crate::strides::MixStride;
+use crate::{Contact, Error, Gait, GaitClips, MixedClip};
+
+/// Mixes that are measured between two neighbouring clips.
+const MIXES: usize = 8;
+/// How the length of a stride grows with speed below the slowest clip: with this power of it, as
+/// that of people does (D. W. Grieve, "Gait patterns and the speed of walking", Biomedical
+/// Engineering 3 (1968), 119-122; A. D. Kuo, "A simple model of bipedal walking predicts the
+/// preferred speed-step length relationship", J. Biomechanical Engineering 123 (2001), 264-269).
+const STRIDE_POWER: f32 = 0.42;
+/// The slowest stepping, as a fraction of the rate of the slowest clip.
+const SLOWEST_RATE: f32 = 0.45;
+/// Speeds below this fraction of that of the slowest clip stand still.
+const STANDS: f32 = 0.01;
+/// A clip that is slower than this, in body heights per second, does not walk.
+const WALKS: f32 = 0.1;
+/// A measured stride is not less and not more than these parts of the expected one.
+const NEAR: (f32, f32) = (0.4, 2.0);
+/// The mix of a member that steps on the spot: this part of the way from standing to the slowest
+/// clip.
+const ON_THE_SPOT: f32 = 0.45;
+
+/// A moving clip at its own speed.
+#[derive(Clone, Copy, Debug)]
+struct Sample {
+    speed: f32,
+    /// Metres per cycle.
+    stride: f32,
+}
+
+/// How a member steps at a speed, at the scale of 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Step {
+    /// The mix of clips: a point of the blend space.
+    pub mix: f32,
+    /// Cycles of two steps in a second.
+    pub cycles_per_sec: f32,
+    /// Metres by which the mix itself passes over the ground in a cycle: by the median velocity of
+    /// the soles that its clips plant.
+    pub stride_m: f32,
+    /// Metres that a stride adds to it that doubles what ankles step. What feet roll stays as it
+    /// is.
+    pub ankle_m: f32,
+}
+
+/// The gaits of a character by speed: a blend space from standing over walking to running, measured
+/// on that character's body.
+#[derive(Clone, Debug)]
+pub struct GaitSpace {
+    character: CharacterId,
+    space: BlendSpaceId,
+    samples: Vec<Sample>,
+    /// Strides of mixes between standing and the first sample, and between neighbouring samples, at
+    /// `MIXES + 1` even points.
+    strides: Vec<[MixStride; MIXES + 1]>,
+    idle_cycles_per_sec: f32,
+}
+
+impl GaitSpace {
+    /// Measures clips on a character, tells the crowd the contacts of their feet, and adds a blend
+    /// space of them. `idle` stands, and `moving` are one or more clips that walk or run forwards,
+    /// in any order.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoGait`] for a body without two feet or a clip whose feet do not walk forwards,
+    /// [`Error::SameSpeed`] for two clips of one speed, [`Error::NoClips`] for no moving clip, and
+    /// errors of the crowd, such as a clip that does not fit the character.
+    pub fn new(
+        crowd: &mut Crowd,
+        character: CharacterId,
+        idle: ClipId,
+        moving: &[ClipId],
+    ) -> Result<Self, Error> {
+        let asset = Arc::clone(crowd.character(character)?.asset());
+        let known = crowd.character(character)?.clips();
+        let find = |id: ClipId| {
+            let of_character = known.iter().find(|(own, _)| *own == id);
+            of_character.map(|(_, clip)| Arc::clone(clip)).ok_or(Error::NotItsClip)
+        };
+        let idle_clip = find(idle)?;
+        let no_gait = |clip: &Clip| Error::NoGait { clip: clip.name().to_owned() };
+        let idle_gait = Gait::measure(&asset, &idle_clip)?;
+        let idle_gait = idle_gait.unwrap_or_else(|| standing(&idle_clip));
+        let mut gaits = Vec::new();
+        for id in moving {
+            let clip = find(*id)?;
+            let gait = Gait::measure(&asset, &clip)?.filter(|gait| walks(gait, &asset));
+            gaits.push((*id, gait.ok_or_else(|| no_gait(&clip))?, clip));
+        }
+        gaits.sort_by(|a, b| a.1.speed_m_per_sec().total_cmp(&b.1.speed_m_per_sec()));
+        let sample = |gait: &Gait| Sample {
+            speed: gait.speed_m_per_sec(),
+            stride: gait.speed_m_per_sec() * gait.duration_secs,
+        };
+        let samples: Vec<Sample> = gaits.iter().map(|(_, gait, _)| sample(gait)).collect();
+        if samples.windows(2).any(|pair| pair[1].speed < 1.05 * pair[0].speed) {
+            return Err(Error::SameSpeed);
+        }
+        let Some((_, first, _)) = gaits.first() else { return Err(Error::NoClips) };
+        // All clips touch down with the left foot at the phase at which the slowest does.
+        let lead = left_phase(first);
+        let idle_secs = idle_clip.duration_secs();
+        let mut ids = vec![idle];
+        let mut mixed = vec![(MixedClip::new(&idle_clip, 1.0), idle_gait)];
+        for (id, gait, clip) in gaits {
+            let offset = (left_phase(&gait) - lead).rem_euclid(1.0);
+            ids.push(id);
+            mixed.push((MixedClip::new(&clip, 1.0).with_offset(offset), gait));
+        }
+        let strides = measure_strides(&asset, &mixed)?;
+        tell_contacts(crowd, character, ids.iter().zip(mixed.iter().map(|(_, gait)| gait)))?;
+        Ok(Self {
+            character,
+            space: add_space(crowd, &ids, &mixed)?,
+            samples,
+            strides,
+            idle_cycles_per_sec: if idle_secs > 0.0 { 1.0 / idle_secs } else { 0.0 },
+        })
+    }
+
+    /// Chooses among the clips of a character as [`GaitClips::among`] does, and measures them as
+    /// [`new`](Self::new) does. A clip that is taken out of its root motion is added to the crowd.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::NoGaitClips`] if no clip stands or none moves, and those of [`new`](Self::new).
+    pub fn of(crowd: &mut Crowd, character: CharacterId) -> Result<Self, Error> {
+        let view = crowd.character(character)?;
+        let (asset, known) = (Arc::clone(view.asset()), view.clips());
+        let clips: Vec<_> = known.iter().map(|(_, clip)| Arc::clone(clip)).collect();
+        let Some(chosen) = GaitClips::among(&asset, &clips) else {
+            return Err(Error::NoGaitClips { character: asset.name.clone() });
+        };
+        let mut id_of = |chosen: &Arc<Clip>| {
+            let own = known.iter().find(|(_, clip)| Arc::ptr_eq(clip, chosen));
+            match own {
+                Some((id, _)) => Ok(*id),
+                None => Ok::<_, Error>(crowd.character_mut(character)?.add_clip(chosen)?),
+            }
+        };
+        let idle = id_of(&chosen.idle)?;
+        let moving = chosen.moving.iter().map(&mut id_of).collect::<Result<Vec<_>, _>>()?;
+        Self::new(crowd, character, idle, &moving)
+    }
+
+    /// The character that it was measured on.
+    #[must_use]
+    pub const fn character(&self) -> CharacterId {
+        self.character
+    }
+
+    /// The blend space: 0 stands, 1 is the slowest clip, 2 the next.
+    #[must_use]
+    pub const fn space(&self) -> BlendSpaceId {
+        self.space
+    }
+
+    /// The speeds of the slowest and of the fastest clip, in metres per second at the scale of 1.
+    /// Beyond the fastest, strides and cadence both grow with the root of the speed.
+    #[must_use]
+    pub fn speeds_m_per_sec(&self) -> [f32; 2] {
+        let of = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.speed);
+        [of(self.samples.first()), of(self.samples.last())]
+    }
+
+    /// Returns how a member steps at a speed in metres per second, 0 or more.
+    #[must_use]
+    pub fn at_speed(&self, speed: f32) -> Step {
+        let (slowest, fastest) = (self.samples[0], self.samples[self.samples.len() - 1]);
+        if speed <= STANDS * slowest.speed {
+            return Step {
+                mix: 0.0,
+                cycles_per_sec: self.idle_cycles_per_sec,
+                stride_m: 0.0,
+                ankle_m: 0.0,
+            };
+        }
+        let next = self.samples.partition_point(|sample| sample.speed <= speed);
+        let stride = match (next.checked_sub(1), self.samples.get(next)) {
+            (None, _) => {
+                let stride = slowest.stride * (speed / slowest.speed).powf(STRIDE_POWER);
+                stride.min(speed / (SLOWEST_RATE * slowest.speed / slowest.stride))
+            }
+            (Some(below), Some(above)) => {
+                let below = self.samples[below];
+                let power = (above.stride / below.stride).ln() / (above.speed / below.speed).ln();
+                below.stride * (speed / below.speed).powf(power)
+            }
+            (Some(_), None) => fastest.stride * (speed / fastest.speed).powf(0.5),
+        };
+        let (mix, own) = self.mix_of_stride(next.min(self.samples.len() - 1), stride);
+        Step { mix, cycles_per_sec: speed / stride, stride_m: own.sole_m, ankle_m: own.ankle_m }
+    }
+
+    /// Returns how a member steps that turns on the spot or finds its stance.
+    #[must_use]
+    pub fn on_the_spot(&self) -> Step {
+        let slowest = self.samples[0];
+        let own = self.stride_at(0, ON_THE_SPOT);
+        Step {
+            mix: ON_THE_SPOT,
+            cycles_per_sec: slowest.speed / slowest.stride,
+            stride_m: own.sole_m,
+            ankle_m: own.ankle_m,
+        }
+    }
+
+    /// Returns the first mix within a segment whose stride is a length, or the last, and its
+    /// stride.
+    fn mix_of_stride(&self, segment: usize, stride: f32) -> (f32, MixStride) {
+        let strides = &self.strides[segment];
+        let reaches = |above: &usize| strides[*above].sole_m >= stride;
+        let above = (1..MIXES).find(reaches).unwrap_or(MIXES);
+        let (low, high) = (strides[above - 1].sole_m, strides[above].sole_m);
+        let part = if high > low { ((stride - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
+        let part = (above as f32 - 1.0 + part) / MIXES as f32;
+        (segment as f32 + part, self.stride_at(segment, part))
+    }
+
+    /// Returns the stride of a mix a part of the way through a segment, 0 to 1.
+    fn stride_at(&self, segment: usize, part: f32) -> MixStride {
+        let strides = &self.strides[segment];
+        let at = part * MIXES as f32;
+        let below = (0..MIXES).rev().find(|below| *below as f32 <= at).unwrap_or(0);
+        let (low, high) = (strides[below], strides[below + 1]);
+        let mix = |low: f32, high: f32| low + (high - low) * (at - below as f32);
+        MixStride { sole_m: mix(low.sole_m, high.sole_m), ankle_m: mix(low.ankle_m, high.ankle_m) }
+    }
+}
+
+impl Step {
+    /// Returns the point of the blend space.
+    #[must_use]
+    pub fn point(&self) -> SpacePoint {
+        SpacePoint::from(self.mix).at_cycles_per_sec(self.cycles_per_sec)
+    }
+
+    /// Returns the stride of a member that moves at a velocity `[x, z]` in its model space, in
+    /// metres per second at the scale of 1, and turns at a rate in radians per second.
+    #[must_use]
+    pub fn stride(&self, velocity: [f32; 2], turn_rad_per_sec: f32) -> Stride {
+        // While the cycle goes on, ankles pass at this velocity. The stride leads them alone: what
+        // feet roll stays as it is.
+        let ankles = self.cycles_per_sec * self.ankle_m;
+        let rolls = self.cycles_per_sec * self.stride_m - ankles;
+        if ankles == 0.0 {
+            return Stride::OF_CLIPS;
+        }
+        let [x, z] = velocity;
+        Stride::along([x / ankles, (z - rolls) / ankles])
+            .turning_rad_per_m(turn_rad_per_sec / ankles)
+    }
+}
+
+/// Returns the phase in the middle of the left foot's longest contact, 0 to 1.
+fn left_phase(gait: &Gait) -> f32 {
+    let lasts = |contact: &&Contact| contact.until_secs - contact.from_secs;
+    let left = gait.contacts.iter().filter(|contact| contact.foot == Side::Left);
+    let longest = left.max_by(|a, b| lasts(a).total_cmp(&lasts(b)));
+    longest.map_or(0.0, |c| 0.5 * (c.from_secs + c.until_secs) / gait.duration_secs)
+}
+
+/// Measures the strides of mixes of neighbouring clips, each with its gait. A mix that shows none,
+/// or one that is far from that of its clips, has a stride in proportion.
+fn measure_strides(
+    asset: &Arc<Character>,
+    clips: &[(MixedClip, Gait)],
+) -> Result<Vec<[MixStride; MIXES + 1]>, Error> {
+    let mut all = Vec::new();
+    let mut below = MixStride { sole_m: 0.0, ankle_m: 0.0 };
+    for pair in clips.windows(2) {
+        let stride = pair[1].1.velocity_m_per_sec[1] * pair[1].1.duration_secs;
+        let above = MixStride { sole_m: stride, ankle_m: stride };
+        let above = near(MixStride::measure(asset, &[(pair[1].0.clone(), &pair[1].1)])?, above);
+        let mut strides = [below; MIXES + 1];
+        strides[MIXES] = above;
+        for (mix, stride) in strides.iter_mut().enumerate().take(MIXES).skip(1) {
+            let part = mix as f32 / MIXES as f32;
+            let linear = |low: f32, high: f32| low + (high - low) * part;
+            let linear = MixStride {
+                sole_m: linear(below.sole_m, above.sole_m),
+                ankle_m: linear(below.ankle_m, above.ankle_m),
+            };
+            let weighted = |nth: usize, weight| {
+                let (clip, gait) = &pair[nth];
+                (MixedClip { weight, ..clip.clone() }, gait)
+            };
+            let mixed = [weighted(0, 1.0 - part), weighted(1, part)];
+            *stride = near(MixStride::measure(asset, &mixed)?, linear);
+        }
+        all.push(strides);
+        below = above;
+    }
+    Ok(all)
+}
+
+/// Returns a stride that was measured if it is near what is expected.
+fn near(measured: Option<MixStride>, expected: MixStride) -> MixStride {
+    let close = |of: f32, to: f32| (NEAR.0 * to..=NEAR.1 * to).contains(&of);
+    let plausible = |found: &MixStride| {
+        close(found.sole_m, expected.sole_m) && close(found.ankle_m, found.sole_m)
+    };
+    measured.filter(plausible).unwrap_or(expected)
+}
+
+/// Returns whether a clip goes forwards.
+fn walks(gait: &Gait, body: &Character) -> bool {
+    let [x, z] = gait.velocity_m_per_sec;
+    z > WALKS * body.height_m() && z > x.abs() && gait.stride_m().is_some()
+}
+
+/// Returns the gait of a clip that holds a pose: both feet stand.
+fn standing(clip: &Clip) -> Gait {
+    let until_secs = clip.duration_secs();
+    let contacts =
+        [Side::Left, Side::Right].map(|foot| Contact { foot, from_secs: 0.0, until_secs });
+    Gait {
+        contacts: contacts.to_vec(),
+        velocity_m_per_sec: [0.0; 2],
+        skate_m_per_sec: 0.0,
+        duration_secs: until_secs,
+        stance_center_m: [None; 2],
+        sole_height_m: [None; 2],
+    }
+}
+
+/// Adds the blend space of clips in the order of their speeds.
+fn add_space(
+    crowd: &mut Crowd,
+    ids: &[ClipId],
+    mixed: &[(MixedClip, Gait)],
+) -> Result<BlendSpaceId, Error> {
+    let points = ids.iter().copied().zip((0_u16..).map(f32::from));
+    let mut space = BlendSpace::line(&points.collect::<Vec<_>>())?;
+    for (id, (mixed, _)) in ids.iter().zip(mixed).skip(1) {
+        space = space.with_offset(*id, mixed.offset)?;
+    }
+    Ok(crowd.add_blend_space(space)?)
+}
+
+/// Sets the contacts of clips on a character.
+fn tell_contacts<'a>(
+    crowd: &mut Crowd,
+    character: CharacterId,
+    clips: impl Iterator<Item = (&'a ClipId, &'a Gait)>,
+) -> Result<(), Error> {
+    let roles = crowd.character(character)?.roles().cloned();
+    let ankle = |side| roles.as_ref()?.joint(Role::Foot(side));
+    for (id, gait) in clips {
+        let contact = |contact: &Contact| {
+            let (from_secs, until_secs) = (contact.from_secs, contact.until_secs);
+            Some(populace::Contact { ankle: ankle(contact.foot)?, from_secs, until_secs })
+        };
+        let contacts: Vec<_> = gait.contacts.iter().filter_map(contact).collect();
+        crowd.character_mut(character)?.set_contacts(*id, &contacts)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,201 @@
+//! Two members that walk a part of the course alike, without planting and with it.
+
+use glam::Vec3;
+use populace::{CharacterId, Ground, MemberId, Placement, Stride};
+
+use super::course::{Course, FRAMES_PER_SEC, Order, Part, frames};
+use super::samples::{Samples, percentile};
+use crate::{Error, Goal, WalkerSettings, Walkers};
+
+/// A foot in one frame.
+struct Sole {
+    planted: bool,
+    /// The ankle in model space.
+    ankle: Vec3,
+    /// The points of the sole in model space and in the world.
+    points: Vec<Vec3>,
+    in_world: Vec<Vec3>,
+}
+
+impl Sole {
+    /// The index of the point that stands.
+    fn lowest(&self) -> usize {
+        let points = &self.in_world;
+        let order = |a: &usize, b: &usize| points[*a].y.total_cmp(&points[*b].y);
+        (0..points.len()).min_by(order).unwrap_or(0)
+    }
+}
+
+/// One of the two members.
+struct Lane {
+    walkers: Walkers,
+    member: MemberId,
+    last: Option<[Sole; 2]>,
+    legs: Vec<Vec<Vec3>>,
+    samples: Samples,
+    /// Speeds at which the ground passes planted points backwards, in metres per second.
+    passing: Vec<f32>,
+    from: [f32; 2],
+}
+
+/// Two members on one part of the course: the second has its feet planted.
+pub(super) struct Walk {
+    lanes: [Lane; 2],
+    ground: Ground,
+}
+
+impl Course {
+    /// Walks a part and measures it for some seconds, without planting and with it.
+    pub(super) fn walk(&mut self, part: Part, secs: f32) -> Result<[Samples; 2], Error> {
+        let ground = part.ground()?;
+        self.crowd.set_ground(&ground)?;
+        let mut walk = Walk::new(self, self.id, ground)?;
+        for _ in frames(part.warm_secs()) {
+            walk.frame(self, part.order(0.0))?;
+        }
+        walk.begin(self)?;
+        for frame in frames(secs) {
+            walk.frame(self, part.order(frame / FRAMES_PER_SEC))?;
+            walk.sample(self)?;
+        }
+        walk.end(self, part.requested(), secs)
+    }
+}
+
+impl Walk {
+    pub(super) fn new(course: &mut Course, id: CharacterId, ground: Ground) -> Result<Self, Error> {
+        let bare = Lane::new(course, id, &ground)?;
+        course.crowd.member_mut(bare.member)?.plant_feet(0.0)?;
+        let planted = Lane::new(course, id, &ground)?;
+        Ok(Self { lanes: [bare, planted], ground })
+    }
+
+    /// Moves both members on by a frame.
+    pub(super) fn frame(&mut self, course: &mut Course, order: Order) -> Result<(), Error> {
+        let secs = 1.0 / FRAMES_PER_SEC;
+        for lane in &mut self.lanes {
+            lane.walkers.set_facing(lane.member, order.facing_rad)?;
+            lane.walkers.set_goal(lane.member, Goal::Velocity(order.velocity))?;
+            lane.walkers.update(&mut course.crowd, secs)?;
+        }
+        course.crowd.update(secs)?;
+        Ok(())
+    }
+
+    /// Begins to measure.
+    pub(super) fn begin(&mut self, course: &mut Course) -> Result<(), Error> {
+        for lane in &mut self.lanes {
+            lane.last = Some(lane.soles(course)?);
+            lane.from = lane.walkers.positions()[0];
+        }
+        Ok(())
+    }
+
+    /// Measures a frame.
+    pub(super) fn sample(&mut self, course: &mut Course) -> Result<(), Error> {
+        // The gait before planting is that of the member without it, with the stride of the other.
+        let strides = [Stride::OF_CLIPS, self.lanes[1].walkers.strides()[0].1];
+        let bare = self.lanes[0].soles(course)?;
+        if let Some(before) = &self.lanes[0].last {
+            let passing = strides.map(|stride| passing(before, &bare, stride.lead()));
+            for (lane, passing) in self.lanes.iter_mut().zip(passing) {
+                lane.passing.extend(passing);
+            }
+        }
+        let planted = self.lanes[1].soles(course)?;
+        for (lane, now) in self.lanes.iter_mut().zip([bare, planted]) {
+            lane.sample(now, &self.ground);
+        }
+        Ok(())
+    }
+
+    /// Ends the part after some seconds, and takes the members from the crowd.
+    pub(super) fn end(
+        self,
+        course: &mut Course,
+        requested: Option<f32>,
+        secs: f32,
+    ) -> Result<[Samples; 2], Error> {
+        for lane in &self.lanes {
+            course.crowd.despawn(lane.member)?;
+        }
+        Ok(self.lanes.map(|mut lane| {
+            if let Some(requested) = requested {
+                let [x, z] = lane.walkers.positions()[0];
+                let body = (x - lane.from[0]).hypot(z - lane.from[1]) / secs;
+                let gait = percentile(&mut lane.passing, 50);
+                let error = |speed: f32| (speed / requested - 1.0).abs();
+                lane.samples.speed_error = error(body).max(error(gait));
+            }
+            lane.samples
+        }))
+    }
+}
+
+impl Lane {
+    fn new(course: &mut Course, id: CharacterId, ground: &Ground) -> Result<Self, Error> {
+        let mut walkers = Walkers::new(WalkerSettings::default())?;
+        walkers.set_ground(ground.clone());
+        walkers.add_gaits(course.gaits.clone());
+        let member = course.crowd.spawn(id, Placement::at([0.0; 3]))?;
+        walkers.add(&mut course.crowd, member)?;
+        Ok(Self {
+            walkers,
+            member,
+            last: None,
+            legs: Vec::new(),
+            samples: Samples::default(),
+            passing: Vec::new(),
+            from: [0.0; 2],
+        })
+    }
+
+    /// Returns both feet of this frame, and counts the acceleration of the legs.
+    fn soles(&mut self, course: &mut Course) -> Result<[Sole; 2], Error> {
+        let models = course.crowd.member_mut(self.member)?.model_from_joints()?;
+        let found = course.joints.acceleration(&mut self.legs, &models);
+        self.samples.acceleration = self.samples.acceleration.max(found);
+        let member = course.crowd.member(self.member)?;
+        let world = member.placement().world_from_model();
+        let planted = course.planted(&member.active_clips());
+        Ok([0, 1].map(|nth: usize| {
+            let foot = &course.joints.feet.feet[nth];
+            let points: Vec<Vec3> = foot.sole.iter().map(|point| point.place(&models)).collect();
+            let in_world =
+                points.iter().map(|at| Vec3::from(world.transform_point((*at).into()))).collect();
+            Sole { planted: planted[nth], ankle: foot.ankle.place(&models), points, in_world }
+        }))
+    }
+
+    fn sample(&mut self, now: [Sole; 2], ground: &Ground) {
+        for (before, now) in self.last.iter().flatten().zip(&now) {
+            self.samples.feet += 1.0;
+            if !now.planted {
+                continue;
+            }
+            self.samples.planted += 1.0;
+            let above = |at: &Vec3| at.y - ground.height_at(at.x, at.z);
+            let least = now.in_world.iter().map(above).fold(f32::INFINITY, f32::min);
+            self.samples.heights_m.push(least.abs());
+            if before.planted {
+                let point = before.lowest();
+                let moved = now.in_world[point] - before.in_world[point];
+                self.samples.speeds.push(moved.x.hypot(moved.z) * FRAMES_PER_SEC);
+            }
+        }
+        self.last = Some(now);
+    }
+}
+
+/// Returns the speeds at which the ground passes planted points backwards, between two frames
+/// without planting, in metres per second. Ankles step as a stride leads them.
+fn passing(before: &[Sole; 2], now: &[Sole; 2], [_, lead]: [f32; 2]) -> Vec<f32> {
+    let both = before.iter().zip(now).filter(|(before, now)| before.planted && now.planted);
+    let speed = |(before, now): (&Sole, &Sole)| {
+        let point = before.lowest();
+        let ankle = now.ankle.z - before.ankle.z;
+        let arm = now.points[point].z - before.points[point].z - ankle;
+        -(ankle * lead + arm) * FRAMES_PER_SEC
+    };
+    both.map(speed).collect()
+}

@@ -1,0 +1,271 @@
+//! One walker: how it moves towards the velocity that it wants, and how it steps.
+
+use std::f32::consts::{FRAC_PI_2, PI};
+
+use glam::Vec2;
+use populace::{Ground, Placement, Stride};
+
+use crate::gait_space::{GaitSpace, Step};
+
+/// How far from its heading a walker may move without turning first, in radians.
+const LEEWAY_RAD: f32 = 0.45;
+/// The part of a remaining turn that is turned in a second, per radian.
+const TURN_GAIN: f32 = 4.0;
+/// Speeds below which a walker stands, in metres per second, and turns in radians per second.
+const STANDS_M_PER_SEC: f32 = 0.02;
+const STANDS_RAD_PER_SEC: f32 = 0.05;
+/// Half the distance over which the height of the ground is averaged, in metres.
+const HALF_STEP_M: f32 = 0.25;
+/// Distance ahead of a body that walks at which the ground is averaged, in metres: feet come down
+/// there.
+pub(crate) const AHEAD_M: f32 = 0.12;
+/// Speed from which on the ground is averaged ahead, in metres per second; less far below it.
+const WALKS_M_PER_SEC: f32 = 0.3;
+/// Time in which a body follows the height of the ground, in seconds.
+const HEIGHT_SECS: f32 = 0.08;
+/// The part of its speed that leads a walker back when it begins to step backwards, and forwards
+/// when it ends to.
+const BACKWARDS: f32 = 0.2;
+/// Time in which a stride follows the motion, in seconds.
+const STRIDE_SECS: f32 = 0.06;
+
+/// The change of speed, as a part of it, below which a walker steps as before.
+const SAME_SPEED: f32 = 1e-3;
+/// Turns smaller than this are not made, in radians.
+const LEAST_TURN_RAD: f32 = 1e-3;
+const STANDING: Step = Step { mix: 0.0, cycles_per_sec: 0.0, stride_m: 0.0, ankle_m: 0.0 };
+
+/// Limits of walkers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WalkerSettings {
+    /// Gain of speed, in metres per second squared. Pedestrians that set off at a crossing gain
+    /// 0.14 g until they walk at 1.36 m/s (E. R. Fugger, B. C. Randles et al., "Analysis of
+    /// pedestrian gait and perception-reaction at signal-controlled crosswalk intersections",
+    /// Transportation Research Record 1705 (2000), 20-25).
+    pub acceleration: f32,
+    /// Loss of speed, in metres per second squared. A stop from 1.36 m/s takes 0.8 s and half a
+    /// metre. Pedestrians who stop fast at a crossing take two to three steps, more than a second
+    /// ("Analysis on termination of pedestrians' gait at urban intersections", IEEE Intelligent
+    /// Transportation Systems Conference 2014); the default brakes harder, so that walkers stop in
+    /// time for others.
+    pub deceleration: f32,
+    /// Highest rate of turns, in radians per second: half a turn on the spot takes about two
+    /// seconds.
+    pub turn_rate: f32,
+    /// Gain and loss of the rate of turns, in radians per second squared.
+    pub turn_acceleration: f32,
+    /// Highest speed sideways as a fraction of that forwards, for walkers that keep a heading. The
+    /// defaults of both fractions are a choice, not measured.
+    pub sideways: f32,
+    /// Highest speed backwards as a fraction of that forwards.
+    pub backwards: f32,
+}
+
+impl Default for WalkerSettings {
+    fn default() -> Self {
+        Self {
+            acceleration: 1.37,
+            deceleration: 1.8,
+            turn_rate: 2.0,
+            turn_acceleration: 8.0,
+            sideways: 0.4,
+            backwards: 0.7,
+        }
+    }
+}
+
+/// The motion of a walker.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Walker {
+    pub(crate) position: Vec2,
+    pub(crate) velocity: Vec2,
+    pub(crate) height_m: f32,
+    pub(crate) heading_rad: f32,
+    /// The direction of the heading.
+    ahead: Vec2,
+    pub(crate) turn_rate: f32,
+    pub(crate) scale: f32,
+    /// Seconds for which it steps on the spot before it stands.
+    pub(crate) settles_secs: f32,
+    pub(crate) goes_backwards: bool,
+    /// How it steps.
+    pub(crate) step: Step,
+    /// How the crowd was told that it steps.
+    pub(crate) told: Option<Step>,
+    /// How its gaits step at a speed.
+    gait: (f32, Step),
+    pub(crate) stride: Stride,
+    /// The part of the last steps that the position's rounding left out, in metres.
+    rest: Vec2,
+}
+
+/// What a walker wants.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Wish {
+    pub(crate) velocity: Vec2,
+    /// The heading to keep; that of the motion if `None`.
+    pub(crate) facing_rad: Option<f32>,
+}
+
+fn direction_of(heading_rad: f32) -> Vec2 {
+    let (sin, cos) = heading_rad.sin_cos();
+    Vec2::new(sin, cos)
+}
+
+/// Returns the angle from one direction to another about +Y, -pi to pi. The lengths may differ.
+fn turn_between(from: Vec2, to: Vec2) -> f32 {
+    let (sin, cos) = (to.perp_dot(from), to.dot(from));
+    // Nearly all turns are small: the arc tangent's series is exact for them.
+    let tangent = sin / cos;
+    if cos > 0.0 && tangent.abs() < 0.05 {
+        let square = tangent * tangent;
+        return tangent * (1.0 - square * (1.0 / 3.0 - square * 0.2));
+    }
+    sin.atan2(cos)
+}
+
+/// Returns the angle between -pi and pi that is the same turn.
+fn wrapped(angle: f32) -> f32 {
+    if angle.abs() <= PI {
+        return angle;
+    }
+    let turns = (angle / (2.0 * PI)).round();
+    angle - turns * 2.0 * PI
+}
+
+impl Walker {
+    /// Returns a walker that stands at a placement.
+    pub(crate) fn standing(placement: &Placement) -> Self {
+        let [x, height_m, z] = placement.position();
+        Self {
+            position: Vec2::new(x, z),
+            velocity: Vec2::ZERO,
+            height_m,
+            heading_rad: wrapped(placement.yaw_rad()),
+            ahead: direction_of(placement.yaw_rad()),
+            turn_rate: 0.0,
+            scale: placement.scale(),
+            settles_secs: 0.0,
+            goes_backwards: false,
+            step: STANDING,
+            told: None,
+            gait: (f32::INFINITY, STANDING),
+            stride: Stride::OF_CLIPS,
+            rest: Vec2::ZERO,
+        }
+    }
+
+    pub(crate) fn placement(&self) -> Placement {
+        Placement::at([self.position.x, self.height_m, self.position.y])
+            .facing(self.heading_rad)
+            .scaled(self.scale)
+    }
+
+    /// Moves on for `secs`, and returns where it wants to be; walls may hold it back.
+    pub(crate) fn advance(&mut self, wish: Wish, limits: &WalkerSettings, secs: f32) -> Vec2 {
+        let speed = wish.velocity.length();
+        let moves = speed > STANDS_M_PER_SEC;
+        let aside = if moves { turn_between(self.ahead, wish.velocity) } else { 0.0 };
+        let to_turn = wish.facing_rad.map_or(aside, |facing| wrapped(facing - self.heading_rad));
+        let aside = aside - self.turn(to_turn, limits, secs);
+        let wanted = if wish.facing_rad.is_some() {
+            wish.velocity * side_limit(aside, limits)
+        } else if aside.abs() <= LEEWAY_RAD {
+            wish.velocity
+        } else {
+            // It turns until it nearly faces the direction of the wish.
+            let aside = wrapped(aside);
+            let along = self.heading_rad + aside.clamp(-LEEWAY_RAD, LEEWAY_RAD);
+            let over = aside.abs() - LEEWAY_RAD;
+            direction_of(along) * speed * direction_of((2.0 * over).clamp(0.0, FRAC_PI_2)).y
+        };
+        let change = wanted - self.velocity;
+        let faster = wanted.length_squared() > self.velocity.length_squared();
+        let most = secs * if faster { limits.acceleration } else { limits.deceleration };
+        self.velocity += change.clamp_length_max(most);
+        if !moves && self.velocity.length() < STANDS_M_PER_SEC {
+            self.velocity = Vec2::ZERO;
+        }
+        self.position + (self.velocity * secs + self.rest)
+    }
+
+    /// Turns within the limits, and returns the angle.
+    fn turn(&mut self, to_turn: f32, limits: &WalkerSettings, secs: f32) -> f32 {
+        // A long step ends at the heading.
+        let gain = TURN_GAIN.min(1.0 / secs);
+        let rate = (gain * to_turn).clamp(-limits.turn_rate, limits.turn_rate);
+        let rate = if to_turn.abs() < LEAST_TURN_RAD { 0.0 } else { rate };
+        let change = limits.turn_acceleration * secs;
+        self.turn_rate += (rate - self.turn_rate).clamp(-change, change);
+        let turned = self.turn_rate * secs;
+        if turned != 0.0 {
+            self.heading_rad = wrapped(self.heading_rad + turned);
+            self.ahead = direction_of(self.heading_rad);
+        }
+        turned
+    }
+
+    /// Comes to a position that walls allow, and follows the ground; `None` for level ground.
+    pub(crate) fn arrive(&mut self, at: Vec2, wanted: Vec2, ground: Option<&Ground>, secs: f32) {
+        if at == wanted {
+            self.rest += self.velocity * secs - (at - self.position);
+        } else {
+            // Walls take speed and give none, even to who is led out of one.
+            let most = self.velocity.length();
+            self.velocity = ((at - self.position) / secs).clamp_length_max(most);
+            self.rest = Vec2::ZERO;
+        }
+        self.position = at;
+        let Some(ground) = ground else {
+            self.height_m -= self.height_m * (secs / (secs + HEIGHT_SECS));
+            return;
+        };
+        let walks = (self.velocity.length() / WALKS_M_PER_SEC).min(1.0);
+        let wanted = ground_below(ground, at + self.ahead * (AHEAD_M * walks), self.ahead);
+        self.height_m += (wanted - self.height_m) * (secs / (secs + HEIGHT_SECS));
+    }
+
+    /// Sets how it steps, and counts the time until it stands.
+    pub(crate) fn step(&mut self, gaits: &GaitSpace, secs: f32) {
+        let speed = self.velocity.length() / self.scale;
+        let turns = self.turn_rate.abs() > STANDS_RAD_PER_SEC;
+        let on_the_spot = gaits.on_the_spot();
+        self.settles_secs = if turns || speed * self.scale > STANDS_M_PER_SEC {
+            1.0 / on_the_spot.cycles_per_sec
+        } else {
+            self.settles_secs - secs
+        };
+        if (speed - self.gait.0).abs() > SAME_SPEED * speed {
+            self.gait = (speed, gaits.at_speed(speed));
+        }
+        let mut step = self.gait.1;
+        if self.settles_secs > 0.0 && (speed == 0.0 || turns && step.mix < on_the_spot.mix) {
+            step = on_the_spot;
+        }
+        let Vec2 { x: sin, y: cos } = self.ahead;
+        let (x, z) = (self.velocity.x / self.scale, self.velocity.y / self.scale);
+        let velocity = [cos * x - sin * z, sin * x + cos * z];
+        let lean = if self.goes_backwards { -BACKWARDS } else { BACKWARDS };
+        self.goes_backwards = velocity[1] < -lean * speed;
+        if self.goes_backwards {
+            step = Step { cycles_per_sec: -step.cycles_per_sec, ..step };
+        }
+        let wanted = step.stride(velocity, self.turn_rate);
+        self.stride = self.stride.towards(&wanted, secs / (secs + STRIDE_SECS));
+        self.step = step;
+    }
+}
+
+/// Returns the fraction of a speed that is left in a direction relative to the heading.
+fn side_limit(aside: f32, limits: &WalkerSettings) -> f32 {
+    let (across, along) = aside.sin_cos();
+    let most = if along >= 0.0 { 1.0 } else { limits.backwards };
+    1.0 / Vec2::new(across / limits.sideways, along / most).length().max(1.0)
+}
+
+/// Returns the mean height of the ground over a step's length along a direction.
+pub(crate) fn ground_below(ground: &Ground, at: Vec2, direction: Vec2) -> f32 {
+    let half = direction * HALF_STEP_M;
+    let heights = [at - half, at, at + half].map(|at| ground.height_at(at.x, at.y));
+    heights.iter().sum::<f32>() / 3.0
+}

@@ -1,0 +1,160 @@
+//! What walkers are told: goals, speeds, headings and groups.
+
+use std::sync::Arc;
+
+use glam::Vec2;
+use populace::MemberId;
+
+use super::Walkers;
+use crate::Error;
+use crate::error::within;
+use crate::path::{Path, Target, check_coordinate};
+
+/// The walking speed unless set, in metres per second: that of free walkers (U. Weidmann,
+/// "Transporttechnik der Fussgaenger", ETH Zurich 1993).
+const FREE_SPEED: f32 = 1.34;
+/// The highest speed of walkers in metres per second.
+const MOST_SPEED: f32 = 20.0;
+
+/// Where a walker goes.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Goal {
+    /// It stands.
+    #[default]
+    Stand,
+    /// It moves at a velocity `[x, z]` in metres per second, of a length of at most 20.
+    Velocity([f32; 2]),
+    /// It walks to a point `[x, z]` in metres and stops there.
+    Point([f32; 2]),
+    /// It follows a path, from its first point on.
+    Path(Arc<Path>),
+}
+
+/// What one walker is told.
+#[derive(Clone, Debug)]
+pub(super) struct Orders {
+    goal: Goal,
+    /// Where it goes now, and the index of that point in a path.
+    target: Target,
+    next: u32,
+    speed: f32,
+    pub(super) facing_rad: Option<f32>,
+    /// Index of its gaits.
+    pub(super) gaits: u32,
+}
+
+impl Orders {
+    /// To stand.
+    pub(super) fn to_stand(gaits: u32) -> Self {
+        let target = Target { point: Vec2::ZERO, is_end: true };
+        Self { goal: Goal::Stand, target, next: 0, speed: FREE_SPEED, facing_rad: None, gaits }
+    }
+
+    fn set_goal(&mut self, goal: Goal) {
+        self.next = 0;
+        match &goal {
+            Goal::Point(point) => self.target = Target { point: (*point).into(), is_end: true },
+            Goal::Path(path) => self.target = path.target(0),
+            Goal::Stand | Goal::Velocity(_) => {}
+        }
+        self.goal = goal;
+    }
+
+    /// Returns the velocity that leads to the goal, for a step of `secs`.
+    pub(super) fn velocity(&mut self, at: Vec2, slows: f32, secs: f32) -> Vec2 {
+        match &self.goal {
+            Goal::Stand => return Vec2::ZERO,
+            Goal::Velocity(velocity) => return (*velocity).into(),
+            Goal::Path(path) if self.target.is_passed(at, self.speed) => {
+                self.next = path.after(self.next);
+                self.target = path.target(self.next);
+            }
+            Goal::Point(_) | Goal::Path(_) => {}
+        }
+        self.target.velocity(at, self.speed, slows, secs)
+    }
+}
+
+/// Refuses a speed that is not finite or too high.
+fn check_speed(speed: f32) -> Result<(), Error> {
+    within("the speed of a walker", speed, 0.0..=MOST_SPEED, "from 0 to 20 metres per second")
+}
+
+fn check_velocity(velocity: [f32; 2]) -> Result<(), Error> {
+    check_speed(Vec2::from(velocity).length())
+}
+
+impl Walkers {
+    /// Sends a walker to a goal.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker, a velocity of a length that is not from 0 to 20, or a coordinate
+    /// that is not from -1e6 to 1e6.
+    pub fn set_goal(&mut self, member: MemberId, goal: Goal) -> Result<(), Error> {
+        let index = self.index_of(member)?;
+        match &goal {
+            Goal::Velocity(velocity) => check_velocity(*velocity)?,
+            Goal::Point(point) => point.iter().try_for_each(|value| check_coordinate(*value))?,
+            Goal::Stand | Goal::Path(_) => {}
+        }
+        self.orders[index].set_goal(goal);
+        Ok(())
+    }
+
+    /// Sets the velocities `[x, z]` of all walkers, in metres per second, in the order of
+    /// [`members`](Self::members).
+    ///
+    /// # Errors
+    ///
+    /// A slice of another length, or a velocity of a length that is not from 0 to 20. Nothing is
+    /// changed then.
+    pub fn set_velocities(&mut self, velocities: &[[f32; 2]]) -> Result<(), Error> {
+        if velocities.len() != self.members.len() {
+            let (found, walkers) = (velocities.len(), self.members.len());
+            return Err(Error::UnequalLengths { found, walkers });
+        }
+        velocities.iter().try_for_each(|velocity| check_velocity(*velocity))?;
+        for (orders, velocity) in self.orders.iter_mut().zip(velocities) {
+            orders.goal = Goal::Velocity(*velocity);
+        }
+        Ok(())
+    }
+
+    /// Sets the speed at which a walker goes to points and along paths, in metres per second.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker, or a speed that is not from 0 to 20.
+    pub fn set_speed(&mut self, member: MemberId, speed: f32) -> Result<(), Error> {
+        check_speed(speed)?;
+        let index = self.index_of(member)?;
+        self.orders[index].speed = speed;
+        Ok(())
+    }
+
+    /// Keeps a heading while the walker moves, about +Y from +Z towards +X in radians: it steps
+    /// sideways and backwards. `None` faces the way it goes.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker, or an angle that is not from -1e6 to 1e6.
+    pub fn set_facing(&mut self, member: MemberId, yaw_rad: Option<f32>) -> Result<(), Error> {
+        let heading = yaw_rad.unwrap_or(0.0);
+        within("the heading of a walker", heading, -1e6..=1e6, "from -1e6 to 1e6 radians")?;
+        let index = self.index_of(member)?;
+        self.orders[index].facing_rad = yaw_rad;
+        Ok(())
+    }
+
+    /// Puts a walker into a group that walks together: equal numbers are one group, 0 is none.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker.
+    pub fn set_group(&mut self, member: MemberId, group: u32) -> Result<(), Error> {
+        let index = self.index_of(member)?;
+        self.groups[index] = group;
+        Ok(())
+    }
+}
