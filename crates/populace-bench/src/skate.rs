@@ -31,7 +31,7 @@ impl SkateDocument {
     ///
     /// # Errors
     ///
-    /// Those of [`Skate::measure`]. Nothing is added then.
+    /// As for [`Skate::measure`]. Nothing is added then.
     pub fn add(
         &mut self,
         name: &str,

@@ -132,7 +132,7 @@ pub struct Avoidance {
     results: Vec<Vec2>,
 }
 
-/// What is known of the walker that is steered.
+/// The walker that is steered.
 #[derive(Clone, Copy, Debug)]
 struct Body {
     position: Vec2,

@@ -24,7 +24,7 @@ const FASTER: f32 = 4.0;
 /// A sole whose velocity differs from that of the ground by less than this stands in any case, in
 /// body heights per second.
 const STILL: f32 = 0.06;
-/// What the skewness of velocities counts against their correlation with height, in telling which
+/// Weight of the skewness of velocities against their correlation with height, in telling which
 /// way feet swing.
 const SKEWNESS: f64 = 0.07;
 /// A clip goes forwards or backwards, not aside, if at least this part of its direction is along Z.

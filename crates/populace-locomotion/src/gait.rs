@@ -12,7 +12,7 @@ use crate::contacts::{Contact, Standing};
 use crate::mix::MixedClip;
 use crate::soles::{SoleSample, Soles};
 
-/// What the feet of a body do in one cycle of a clip.
+/// Contacts, speed and stride of a body in one cycle of a clip.
 ///
 /// Pairs of values are of the left and of the right foot; `None` for a foot that never stands.
 #[derive(Clone, Debug, PartialEq)]

@@ -18,7 +18,7 @@ const WALK: f32 = 0.62;
 const RUN: f32 = 0.36;
 /// The height of the hips as a fraction of the body's, if they are not known.
 const HIPS: f32 = 0.53;
-/// What a difference in this share counts against one in the logarithm of speed.
+/// Weight of a difference in this share against one in the logarithm of speed.
 const SHARE: f32 = 4.0;
 /// Speeds of walks and runs, in body heights per second.
 const MOVES: (f32, f32) = (0.15, 4.5);

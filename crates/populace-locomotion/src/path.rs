@@ -58,12 +58,12 @@ impl Path {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Target {
     pub(crate) point: Vec2,
-    /// Whether it stops there.
+    /// True if it stops there.
     pub(crate) is_end: bool,
 }
 
 impl Target {
-    /// Whether a walker that does not stop there turns to the next point.
+    /// Returns whether a walker that does not stop there turns to the next point.
     pub(crate) fn is_passed(&self, at: Vec2, speed: f32) -> bool {
         let near = REACHED_M.max(REACHED_SECS * speed);
         !self.is_end && at.distance_squared(self.point) < near * near

@@ -12,7 +12,7 @@ use crate::{Error, GaitClips};
 use course::{COURSE, Course};
 use samples::Samples;
 
-/// What was measured on one part of the standard course, or on all of it.
+/// Measurements on one part of the standard course, or on all of it.
 ///
 /// # How it is measured
 ///

@@ -15,7 +15,7 @@ const WHOLE: f32 = 0.999;
 /// Clips of less than this share of the weight do not make a standing foot step.
 const STEPPING: f32 = 0.02;
 
-/// What clips do with one foot, by their weights.
+/// Contacts of one foot, mixed by the weights of the clips.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Planting {
     within: f32,
@@ -54,7 +54,8 @@ impl Planting {
 pub(crate) struct MixStride {
     /// By the median velocity of planted soles.
     pub(crate) sole_m: f32,
-    /// What a stride adds to it that doubles what ankles step, but not what feet roll.
+    /// Metres that the stride gains when the steps of ankles are doubled and the roll of feet is
+    /// not.
     pub(crate) ankle_m: f32,
 }
 

@@ -99,7 +99,7 @@ pub(crate) struct Walker {
     rest: Vec2,
 }
 
-/// What a walker wants.
+/// The wish of a walker.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Wish {
     pub(crate) velocity: Vec2,

@@ -1,5 +1,5 @@
-//! What walls ask of a velocity: the truncated cones of section 5.2 of the paper for line segments,
-//! and ways around what stands ahead.
+//! Constraints of walls on a velocity: the truncated cones of section 5.2 of the paper for line
+//! segments, and ways around obstacles ahead.
 
 use glam::Vec2;
 
@@ -78,7 +78,7 @@ impl<'a> Barriers<'a> {
         self.near[..self.count].iter().map(|(_, wall)| *wall)
     }
 
-    /// Whether a wall stands between two points.
+    /// Returns whether a wall stands between two points.
     pub(crate) fn hide(&self, from: Vec2, to: Vec2) -> bool {
         let sides = |from: Vec2, to: Vec2, a: Vec2, b: Vec2| {
             let along = to - from;

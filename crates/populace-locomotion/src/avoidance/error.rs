@@ -31,7 +31,7 @@ pub enum Error {
     /// A slice of another length than the positions.
     #[error("there are {positions} positions, but {found} {what}; give one for each walker")]
     UnequalLengths {
-        /// What the slice holds.
+        /// Content of the slice.
         what: &'static str,
         /// Its length.
         found: usize,

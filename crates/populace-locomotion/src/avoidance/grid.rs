@@ -10,7 +10,7 @@ const CELL_M: f32 = 2.0;
 /// The fewest cells along each side.
 const FEWEST: u32 = 16;
 
-/// What neighbours see of a walker.
+/// A walker as its neighbours see it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Seen {
     pub(crate) position: Vec2,

@@ -28,7 +28,7 @@ impl HalfPlane {
     }
 }
 
-/// What the best velocity is.
+/// The measure of the best velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Goal {
     /// The one nearest to this velocity.

@@ -1,5 +1,5 @@
-//! What other walkers ask of a velocity: section 4 of the paper, with a choice of the neighbours
-//! that matter most.
+//! Constraints of other walkers on a velocity: section 4 of the paper, for the most urgent
+//! neighbours.
 
 use glam::Vec2;
 
@@ -130,7 +130,7 @@ impl Ranking {
     }
 }
 
-/// Whether another walker comes towards this one and is not clearly to its left.
+/// Returns whether another walker comes towards this one and is not clearly to its left.
 fn is_oncoming(body: &Body, other: &Seen) -> bool {
     let apart = other.position - body.position;
     other.ahead.dot(body.ahead) < -0.5

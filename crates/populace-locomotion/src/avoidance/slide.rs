@@ -71,7 +71,7 @@ impl Near {
         Some((share, normal))
     }
 
-    /// Whether the line from the origin to `to` meets the wall.
+    /// Returns whether the line from the origin to `to` meets the wall.
     fn is_crossed(&self, to: DVec2) -> bool {
         let sides = |from: DVec2, to: DVec2, a: DVec2, b: DVec2| {
             let along = to - from;
@@ -121,7 +121,8 @@ impl Walls {
         step + normal * (deepest.min(MOST_OUT_M) - step.dot(normal).min(0.0))
     }
 
-    /// Whether a step crosses no wall and comes nearer to none than the radius, or than it was.
+    /// Returns whether a step crosses no wall and comes nearer to none than the radius, or than it
+    /// was.
     fn allows(&self, from: Vec2, to: Vec2, radius: f64) -> bool {
         let step = to.as_dvec2() - from.as_dvec2();
         let farthest = f64::from(from.abs().max_element());

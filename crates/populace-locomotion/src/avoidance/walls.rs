@@ -99,7 +99,8 @@ impl Walls {
         }
     }
 
-    /// Whether a wall comes near a cell: nearer to its middle than its corners are, and a tenth.
+    /// Returns whether a wall comes near a cell: nearer to its middle than its corners are, and a
+    /// tenth.
     fn touches(&self, cell: usize, wall: &Wall) -> bool {
         let edge = 1.0 / self.cells_per_m;
         let at = Vec2::new((cell % self.columns) as f32, (cell / self.columns) as f32);

@@ -63,7 +63,7 @@ pub(super) const COURSE: [(&str, Part, f32); 11] = [
     ("stairs", Part::Stairs(0.8), 5.0),
 ];
 
-/// What a member is told at one time.
+/// The order to a member at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Order {
     /// `[x, z]` in metres per second.

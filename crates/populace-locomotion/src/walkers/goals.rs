@@ -1,4 +1,4 @@
-//! What walkers are told: goals, speeds, headings and groups.
+//! Orders to walkers: goals, speeds, headings and groups.
 
 use std::sync::Arc;
 
@@ -30,7 +30,7 @@ pub enum Goal {
     Path(Arc<Path>),
 }
 
-/// What one walker is told.
+/// The orders of one walker.
 #[derive(Clone, Debug)]
 pub(super) struct Orders {
     goal: Goal,

@@ -20,7 +20,7 @@ use crate::roles;
 struct Walker {
     name: String,
     character: Arc<Character>,
-    /// Whether its clips without retargeting are all there is to measure.
+    /// True for a person made by code, who is measured with clips of their own alone.
     built_in: bool,
 }
 

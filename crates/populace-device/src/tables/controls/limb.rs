@@ -1,4 +1,4 @@
-//! What the compilation of constraints and of legs shares.
+//! Chains of limbs, shared by the compilation of constraints and of legs.
 
 use populace_model::convert::u32_from;
 use populace_model::{JointIndex, Skeleton};
