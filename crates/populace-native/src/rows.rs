@@ -10,6 +10,7 @@ use populace_device::layout::{
     MAP_TRANSLATION, NONE, ROW_FLOATS, RowBlock, SlotSample,
 };
 use populace_model::Property;
+use populace_model::math::Real;
 
 use crate::lanes::{LANES, Lanes, Simd, Width};
 
@@ -49,8 +50,8 @@ pub(crate) trait Columns<R> {
     /// Returns the position of a property's planes.
     fn planes(&self, property: Property) -> Planes;
 
-    /// Returns a component of a row, in steps.
-    fn steps(&self, property: Property, row: u32, component: usize) -> R;
+    /// Returns a component between two rows, in steps.
+    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> R;
 }
 
 /// Position of a property's planes in a row.
@@ -124,6 +125,13 @@ impl Encoding {
             Self::Packed => half(plane[lane / 2] >> (16 * (lane % 2))),
         }
     }
+
+    /// Decodes sixteen lanes between two planes.
+    #[inline(always)]
+    fn between(self, from: &[u32], to: &[u32], between: f32) -> Lanes {
+        Lanes::from_fn(|lane| self.steps_in(from, lane))
+            .mix(Lanes::from_fn(|lane| self.steps_in(to, lane)), Lanes::splat(between))
+    }
 }
 
 /// Column of one joint.
@@ -163,9 +171,12 @@ impl Columns<f32> for JointColumn<'_> {
     }
 
     #[inline(always)]
-    fn steps(&self, property: Property, row: u32, component: usize) -> f32 {
-        let (at, encoding) = self.planes(property).plane_at(property, row, component);
-        encoding.steps_in(&self.rows[at..], self.lane)
+    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> f32 {
+        let [from, to] = [at.row0, at.row1].map(|row: u32| {
+            let (plane, encoding) = self.planes(property).plane_at(property, row, component);
+            encoding.steps_in(&self.rows[plane..], self.lane)
+        });
+        from.mix(to, at.between)
     }
 }
 
@@ -200,22 +211,26 @@ impl<'a> BlockColumns<'a> {
     }
 
     /// Collects each joint's steps from the block of columns that has it.
-    fn gathered_steps(&self, property: Property, row: u32, component: usize) -> Lanes {
-        let mut found = [0.0; LANES];
+    #[inline(never)]
+    fn gathered_steps(&self, property: Property, at: &SlotSample, component: usize) -> Lanes {
+        let mut found = [[0.0; LANES]; 2];
         for (block, lanes) in self.sources() {
             let planes = Planes::of(&block, property);
             if planes.are_still() {
                 continue;
             }
-            let (at, encoding) = planes.plane_at(property, row, component);
-            let plane = &self.tables.rows().as_slice()[at..];
-            for (value, &lane) in found.iter_mut().zip(lanes) {
-                if lane != NONE {
-                    *value = encoding.steps_in(plane, lane as usize);
+            for (found, row) in found.iter_mut().zip([at.row0, at.row1]) {
+                let (plane, encoding) = planes.plane_at(property, row, component);
+                let plane = &self.tables.rows().as_slice()[plane..];
+                for (value, &lane) in found.iter_mut().zip(lanes) {
+                    if lane != NONE {
+                        *value = encoding.steps_in(plane, lane as usize);
+                    }
                 }
             }
         }
-        Simd(found)
+        let [from, to] = found.map(Simd);
+        from.mix(to, Simd::splat(at.between))
     }
 }
 
@@ -226,17 +241,21 @@ impl Columns<Lanes> for BlockColumns<'_> {
     }
 
     #[inline(always)]
-    fn steps(&self, property: Property, row: u32, component: usize) -> Lanes {
+    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> Lanes {
         if self.bound.flags & BLOCK_STRAIGHT == 0 {
-            return self.gathered_steps(property, row, component);
+            return self.gathered_steps(property, at, component);
         }
-        let (at, encoding) = self.planes(property).plane_at(property, row, component);
-        let plane = &self.tables.rows().as_slice()[at..at + LANES];
+        let planes = self.planes(property);
+        let (from, encoding) = planes.plane_at(property, at.row0, component);
+        let (to, _) = planes.plane_at(property, at.row1, component);
+        let rows = self.tables.rows().as_slice();
+        let (from, to) = (&rows[from..from + LANES], &rows[to..to + LANES]);
+        // One branch holds all that depends on the encoding, so that its values stay in registers.
         match encoding {
-            Encoding::Float => Lanes::from_fn(|lane| Encoding::Float.steps_in(plane, lane)),
-            Encoding::LowHalf => Lanes::from_fn(|lane| Encoding::LowHalf.steps_in(plane, lane)),
-            Encoding::HighHalf => Lanes::from_fn(|lane| Encoding::HighHalf.steps_in(plane, lane)),
-            Encoding::Packed => Lanes::from_fn(|lane| Encoding::Packed.steps_in(plane, lane)),
+            Encoding::Float => Encoding::Float.between(from, to, at.between),
+            Encoding::LowHalf => Encoding::LowHalf.between(from, to, at.between),
+            Encoding::HighHalf => Encoding::HighHalf.between(from, to, at.between),
+            Encoding::Packed => Encoding::Packed.between(from, to, at.between),
         }
     }
 }
@@ -254,9 +273,7 @@ pub(crate) fn component<R: RowWidth>(
     step: R,
     offset: R,
 ) -> R {
-    let from = columns.steps(property, at.row0, index);
-    let to = columns.steps(property, at.row1, index);
-    from.mix(to, R::splat(at.between)) * step + offset
+    columns.steps(property, at, index) * step + offset
 }
 
 /// Loads a quaternion from four planes of `padded` floats.
