@@ -216,10 +216,21 @@ pub struct CharacterSource {
     pub clips: Vec<Arc<Clip>>,
 }
 
+/// A coarser version of a character's meshes, for small pictures of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Level {
+    /// Distance in metres, at rest, by which its surface is off that of the character at most.
+    pub error_m: f32,
+    /// One mesh for each part, in the order of [`CharacterSource::parts`] and with the same palette
+    /// and materials. Parts that are too small to be seen have no triangles.
+    pub meshes: Vec<Mesh>,
+}
+
 /// A checked character: every index is valid and every number is finite.
 #[derive(Clone, Debug)]
 pub struct Character {
     source: CharacterSource,
+    levels: Vec<Level>,
     rest_bounds: Option<Bounds>,
 }
 
@@ -270,18 +281,54 @@ impl Character {
         }
         for part in &source.parts {
             if let Err(what) = check_part(part, &source) {
-                return fail(
-                    format!(
-                        "node {} \"{}\", primitive {}",
-                        part.node, part.node_name, part.primitive
-                    ),
-                    what,
-                );
+                return fail(place_of(part), what);
             }
         }
-        let mut character = Self { source, rest_bounds: None };
-        character.rest_bounds = Bounds::around(character.rest_vertices());
+        let mut character = Self { source, levels: Vec::new(), rest_bounds: None };
+        let parts = 0..character.parts.len();
+        character.rest_bounds = Bounds::around(parts.flat_map(|p| character.rest_positions(p)));
         Ok(character)
+    }
+
+    /// Sets the coarser levels of detail, finest first. They replace earlier ones.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadCharacter`] if the levels' errors are not positive and increasing, or for a mesh
+    /// that [`new`](Self::new) would refuse as a part.
+    pub fn with_levels(mut self, levels: Vec<Level>) -> Result<Self, Error> {
+        let mut finer_m = 0.0;
+        for (index, level) in levels.iter().enumerate() {
+            let fail = |place: String, what: String| {
+                Err(Error::BadCharacter { place: format!("level {}{place}", index + 1), what })
+            };
+            if !(level.error_m > finer_m && level.error_m.is_finite()) {
+                let error_m = level.error_m;
+                return fail(
+                    String::new(),
+                    format!("has an error of {error_m} m; more than {finer_m} m is needed"),
+                );
+            }
+            finer_m = level.error_m;
+            if level.meshes.len() != self.parts.len() {
+                let what = format!("{} meshes for {} parts", level.meshes.len(), self.parts.len());
+                return fail(String::new(), what);
+            }
+            for (part, mesh) in self.parts.iter().zip(&level.meshes) {
+                if let Err(what) = check_mesh(mesh, self.palette.len()) {
+                    return fail(format!(", {}", place_of(part)), what);
+                }
+            }
+        }
+        self.levels = levels;
+        Ok(self)
+    }
+
+    /// The coarser levels of detail, finest first. Level 0, the character itself, is not among
+    /// them.
+    #[must_use]
+    pub fn levels(&self) -> &[Level] {
+        &self.levels
     }
 
     /// The box around all vertices at rest in model space; `None` without meshes.
@@ -296,16 +343,23 @@ impl Character {
         self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
     }
 
-    fn rest_vertices(&self) -> impl Iterator<Item = [f32; 3]> {
+    /// Returns the positions in model space of a part's vertices at rest, in metres. Empty if there
+    /// is no such part.
+    #[must_use]
+    pub fn rest_positions(&self, part: usize) -> Vec<[f32; 3]> {
+        let Some(Part { mesh, .. }) = self.parts.get(part) else { return Vec::new() };
         let models = self.skeleton.rest_models();
         let bind =
             |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
         let binds: Vec<_> = self.palette.iter().map(bind).collect();
-        self.parts.iter().flat_map(move |part| {
-            let place = |vertex| f64math::to_f32(rest_place(&part.mesh, vertex, &binds).to_array());
-            (0..part.mesh.positions.len()).map(place).collect::<Vec<_>>()
-        })
+        let place = |vertex| f64math::to_f32(rest_place(mesh, vertex, &binds).to_array());
+        (0..mesh.positions.len()).map(place).collect()
     }
+}
+
+/// Names a part for error messages.
+fn place_of(part: &Part) -> String {
+    format!("node {} \"{}\", primitive {}", part.node, part.node_name, part.primitive)
 }
 
 /// Returns the position of a vertex at rest in model space. `binds` holds `model_from_bind` of each
@@ -347,24 +401,24 @@ pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Pa
 }
 
 fn check_part(part: &Part, source: &CharacterSource) -> Result<(), String> {
-    let Mesh { positions, normals, uvs, colors, influences, indices } = &part.mesh;
-    check_lengths(&part.mesh)?;
+    check_mesh(&part.mesh, source.palette.len())?;
+    if part.material.is_some_and(|m| m >= source.materials.len()) {
+        return Err("it refers to a material that does not exist".into());
+    }
+    Ok(())
+}
+
+fn check_mesh(mesh: &Mesh, palette_count: usize) -> Result<(), String> {
+    let Mesh { positions, normals, uvs, colors, influences, indices } = mesh;
+    check_lengths(mesh)?;
     if indices.len() % 3 != 0 || indices.iter().any(|&i| i as usize >= positions.len()) {
         return Err(format!(
             "indices must be whole triangles of vertices below {}",
             positions.len()
         ));
     }
-    if let Some(entry) =
-        influences.entries.iter().find(|&&e| usize::from(e) >= source.palette.len())
-    {
-        return Err(format!(
-            "a vertex refers to palette entry {entry}; there are {}",
-            source.palette.len()
-        ));
-    }
-    if part.material.is_some_and(|m| m >= source.materials.len()) {
-        return Err("it refers to a material that does not exist".into());
+    if let Some(entry) = influences.entries.iter().find(|&&e| usize::from(e) >= palette_count) {
+        return Err(format!("a vertex refers to palette entry {entry}; there are {palette_count}"));
     }
     let finite = positions
         .iter()

@@ -10,8 +10,8 @@ mod rehang;
 mod sole_points;
 
 pub use character::{
-    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Material, Mesh, PaletteEntry,
-    Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
+    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Level, Material, Mesh,
+    PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use error::Error;
 pub use sole_points::sole_points;

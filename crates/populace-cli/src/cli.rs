@@ -16,7 +16,7 @@ use crate::mix::{LayerArg, SlotArg};
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use values::{Size, VertexId, View};
-use values::{frame_rate, height};
+use values::{frame_rate, height, pixels};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -232,6 +232,13 @@ pub(crate) struct PictureArgs {
     /// walk in place are always moved
     #[arg(long)]
     pub(crate) root_motion: bool,
+    /// Greatest distance in pixels between the surfaces of members that are drawn with fewer
+    /// triangles and their own, from 0 to 100
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.5, value_parser = pixels)]
+    pub(crate) detail: f32,
+    /// Draw and evaluate all members in full detail, also those out of view
+    #[arg(long)]
+    pub(crate) full_detail: bool,
     /// Hide the meshes of the node with this name; can be repeated
     #[arg(long, value_name = "NODE")]
     pub(crate) hide: Vec<String>,

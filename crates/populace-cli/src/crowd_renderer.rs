@@ -12,6 +12,7 @@ use crate::roles::CrowdRole;
 pub(crate) struct CrowdRenderer {
     renderer: Renderer,
     camera: Camera,
+    scene: Scene,
     transport: PaletteTransport,
     drawn: Drawn,
 }
@@ -24,14 +25,14 @@ impl CrowdRenderer {
         crowd: &mut Crowd,
         roles: &[CrowdRole],
         hide: &[String],
-        camera: Camera,
+        (camera, scene): (Camera, Scene),
     ) -> Result<Self, Failure> {
         let transport = renderer.connect_palettes(crowd)?.transport;
         let hidden = |part: &Part| hide.contains(&part.node_name);
         for role in roles {
             renderer.upload_character(&role.character, &hidden)?;
         }
-        Ok(Self { renderer, camera, transport, drawn: Drawn::default() })
+        Ok(Self { renderer, camera, scene, transport, drawn: Drawn::default() })
     }
 
     /// Returns the name of the OpenGL driver.
@@ -51,7 +52,7 @@ impl CrowdRenderer {
 
     /// Draws the crowd in the state of its last update.
     pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
-        self.drawn = self.renderer.draw(crowd, &self.camera, &Scene::default())?;
+        self.drawn = self.renderer.draw(crowd, &self.camera, &self.scene)?;
         Ok(self.renderer.read_image()?)
     }
 }

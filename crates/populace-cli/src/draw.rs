@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use populace::Crowd;
-use populace_render::{Camera, Drawn, Renderer, encode_png};
+use populace_render::{Camera, Drawn, Renderer, Scene, encode_png};
 use serde_json::json;
 
 use crate::cli::{PictureArgs, View, build};
@@ -88,8 +88,15 @@ impl DrawJob<'_> {
         #[cfg(unix)]
         crate::aborts::exit_on_abort();
         let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let loaded =
-            roles::load(&mut crowd, &args.input, self.inputs, &args.clips, choice, args.height)?;
+        let loaded = roles::load(
+            &mut crowd,
+            &args.input,
+            self.inputs,
+            &args.clips,
+            choice,
+            args.height,
+            !args.full_detail,
+        )?;
         check_inputs(pictures.paths(), &loaded.files)?;
         check_hidden(&loaded.roles, &args.hide)?;
         let settings = PopulationSettings {
@@ -100,6 +107,10 @@ impl DrawJob<'_> {
         };
         let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
         let camera = self.camera(&population);
+        let scene = self.scene();
+        if !args.full_detail {
+            crowd.set_view(Some(camera.view(args.size.0, &scene, args.detail)?))?;
+        }
         let devices = devices_and_shares(&crowd);
         message!(
             "{} on {devices}, {}",
@@ -107,7 +118,7 @@ impl DrawJob<'_> {
             crowd.device_info().schedule
         );
         let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
-            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide, camera)
+            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide, (camera, scene))
         });
         self.draw_all(&mut crowd, renderer, &pictures)
     }
@@ -176,6 +187,7 @@ impl DrawJob<'_> {
         let frames = counted(count as usize, "frame");
         message!("{frames}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
         if self.args.json {
+            let view = crowd.view_statistics();
             return report::json(&json!({
                 "schema": 1,
                 "device": crowd.device_info().devices.to_string(),
@@ -185,10 +197,23 @@ impl DrawJob<'_> {
                 "ms_median": {"total": total, "animate": animate, "draw": draw},
                 "drawn_members": drawn.instances,
                 "triangles": drawn.triangles,
+                "shadow": {"members": drawn.shadow_instances, "triangles": drawn.shadow_triangles},
+                "draw_calls": drawn.draw_calls,
+                "levels": view.levels,
+                "shadow_only": view.shadow_only,
+                "hidden": view.hidden,
                 "out": out.to_string_lossy(),
             }));
         }
         report::path(&out)
+    }
+
+    fn scene(&self) -> Scene {
+        let mut scene = Scene::default();
+        if self.args.full_detail {
+            scene.sun.error_texels = 0.0;
+        }
+        scene
     }
 
     fn camera(&self, population: &Population) -> Camera {

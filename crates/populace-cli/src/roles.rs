@@ -11,6 +11,7 @@ use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
 use populace_cast::{Look, person};
+use populace_lod::with_levels;
 
 use crate::failure::Failure;
 use crate::fit;
@@ -83,7 +84,7 @@ impl<'a> Loader<'a> {
 
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
-/// added to all characters.
+/// added to all characters. With `levels`, characters get levels of detail.
 pub(crate) fn load(
     crowd: &mut Crowd,
     input: &InputArgs,
@@ -91,6 +92,7 @@ pub(crate) fn load(
     clip_files: &[PathBuf],
     choice: ClipChoice,
     height_m: Option<f32>,
+    levels: bool,
 ) -> Result<LoadedRoles, Failure> {
     let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
     let mut progress = Progress::new("files", inputs.len() + clip_files.len());
@@ -106,7 +108,7 @@ pub(crate) fn load(
                 if character.parts.is_empty() {
                     clips.extend(character.clips.iter().cloned());
                 } else {
-                    drawn.push(Arc::new(character));
+                    drawn.push(character);
                 }
             }
         }
@@ -118,7 +120,9 @@ pub(crate) fn load(
     let mixed = drawn.len() > 1;
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
-    let mut add = |character: Arc<Character>| {
+    let mut add = |character: Character| {
+        let character = if levels { with_levels(character) } else { Ok(character) };
+        let character = Arc::new(character.map_err(|e| Failure::Run(e.into()))?);
         let scale = scale(&character, height_m, mixed);
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
@@ -165,8 +169,8 @@ pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
 }
 
-fn built_in(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
-    looks(name)?.iter().map(|look| create_person(look).map(Arc::new)).collect()
+fn built_in(name: &str) -> Result<Vec<Character>, Failure> {
+    looks(name)?.iter().map(create_person).collect()
 }
 
 /// Loads the clips of a file or of a built-in person; `@people` stands for the first of them.

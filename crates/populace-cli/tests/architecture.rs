@@ -53,6 +53,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-physics", &["populace"]),
     ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
+    ("populace-lod", &["populace-character", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (
         "populace-testkit",
@@ -86,6 +87,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-bench",
             "populace-cast",
             "populace-locomotion",
+            "populace-lod",
             "populace-render",
             "populace-testkit",
         ],

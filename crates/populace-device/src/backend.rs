@@ -112,11 +112,11 @@ impl Frame {
         self.place_first <= place && place < self.place_end
     }
 
-    /// Returns whether the member's phase is one of the frame's phases.
+    /// Returns whether the member's phase is one of the frame's phases, and it is not hidden.
     #[inline]
     #[must_use]
     pub const fn reaches(self, member: &Member) -> bool {
-        self.phase_first <= member.phase() && member.phase() < self.phase_end
+        !member.is_hidden() && self.phase_first <= member.phase() && member.phase() < self.phase_end
     }
 
     /// Returns whether the frame's phases include the first one.

@@ -7,6 +7,7 @@ use populace_character::Character;
 use populace_model::Affine;
 
 use crate::interop::PaletteSource;
+use crate::view::Visibility;
 
 /// One instance of a character.
 #[derive(Clone, Copy)]
@@ -23,6 +24,11 @@ pub struct Instance<'a> {
     pub palette_first: u32,
     /// Linear colour by which all materials are multiplied; `[1.0; 3]` changes nothing.
     pub tint: [f32; 3],
+    /// Level of detail: 0 for the character's own meshes, else one more than the index of its
+    /// [`levels`](Character::levels). The coarsest level stands for all above it.
+    pub level: u32,
+    /// What can be seen of it. A hidden one is not drawn.
+    pub visibility: Visibility,
 }
 
 impl fmt::Debug for Instance<'_> {
@@ -33,6 +39,8 @@ impl fmt::Debug for Instance<'_> {
             .field("moved", &self.moved)
             .field("palette_first", &self.palette_first)
             .field("tint", &self.tint)
+            .field("level", &self.level)
+            .field("visibility", &self.visibility)
             .finish()
     }
 }

@@ -159,6 +159,8 @@ device_consts! {
     pub const LAYERS_PER_MEMBER: u32 = 4;
     /// Low bits of [`Member::layers_and_phase`] that count layers; the phase is in the bits above.
     pub const MEMBER_LAYER_BITS: u32 = 8;
+    /// [`Member::layers_and_phase`]: set if no frame evaluates the member.
+    pub const MEMBER_HIDDEN: u32 = 0x8000_0000;
     /// Maximum number of phases per frame: one for members attached to nothing, and four levels of
     /// attached members.
     pub const MAX_PHASES: u32 = 5;

@@ -19,6 +19,7 @@ mod playback;
 mod stage;
 mod stage_buffer;
 mod tables;
+mod view;
 
 pub use backend::{Backend, Frame, Schedule};
 pub use backend_error::BackendError;
@@ -41,3 +42,4 @@ pub use stage_buffer::{Stage, StageBuffer};
 pub use tables::{
     BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition,
 };
+pub use view::{VIEW_PLANES, View, Visibility};

@@ -1,8 +1,8 @@
 //! Sorting of instances into draws: one per run of equal model, page and handedness.
 
 use glam::Vec3;
-use populace_device::Instance;
 use populace_device::layout::PAGE_ENTRIES;
+use populace_device::{Instance, Visibility};
 use populace_model::Affine;
 
 use crate::Error;
@@ -11,10 +11,16 @@ use crate::layout::InstanceData;
 /// Counts of a drawn picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Number of instances.
+    /// Number of instances in the picture.
     pub instances: usize,
-    /// Number of triangles of all instances, without hidden parts.
+    /// Number of their triangles, without hidden parts.
     pub triangles: usize,
+    /// Number of instances in the shadow map.
+    pub shadow_instances: usize,
+    /// Number of their triangles.
+    pub shadow_triangles: usize,
+    /// Number of draw calls for instances in both.
+    pub draw_calls: usize,
 }
 
 /// Properties of a model that batching needs.
@@ -22,7 +28,8 @@ pub struct Drawn {
 pub(crate) struct ModelInfo {
     /// Number of palette entries.
     pub(crate) entry_count: usize,
-    pub(crate) triangles: usize,
+    /// Number of levels of detail, at least 1.
+    pub(crate) level_count: u32,
     /// True if any part is alpha-blended.
     pub(crate) blended: bool,
 }
@@ -33,6 +40,8 @@ pub(crate) struct Run {
     pub(crate) page: usize,
     /// Index of the model.
     pub(crate) model: usize,
+    /// Level of detail of the model.
+    pub(crate) level: u32,
     /// True if `world_from_model` mirrors, which reverses the winding of triangles.
     pub(crate) mirrored: bool,
     /// Index of the first instance in [`Batches::instances`].
@@ -48,12 +57,16 @@ pub(crate) struct Batches {
     pub(crate) opaque: Vec<Run>,
     /// Runs of blended parts: all instances sorted back to front.
     pub(crate) blended: Vec<Run>,
+    /// Runs of what throws shadows.
+    pub(crate) shadow: Vec<Run>,
 }
 
 /// Sort key of one instance.
+#[derive(Clone, Copy)]
 struct DrawKey {
     page: usize,
     model: usize,
+    level: u32,
     mirrored: bool,
     /// Squared distance from the eye.
     distance: f32,
@@ -62,14 +75,16 @@ struct DrawKey {
 }
 
 impl Batches {
-    /// Checks the instances and sorts them by their distance from `eye`. Instances with a
-    /// non-finite transform or tint are skipped. `models` has the index in `infos` of each
-    /// instance's model. `page_len` returns the number of palette entries of a page.
+    /// Checks the instances and sorts them by their distance from `eye`. Hidden instances, and those
+    /// with a non-finite transform or tint, are skipped. `models` has the index in `infos` of each
+    /// instance's model. `page_len` returns the number of palette entries of a page. `shadow_level`
+    /// returns the level of an instance in the shadow map; `None` if its shadow is not in it.
     pub(crate) fn new(
         instances: &[Instance<'_>],
         models: &[usize],
         infos: &[ModelInfo],
         page_len: &dyn Fn(usize) -> usize,
+        shadow_level: &dyn Fn(usize) -> Option<u32>,
         eye: Vec3,
     ) -> Result<Self, Error> {
         let mut keys = Vec::with_capacity(instances.len());
@@ -77,6 +92,9 @@ impl Batches {
             let page = (instance.palette_first / PAGE_ENTRIES) as usize;
             let first = (instance.palette_first % PAGE_ENTRIES) as usize;
             let (count, available) = (infos[model].entry_count, page_len(page));
+            if instance.visibility == Visibility::Hidden {
+                continue;
+            }
             if first + count > available {
                 return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
@@ -87,6 +105,7 @@ impl Batches {
                 keys.push(DrawKey {
                     page,
                     model,
+                    level: instance.level.min(infos[model].level_count - 1),
                     mirrored: determinant(&instance.world_from_model) < 0.0,
                     distance: position.distance_squared(eye),
                     index,
@@ -94,11 +113,14 @@ impl Batches {
             }
         }
         let mut batches = Self::default();
-        keys.sort_unstable_by(|a, b| {
-            let group = |k: &DrawKey| (k.page, k.model, k.mirrored);
-            let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
-            order.then(a.index.cmp(&b.index))
-        });
+        let mut shadow_keys: Vec<DrawKey> = keys
+            .iter()
+            .filter_map(|key| Some(DrawKey { level: shadow_level(key.index)?, ..*key }))
+            .collect();
+        sort_for_opaque(&mut shadow_keys);
+        batches.shadow = batches.append(instances, &shadow_keys);
+        keys.retain(|key| instances[key.index].visibility == Visibility::InView);
+        sort_for_opaque(&mut keys);
         batches.opaque = batches.append(instances, &keys);
         keys.retain(|key| infos[key.model].blended);
         keys.sort_unstable_by(|a, b| b.distance.total_cmp(&a.distance).then(a.index.cmp(&b.index)));
@@ -106,26 +128,20 @@ impl Batches {
         Ok(batches)
     }
 
-    /// Returns the numbers of instances and triangles that are drawn.
-    pub(crate) fn drawn(&self, infos: &[ModelInfo]) -> Drawn {
-        let count = |run: &Run| run.count as usize;
-        let instances = self.opaque.iter().map(count).sum();
-        let triangles = self.opaque.iter().map(|run| count(run) * infos[run.model].triangles).sum();
-        Drawn { instances, triangles }
-    }
-
     /// Appends the instances in the order of `keys` and returns their runs.
     fn append(&mut self, instances: &[Instance<'_>], keys: &[DrawKey]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for key in keys {
-            let DrawKey { page, model, mirrored, index, .. } = *key;
-            let last = runs.last_mut();
-            match last.filter(|r| (r.page, r.model, r.mirrored) == (page, model, mirrored)) {
+            let DrawKey { page, model, level, mirrored, index, .. } = *key;
+            let same = |r: &&mut Run| {
+                (r.page, r.model, r.level, r.mirrored) == (page, model, level, mirrored)
+            };
+            match runs.last_mut().filter(same) {
                 Some(run) => run.count += 1,
                 None => {
                     // Saturation is out of reach: 2^32 instances would take 256 GiB.
                     let first = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
-                    runs.push(Run { page, model, mirrored, first, count: 1 });
+                    runs.push(Run { page, model, level, mirrored, first, count: 1 });
                 }
             }
             let instance = &instances[index];
@@ -140,6 +156,15 @@ impl Batches {
         }
         runs
     }
+}
+
+/// Sorts into the fewest runs, each front to back.
+fn sort_for_opaque(keys: &mut [DrawKey]) {
+    keys.sort_unstable_by(|a, b| {
+        let group = |k: &DrawKey| (k.page, k.model, k.mirrored, k.level);
+        let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
+        order.then(a.index.cmp(&b.index))
+    });
 }
 
 /// Returns the determinant of the linear part. It is negative if the transform mirrors.
@@ -157,8 +182,8 @@ mod tests {
 
     use super::*;
 
-    const OPAQUE: ModelInfo = ModelInfo { entry_count: 3, triangles: 1, blended: false };
-    const BLENDED: ModelInfo = ModelInfo { entry_count: 3, triangles: 1, blended: true };
+    const OPAQUE: ModelInfo = ModelInfo { entry_count: 3, level_count: 2, blended: false };
+    const BLENDED: ModelInfo = ModelInfo { entry_count: 3, level_count: 1, blended: true };
 
     /// A model's index, a first palette entry, and a position on the z axis.
     type Placed = (usize, u32, f32);
@@ -192,23 +217,37 @@ mod tests {
             let mut world_from_model = Affine::IDENTITY;
             world_from_model.rows[2][3] = z;
             let (moved, tint) = ([0.0; 3], [1.0; 3]);
-            Instance { character: &character, world_from_model, moved, palette_first, tint }
+            let (level, visibility) = (0, Visibility::InView);
+            Instance {
+                character: &character,
+                world_from_model,
+                moved,
+                palette_first,
+                tint,
+                level,
+                visibility,
+            }
         };
         let mut instances: Vec<_> = placed.iter().map(instance).collect();
         change(&mut instances);
         let models: Vec<usize> = placed.iter().map(|placed| placed.0).collect();
         let page_len = |page| if page < 2 { 100 } else { 0 };
-        Batches::new(&instances, &models, infos, &page_len, Vec3::new(0.0, 0.0, 10.0))
+        let shadow = |index: usize| (index == 0).then_some(1);
+        Batches::new(&instances, &models, infos, &page_len, &shadow, Vec3::new(0.0, 0.0, 10.0))
     }
 
     #[test]
     fn each_model_and_page_is_one_run() {
         let list = [(0, 0, 0.0), (1, 8, 0.0), (0, PAGE_ENTRIES + 4, 0.0), (0, 16, 5.0)];
         let sorted = batches(&list, &[OPAQUE, OPAQUE]).unwrap();
-        let run = |page, model, first, count| Run { page, model, mirrored: false, first, count };
-        assert_eq!(sorted.opaque, [run(0, 0, 0, 2), run(0, 1, 2, 1), run(1, 0, 3, 1)]);
+        let run = |page, model, level, first, count| {
+            let mirrored = false;
+            Run { page, model, level, mirrored, first, count }
+        };
+        assert_eq!(sorted.shadow, [run(0, 0, 1, 0, 1)]);
+        assert_eq!(sorted.opaque, [run(0, 0, 0, 1, 2), run(0, 1, 0, 3, 1), run(1, 0, 0, 4, 1)]);
         let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
-        assert_eq!(firsts, [16, 0, 8, 4], "near instances first; entries relative to the page");
+        assert_eq!(firsts, [0, 16, 0, 8, 4], "near instances first; entries relative to the page");
         assert!(sorted.blended.is_empty());
     }
 
@@ -251,5 +290,21 @@ mod tests {
     fn non_finite_instances_are_skipped() {
         let sorted = batches(&[(0, 0, f32::NAN), (0, 4, 0.0)], &[OPAQUE]).unwrap();
         assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
+    }
+
+    #[test]
+    fn levels_are_runs_and_hidden_instances_are_not_drawn() {
+        let list = [(0, 0, 0.0), (0, 4, 1.0), (0, 8, 2.0), (0, 12, 3.0), (0, 16, 4.0)];
+        let sorted = batches_with(&list, &[OPAQUE], |instances| {
+            (instances[0].visibility, instances[1].level) = (Visibility::ShadowOnly, 7);
+            (instances[2].visibility, instances[3].level) = (Visibility::Hidden, 1);
+        });
+        let sorted = sorted.unwrap();
+        let runs = |runs: &[Run]| -> Vec<_> {
+            let first = |r: &Run| sorted.instances[r.first as usize].palette_first;
+            runs.iter().map(|r| (r.level, r.count, first(r))).collect()
+        };
+        assert_eq!(runs(&sorted.shadow), [(1, 1, 0)]);
+        assert_eq!(runs(&sorted.opaque), [(0, 1, 16), (1, 2, 12)], "level 7 counts as the last");
     }
 }

@@ -3,7 +3,10 @@
 use glam::camera::rh;
 use glam::{Mat4, Vec3};
 
-use crate::Error;
+use populace_device::{VIEW_PLANES, View};
+
+use crate::sun::side_planes;
+use crate::{Error, Scene};
 
 /// A perspective camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,6 +77,33 @@ impl Camera {
             near: 0.01 * distance,
             far: 12.0 * (distance + size.length()),
         }
+    }
+
+    /// Returns the view of a picture of `size` pixels (width, height), for a crowd to choose its
+    /// members' levels of detail: the coarsest that are less than `error_px` pixels off.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadCamera`] for invalid settings.
+    pub fn view(&self, size: [u32; 2], scene: &Scene, error_px: f32) -> Result<View, Error> {
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+        let [width, height] = size.map(|side| side.max(1) as f32);
+        let clip_from_world = self.clip_from_world(width / height)?;
+        let [sides @ .., near] = &mut [[0.0; 4]; VIEW_PLANES];
+        for (plane, (normal, offset)) in sides.iter_mut().zip(side_planes(clip_from_world)) {
+            *plane = normal.extend(offset).to_array();
+        }
+        let [eye, target] = [self.eye, self.target].map(Vec3::from);
+        let forward = (target - eye).normalize();
+        *near = forward.extend(-forward.dot(eye)).to_array();
+        let to_sun = Vec3::from(scene.sun.to_sun).try_normalize().map(|to_sun| to_sun.to_array());
+        Ok(View {
+            eye: self.eye,
+            planes: [sides[0], sides[1], sides[2], sides[3], *near],
+            pixels_per_metre: 0.5 * height / (0.5 * self.fov_y_rad).tan(),
+            to_sun: to_sun.filter(|_| scene.sun.casts_shadows),
+            error_px,
+        })
     }
 
     /// Returns the view-projection matrix for a picture of width over height `aspect`.

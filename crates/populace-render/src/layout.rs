@@ -168,8 +168,6 @@ glsl_block! {
 glsl_block! {
     /// Material constants of one part.
     Surface, binding 1 {
-        /// Linear rgb and alpha.
-        base_color: Float4,
         /// Fragments of masked parts with a lower alpha are discarded.
         alpha_cutoff: f32,
         unused0: f32,
@@ -239,8 +237,7 @@ mod tests {
     fn glsl_declarations_match_rust_structs() {
         assert_eq!(
             Surface::GLSL,
-            "layout(std140, binding = 1) uniform Surface {\n    vec4 base_color;\n    float \
-             alpha_cutoff;\n    float unused0;\n    float unused1;\n    float unused2;\n};\n"
+            "layout(std140, binding = 1) uniform Surface {\n    float alpha_cutoff;\n    float unused0;\n    float unused1;\n    float unused2;\n};\n"
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),

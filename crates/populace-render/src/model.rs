@@ -10,7 +10,6 @@ use crate::Error;
 use crate::batch::{ModelInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
 use crate::layout::{Influences4, Influences8, Surface, Vertex};
-use populace_device::layout::Float4;
 
 /// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -26,10 +25,13 @@ pub(crate) enum Skin {
     Eight(Buffer<Influences8>),
 }
 
-/// One part of a character: a mesh with one material.
+/// Parts of a character at one level of detail that are drawn together: triangles with one texture
+/// and one way to draw them. Colours of materials are in the vertices.
 pub(crate) struct ModelPart {
     pub(crate) vertices: Buffer<Vertex>,
     pub(crate) skin: Skin,
+    /// Most influences of a vertex that have a weight: 1, 2, 4 or 8.
+    pub(crate) influences: u32,
     pub(crate) indices: Buffer<u32>,
     pub(crate) surface: Buffer<Surface>,
     pub(crate) texture: Rc<Texture>,
@@ -52,16 +54,24 @@ impl ModelPart {
     }
 }
 
+/// A character's meshes at one level of detail.
+pub(crate) struct ModelLevel {
+    pub(crate) parts: Vec<ModelPart>,
+    /// See [`Level::error_m`](populace_character::Level::error_m); 0 for the character itself.
+    pub(crate) error_m: f32,
+}
+
 /// A character on the graphics device.
 pub(crate) struct Model {
-    pub(crate) parts: Vec<ModelPart>,
+    /// Levels of detail, finest first; at least one.
+    pub(crate) levels: Vec<ModelLevel>,
     pub(crate) info: ModelInfo,
     /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
     pub(crate) sphere: (Vec3, f32),
 }
 
 impl Model {
-    /// Uploads all parts with triangles for which `hide` returns false.
+    /// Uploads all parts with triangles for which `hide` returns false, at all levels.
     pub(crate) fn new(
         gl: &Rc<Gl>,
         character: &Character,
@@ -69,84 +79,150 @@ impl Model {
     ) -> Result<Self, Error> {
         let mut textures = Textures::new(gl)?;
         let mirrored = mirrored_entries(character);
-        let (mut parts, mut triangles) = (Vec::new(), 0);
-        for part in &character.parts {
-            if part.mesh.indices.is_empty() || hide(part) {
-                continue;
-            }
-            let material =
-                part.material.map_or_else(Material::default, |m| character.materials[m].clone());
-            let texture = textures.get(&material, &character.images)?;
-            triangles += part.mesh.indices.len() / 3;
-            parts.push(upload_part(
-                gl,
-                &part.mesh,
-                &material,
-                texture,
-                is_mirrored(&part.mesh, &mirrored),
-            )?);
+        let shown: Vec<usize> =
+            (0..character.parts.len()).filter(|part| !hide(&character.parts[*part])).collect();
+        let own = shown.iter().map(|part| (*part, &character.parts[*part].mesh)).collect();
+        let mut meshes: Vec<(f32, Vec<(usize, &Mesh)>)> = vec![(0.0, own)];
+        for level in character.levels() {
+            let of_level = shown.iter().map(|part| (*part, &level.meshes[*part])).collect();
+            meshes.push((level.error_m, of_level));
         }
-        let blended = parts.iter().any(|part| part.alpha == Alpha::Blended);
+        let mut levels = Vec::with_capacity(meshes.len());
+        for (error_m, meshes) in meshes {
+            let mut drawn: Vec<DrawnTogether> = Vec::new();
+            for (part, mesh) in meshes.into_iter().filter(|(_, mesh)| !mesh.indices.is_empty()) {
+                let material = character.parts[part].material;
+                let material =
+                    material.map_or_else(Material::default, |m| character.materials[m].clone());
+                let like = Likeness::of(part, mesh, &material, is_mirrored(mesh, &mirrored));
+                let index = drawn.iter().position(|d| d.like == like).unwrap_or_else(|| {
+                    drawn.push(DrawnTogether::new(like));
+                    drawn.len() - 1
+                });
+                drawn[index].append(mesh, &material);
+            }
+            let mut parts = Vec::with_capacity(drawn.len());
+            for together in &drawn {
+                let texture = textures.get(together.like.texture, &character.images)?;
+                parts.push(together.upload(gl, texture)?);
+            }
+            levels.push(ModelLevel { parts, error_m });
+        }
+        let blended = levels[0].parts.iter().any(|part| part.alpha == Alpha::Blended);
         let sphere = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
             let (low, high) = (Vec3::from(bounds.low), Vec3::from(bounds.high));
             (0.5 * (low + high), 0.5 * low.distance(high))
         });
-        Ok(Self {
-            parts,
-            info: ModelInfo { entry_count: character.palette.len(), triangles, blended },
-            sphere,
+        let info = ModelInfo {
+            entry_count: character.palette.len(),
+            level_count: u32::try_from(levels.len()).unwrap_or(u32::MAX),
+            blended,
+        };
+        Ok(Self { levels, info, sphere })
+    }
+
+    /// Returns the coarsest level with an error of at most `error_m`.
+    pub(crate) fn level_within(&self, error_m: f32) -> u32 {
+        let finer = self.levels.iter().filter(|level| level.error_m <= error_m).count();
+        u32::try_from(finer.saturating_sub(1)).unwrap_or_default()
+    }
+}
+
+/// What parts have in common that are drawn together.
+#[derive(Clone, Copy, PartialEq)]
+struct Likeness {
+    texture: Option<populace_character::Texture>,
+    alpha: AlphaMode,
+    double_sided: bool,
+    mirrored: bool,
+    per_vertex: usize,
+    /// Blended parts are drawn one by one, in the character's order.
+    blended_part: Option<usize>,
+}
+
+impl Likeness {
+    fn of(part: usize, mesh: &Mesh, material: &Material, mirrored: bool) -> Self {
+        Self {
+            texture: material.base_color_texture,
+            alpha: material.alpha,
+            double_sided: material.double_sided,
+            mirrored,
+            per_vertex: mesh.influences.per_vertex,
+            blended_part: (material.alpha == AlphaMode::Blend).then_some(part),
+        }
+    }
+}
+
+/// The triangles of parts that are drawn together.
+struct DrawnTogether {
+    like: Likeness,
+    vertices: Vec<Vertex>,
+    influences: Influences,
+    indices: Vec<u32>,
+}
+
+impl DrawnTogether {
+    fn new(like: Likeness) -> Self {
+        let (entries, weights) = (Vec::new(), Vec::new());
+        let influences = Influences { per_vertex: like.per_vertex, entries, weights };
+        Self { like, vertices: Vec::new(), influences, indices: Vec::new() }
+    }
+
+    fn append(&mut self, mesh: &Mesh, material: &Material) {
+        // Saturation is out of reach: indices of 2^32 vertices are refused on upload.
+        let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        self.vertices.extend((0..mesh.positions.len()).map(|vertex| {
+            let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
+            Vertex {
+                position: mesh.positions[vertex],
+                normal: mesh.normals[vertex],
+                uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
+                color: [0, 1, 2, 3].map(|c: usize| material.base_color[c] * color[c]),
+            }
+        }));
+        self.influences.entries.extend(&mesh.influences.entries);
+        self.influences.weights.extend(normalized_weights(&mesh.influences));
+        self.indices.extend(mesh.indices.iter().map(|index| first.saturating_add(*index)));
+    }
+
+    fn upload(&self, gl: &Rc<Gl>, texture: Rc<Texture>) -> Result<ModelPart, Error> {
+        let (size, limit) = (self.indices.len() as u64, u64::from(i32::MAX.unsigned_abs()));
+        if size > limit {
+            return Err(Error::TooLarge { what: "the number of indices of a mesh", size, limit });
+        }
+        let (alpha, alpha_cutoff) = match self.like.alpha {
+            AlphaMode::Opaque => (Alpha::Opaque, 0.0),
+            AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
+            AlphaMode::Blend => (Alpha::Blended, 0.0),
+        };
+        let surface = Surface { alpha_cutoff, ..Surface::default() };
+        let (vertices, indices) = (&self.vertices, &self.indices);
+        Ok(ModelPart {
+            vertices: Buffer::with(gl, BufferUse::Static, vertices, "upload a mesh's vertices")?,
+            skin: upload_skin(gl, &self.influences)?,
+            influences: most_influences(&self.influences),
+            indices: Buffer::with(gl, BufferUse::Static, indices, "upload a mesh's triangles")?,
+            surface: Buffer::with(gl, BufferUse::Static, &[surface], "upload a material")?,
+            texture,
+            alpha,
+            double_sided: self.like.double_sided,
+            mirrored: self.like.mirrored,
         })
     }
 }
 
-fn upload_part(
-    gl: &Rc<Gl>,
-    mesh: &Mesh,
-    material: &Material,
-    texture: Rc<Texture>,
-    mirrored: bool,
-) -> Result<ModelPart, Error> {
-    let limit = i32::MAX.unsigned_abs();
-    if mesh.indices.len() as u64 > u64::from(limit) {
-        let size = mesh.indices.len() as u64;
-        return Err(Error::TooLarge {
-            what: "the number of indices of a mesh",
-            size,
-            limit: u64::from(limit),
-        });
-    }
-    let (alpha, alpha_cutoff) = match material.alpha {
-        AlphaMode::Opaque => (Alpha::Opaque, 0.0),
-        AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
-        AlphaMode::Blend => (Alpha::Blended, 0.0),
-    };
-    let surface =
-        Surface { base_color: Float4(material.base_color), alpha_cutoff, ..Surface::default() };
-    let vertices: Vec<Vertex> = (0..mesh.positions.len())
-        .map(|vertex| Vertex {
-            position: mesh.positions[vertex],
-            normal: mesh.normals[vertex],
-            uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
-            color: mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]),
-        })
-        .collect();
-    Ok(ModelPart {
-        vertices: Buffer::with(gl, BufferUse::Static, &vertices, "upload a mesh's vertices")?,
-        skin: upload_skin(gl, &mesh.influences)?,
-        indices: Buffer::with(gl, BufferUse::Static, &mesh.indices, "upload a mesh's triangles")?,
-        surface: Buffer::with(gl, BufferUse::Static, &[surface], "upload a material")?,
-        texture,
-        alpha,
-        double_sided: material.double_sided,
-        mirrored,
-    })
+/// Returns the most influences of a vertex that have a weight, rounded up to 1, 2, 4 or 8.
+/// Influences without weight must come last to be left out.
+fn most_influences(influences: &Influences) -> u32 {
+    let last = |weights: &[f32]| weights.iter().rposition(|w| *w != 0.0).map_or(1, |at| at + 1);
+    let most = influences.weights.chunks(influences.per_vertex).map(last).max().unwrap_or(1);
+    if most > 4 { 8 } else { u32::try_from(most.next_power_of_two()).unwrap_or(4) }
 }
 
 fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
     let operation = "upload a mesh's influences";
     let (entries, _) = influences.entries.as_chunks::<4>();
-    let weights = normalized_weights(influences);
-    let (weights, _) = weights.as_chunks::<4>();
+    let (weights, _) = influences.weights.as_chunks::<4>();
     let fours = entries
         .iter()
         .zip(weights)
@@ -196,8 +272,12 @@ impl<'a> Textures<'a> {
         Ok(Self { gl, white, uploaded: Vec::new() })
     }
 
-    fn get(&mut self, material: &Material, images: &[Image]) -> Result<Rc<Texture>, Error> {
-        let Some(wanted) = material.base_color_texture else {
+    fn get(
+        &mut self,
+        texture: Option<populace_character::Texture>,
+        images: &[Image],
+    ) -> Result<Rc<Texture>, Error> {
+        let Some(wanted) = texture else {
             return Ok(Rc::clone(&self.white));
         };
         if let Some((_, texture)) = self.uploaded.iter().find(|(known, _)| *known == wanted) {

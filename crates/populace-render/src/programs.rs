@@ -15,9 +15,9 @@ use crate::model::Alpha;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
     /// Members in the picture.
-    Member { eight_influences: bool, alpha: Alpha },
+    Member { influences: u32, alpha: Alpha },
     /// Members in the shadow map.
-    Shadow { eight_influences: bool, alpha: Alpha },
+    Shadow { influences: u32, alpha: Alpha },
     /// The ground plane.
     Ground,
     /// The background.
@@ -31,12 +31,12 @@ const LIGHT: &str = include_str!("shaders/light.glsl");
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member { eight_influences, alpha } => [
-            skinned(eight_influences, include_str!("shaders/member.vert")),
+        Kind::Member { influences, alpha } => [
+            skinned(influences, include_str!("shaders/member.vert")),
             with_blocks(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
         ],
-        Kind::Shadow { eight_influences, alpha } => [
-            skinned(eight_influences, include_str!("shaders/shadow.vert")),
+        Kind::Shadow { influences, alpha } => [
+            skinned(influences, include_str!("shaders/shadow.vert")),
             with_blocks(alpha, &[include_str!("shaders/shadow.frag")]),
         ],
         Kind::Ground => [
@@ -50,15 +50,14 @@ fn sources(kind: Kind) -> [String; 2] {
     }
 }
 
-/// Returns the text of a vertex shader that skins, with its inputs and uniform blocks.
-fn skinned(eight_influences: bool, body: &str) -> String {
-    let (define, influences) = if eight_influences {
-        ("#define EIGHT_INFLUENCES\n", Influences8::ATTRIBUTES)
-    } else {
-        ("", Influences4::ATTRIBUTES)
-    };
-    let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, influences, InstanceData::ATTRIBUTES]);
-    [VERSION, define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, body].concat()
+/// Returns the text of a vertex shader that skins by 1, 2, 4 or 8 influences, with its inputs and
+/// uniform blocks.
+fn skinned(influences: u32, body: &str) -> String {
+    let define = format!("#define INFLUENCES {influences}\n");
+    let attributes =
+        if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
+    let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
+    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, body].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.
@@ -105,7 +104,7 @@ mod tests {
     fn driver_block_layout_matches_rust_structs() {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
-        let kind = Kind::Member { eight_influences: false, alpha: Alpha::Masked };
+        let kind = Kind::Member { influences: 4, alpha: Alpha::Masked };
         let program = programs.get(kind).unwrap();
         for fields in [Frame::FIELDS, Surface::FIELDS] {
             let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();

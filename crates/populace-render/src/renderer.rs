@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 use populace_character::{Character, Image, Part};
 use populace_device::layout::Float4;
-use populace_device::{DrawSource, GlContext, Instance, PaletteSource};
+use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 
 use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
@@ -222,32 +222,39 @@ impl Renderer {
         self.gl.make_current()?;
         let models = self.models_of(instances)?;
         let infos: Vec<ModelInfo> = self.models.as_slice().iter().map(|m| m.info).collect();
+        let spheres = self.spheres(instances, &models, scene);
+        let casting: Vec<Sphere> = spheres.iter().flatten().copied().collect();
+        let sun = self.sun_view(scene, &casting, camera, clip_from_world)?;
         let page_len = |page: usize| self.palettes.entries(page);
-        let batches = Batches::new(instances, &models, &infos, &page_len, Vec3::from(camera.eye))?;
-        self.instances.fill(&batches.instances, "upload the instances")?;
-        let spheres = || {
-            let placed = instances.iter().zip(&models);
-            placed.filter_map(|(i, &model)| bounding_sphere(&self.models.as_slice()[model], i))
+        let shadow_level = |index: usize| {
+            let (sun, model) = (sun?, &self.models.as_slice()[models[index]]);
+            let (_, model_radius) = model.sphere;
+            let sphere = spheres[index].filter(|sphere| sun.covers(sphere))?;
+            let scale = if model_radius > 0.0 { sphere.radius / model_radius } else { 1.0 };
+            Some(model.level_within(scene.sun.error_texels * sun.texel_m / scale))
         };
-        let spheres: Vec<Sphere> =
-            if scene.sun.casts_shadows { spheres().collect() } else { Vec::new() };
-        let sun = self.sun_view(scene, &spheres, camera, clip_from_world)?;
+        let eye = Vec3::from(camera.eye);
+        let batches = Batches::new(instances, &models, &infos, &page_len, &shadow_level, eye)?;
+        self.instances.fill(&batches.instances, "upload the instances")?;
+        let mut drawn = Drawn::default();
         self.frame.fill(&[frame(camera, scene, clip_from_world, sun)], "upload the scene")?;
         self.frame.bind_uniform();
         if let (Some(_), Some(shadow)) = (sun, &self.shadow) {
             shadow.begin();
-            self.draw_runs(&batches.opaque, Pass::Shadow)?;
+            self.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn)?;
         }
         if let Some(shadow) = &self.shadow {
             shadow.bind_texture(SHADOW_UNIT);
         }
         self.picture.begin();
-        self.draw_runs(&batches.opaque, Pass::Opaque)?;
+        self.draw_runs(&batches.opaque, Pass::Opaque, &mut drawn)?;
         self.draw_surroundings(scene.ground)?;
-        self.draw_runs(&batches.blended, Pass::Blended)?;
+        self.draw_runs(&batches.blended, Pass::Blended, &mut drawn)?;
         self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")?;
-        Ok(batches.drawn(&infos))
+        drawn.instances = batches.opaque.iter().map(|run| run.count as usize).sum();
+        drawn.shadow_instances = batches.shadow.iter().map(|run| run.count as usize).sum();
+        Ok(drawn)
     }
 
     /// Reads back the last picture: sRGB, top row first. Waits until it is drawn.
@@ -288,19 +295,43 @@ impl Renderer {
         Ok(SunView::over(spheres, eye, clip_from_world, to_sun, shadow.size()))
     }
 
-    fn draw_runs(&mut self, runs: &[Run], pass: Pass) -> Result<(), Error> {
+    /// Returns the bounding sphere at rest of each instance that is not hidden; empty without
+    /// shadows.
+    fn spheres(
+        &self,
+        instances: &[Instance<'_>],
+        models: &[usize],
+        scene: &Scene,
+    ) -> Vec<Option<Sphere>> {
+        if !scene.sun.casts_shadows {
+            return Vec::new();
+        }
+        let sphere = |(instance, model): (&Instance<'_>, &usize)| {
+            let shown = instance.visibility != Visibility::Hidden;
+            shown.then(|| bounding_sphere(&self.models.as_slice()[*model], instance)).flatten()
+        };
+        instances.iter().zip(models).map(sphere).collect()
+    }
+
+    /// Draws runs of instances, and counts the triangles.
+    fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
-            for part in &self.models.as_slice()[run.model].parts {
-                let eight_influences = matches!(part.skin, Skin::Eight(_));
-                let alpha = part.alpha;
+            for part in &self.models.as_slice()[run.model].levels[run.level as usize].parts {
+                let (alpha, influences) = (part.alpha, part.influences);
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
                     continue;
                 }
                 let kind = match pass {
-                    Pass::Shadow => Kind::Shadow { eight_influences, alpha },
-                    Pass::Opaque | Pass::Blended => Kind::Member { eight_influences, alpha },
+                    Pass::Shadow => Kind::Shadow { influences, alpha },
+                    Pass::Opaque | Pass::Blended => Kind::Member { influences, alpha },
                 };
+                let triangles = part.indices.len() / 3 * run.count as usize;
+                match pass {
+                    Pass::Shadow => drawn.shadow_triangles += triangles,
+                    Pass::Opaque | Pass::Blended => drawn.triangles += triangles,
+                }
+                drawn.draw_calls += 1;
                 self.programs.get(kind)?.bind();
                 self.gl.set_state(state(pass, part.cull(run.mirrored)));
                 part.surface.bind_uniform();

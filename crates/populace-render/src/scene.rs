@@ -11,6 +11,10 @@ pub struct Sun {
     pub color: [f32; 3],
     /// True if members cast shadows.
     pub casts_shadows: bool,
+    /// Greatest distance, in texels of the shadow map, between what throws a shadow and the
+    /// character's surface. Coarser levels of detail throw the shadows of characters that have
+    /// some; 0 takes the finest.
+    pub error_texels: f32,
 }
 
 /// Ambient light, interpolated by the height component of the surface normal.
@@ -79,7 +83,12 @@ impl Default for Scene {
     /// Returns a clear afternoon on paved ground.
     fn default() -> Self {
         Self {
-            sun: Sun { to_sun: [0.55, 1.0, 0.6], color: [0.86, 0.81, 0.72], casts_shadows: true },
+            sun: Sun {
+                to_sun: [0.55, 1.0, 0.6],
+                color: [0.86, 0.81, 0.72],
+                casts_shadows: true,
+                error_texels: 2.0,
+            },
             ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
             ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),
             sky: Sky { zenith: [0.17, 0.36, 0.7], horizon: [0.66, 0.76, 0.86] },
@@ -105,6 +114,9 @@ impl Scene {
             finite.iter().find(|(_, color)| color.iter().any(|c| !c.is_finite()))
         {
             return Err(Error::BadScene { what });
+        }
+        if !(0.0..=1e6).contains(&self.sun.error_texels) {
+            return Err(Error::BadScene { what: "error of the shadow map" });
         }
         match glam::Vec3::from(self.sun.to_sun).try_normalize() {
             Some(_) => Ok(()),

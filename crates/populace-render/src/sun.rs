@@ -79,8 +79,19 @@ impl SunView {
     }
 }
 
+impl SunView {
+    /// Returns whether a moving member within a sphere at rest throws a shadow onto the map.
+    pub(crate) fn covers(&self, sphere: &Sphere) -> bool {
+        let at = self.shadow_from_world.transform_point3(sphere.center);
+        let radius = |row: usize| {
+            MOTION * sphere.radius * self.shadow_from_world.row(row).truncate().length()
+        };
+        at.x.abs() <= 1.0 + radius(0) && at.y.abs() <= 1.0 + radius(1)
+    }
+}
+
 /// Returns the planes of the picture's four edges, as inward unit normal and offset.
-fn side_planes(clip_from_world: Mat4) -> [(Vec3, f32); 4] {
+pub(crate) fn side_planes(clip_from_world: Mat4) -> [(Vec3, f32); 4] {
     let w = clip_from_world.row(3);
     [0, 1]
         .map(|axis| clip_from_world.row(axis))

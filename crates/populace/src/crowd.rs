@@ -23,6 +23,7 @@ mod snapshot;
 mod stages;
 mod state;
 mod timeline;
+mod view;
 mod watches;
 
 use populace_model::convert::u32_from;
@@ -43,6 +44,7 @@ pub use removal::AssetId;
 pub use snapshot::Snapshot;
 pub use stages::StageId;
 pub use timeline::{History, SeekReport};
+pub use view::ViewStatistics;
 pub use watches::{JointReadback, Watch};
 
 /// Members of characters, playing clips on a device.

@@ -53,7 +53,7 @@ pub use populace_settings::{
 pub use crowd::{
     AssetId, CharacterMut, CharacterRef, ClipMut, Crowd, CrowdBuilder, DeviceInfo, Event,
     EventKind, FrameTimes, History, JointReadback, MemberMut, MemberRef, MemberView, SeekReport,
-    Snapshot, StageId, Watch,
+    Snapshot, StageId, ViewStatistics, Watch,
 };
 
 /// Skeletons, tracks, masks and humanoid roles.
@@ -81,8 +81,8 @@ pub mod clip {
 /// Characters: skeletons with meshes, materials and clips.
 pub mod character {
     pub use populace_character::{
-        AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Material, Mesh,
-        PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, sole_points,
+        AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Level, Material,
+        Mesh, PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, sole_points,
         vertex_reach_m,
     };
 }
@@ -97,7 +97,7 @@ pub mod interop {
     pub use populace_device::layout::{Float4, PAGE_ENTRIES};
     pub use populace_device::{
         DrawSource, EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget,
-        PaletteTransport, ReleasedPalettes, SharedPage, TargetMark,
+        PaletteTransport, ReleasedPalettes, SharedPage, TargetMark, VIEW_PLANES, View, Visibility,
     };
 }
 

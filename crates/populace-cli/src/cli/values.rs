@@ -26,6 +26,14 @@ pub(super) fn frame_rate(text: &str) -> Result<f32, String> {
     }
 }
 
+/// Parses a distance in pixels.
+pub(super) fn pixels(text: &str) -> Result<f32, String> {
+    match text.parse::<f32>() {
+        Ok(pixels) if (0.0..=100.0).contains(&pixels) => Ok(pixels),
+        _ => Err("write pixels from 0 to 100".into()),
+    }
+}
+
 /// Parses the height of a character in metres.
 pub(super) fn height(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

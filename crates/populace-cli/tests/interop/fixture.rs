@@ -6,7 +6,7 @@ use populace::BackendError;
 use populace::character::{Character, Image};
 use populace::interop::{
     DrawSource, Float4, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, TargetMark,
+    ReleasedPalettes, TargetMark, Visibility,
 };
 use populace::{Affine, CharacterId, ClipPlayback, Crowd, Devices, Instance, Placement};
 use populace_render::{Camera, PaletteInterop, Renderer, Scene};
@@ -159,6 +159,8 @@ impl Kept {
             moved: [0.0; 3],
             palette_first,
             tint: [1.0; 3],
+            level: 0,
+            visibility: Visibility::InView,
         };
         kept.map(instance).collect()
     }

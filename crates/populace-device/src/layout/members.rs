@@ -54,7 +54,8 @@ device_struct! {
     /// |---|---|---|
     /// | `palette_first` | 20 to 31 | palette page |
     /// | `palette_first` | 0 to 19 | first palette entry within the page |
-    /// | `layers_and_phase` | 8 to 31 | phase, 0 to [`MAX_PHASES`]` - 1` |
+    /// | `layers_and_phase` | 31 | 1 if the member is hidden: no frame evaluates it |
+    /// | `layers_and_phase` | 8 to 30 | phase, 0 to [`MAX_PHASES`]` - 1` |
     /// | `layers_and_phase` | 0 to 7 | layers in use, 1 to [`LAYERS_PER_MEMBER`] |
     ///
     /// A page has [`PAGE_ENTRIES`] entries, and [`MEMBER_LAYER_BITS`] bits count layers. The phase

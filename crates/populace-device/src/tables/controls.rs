@@ -81,6 +81,14 @@ impl ControlSpaces {
     }
 }
 
+impl ControlSpaces {
+    /// Returns a number for the next owner of history state.
+    fn next_epoch(&mut self) -> u32 {
+        self.epoch = self.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);
+        self.epoch
+    }
+}
+
 /// Replaces a run by one of `count` elements; keeps it if the length is unchanged.
 fn resize_run(space: &mut Space, run: &mut (usize, usize), count: usize) {
     if run.1 != count {
@@ -164,14 +172,14 @@ impl Tables {
         let spaces = &mut self.control_spaces;
         let (first, _) = spaces.controls.take(1);
         spaces.runs.resize(spaces.runs.len().max(first + 1), Runs::default());
-        spaces.epoch = spaces.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);
+        let epoch = spaces.next_epoch();
         let standing = Place { position: [0.0; 3], sin_cos: [0.0, 1.0], scale: 1.0 };
         let [at, facing] = device_place(&standing);
         let control = Control {
             place: at,
             facing,
             stride: Float4([0.0, 1.0, 0.0, 0.0]),
-            epoch: spaces.epoch,
+            epoch,
             scale_first: NONE,
             member: member_index,
             ..Control::default()
@@ -182,6 +190,14 @@ impl Tables {
         member.control = u32_from(first);
         self.all.members.set(member_index as usize, member);
         member.control
+    }
+
+    /// Makes devices ignore the history state of a constraint program.
+    pub(super) fn renew_epoch(&mut self, control: u32) {
+        let epoch = self.control_spaces.next_epoch();
+        let mut row = self.all.controls.as_slice()[control as usize];
+        row.epoch = epoch;
+        self.all.controls.set(control as usize, row);
     }
 
     /// Returns whether a member has a constraint program.

@@ -98,6 +98,8 @@ fn acquire_waits_for_draws_from_the_set_written_next() {
         moved: [0.0; 3],
         palette_first: 0,
         tint: [1.0; 3],
+        level: 0,
+        visibility: populace_device::Visibility::InView,
     };
     let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
     renderer.acquire_palettes(&mut device).unwrap();

@@ -1,7 +1,7 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
 // Writes  position and normal in world space, shadow map position, texture coordinates, product of
-//         base colour, vertex colour and tint
+//         vertex colour and tint
 
 out vec3 world_position;
 out vec3 world_normal;
@@ -18,6 +18,6 @@ void main() {
     vec3 offset_position = world_position + world_normal * (1.5 * to_sun.w);
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
     texture_uv = uv;
-    surface_color = base_color * color * vec4(tint, 1.0);
+    surface_color = color * vec4(tint, 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
 }

@@ -9,6 +9,6 @@ void main() {
     vec3 model = vec4(position, 1.0) * model_from_bind();
     vec3 world = vec4(model, 1.0) * world_from_model();
     texture_uv = uv;
-    surface_alpha = base_color.a * color.a;
+    surface_alpha = color.a;
     gl_Position = shadow_from_world * vec4(world, 1.0);
 }

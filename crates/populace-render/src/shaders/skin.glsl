@@ -19,10 +19,14 @@ mat3x4 blend(uvec4 entries, vec4 weights) {
 }
 
 mat3x4 model_from_bind() {
-#ifdef EIGHT_INFLUENCES
+#if INFLUENCES == 8
     return blend(entries0, weights0) + blend(entries1, weights1);
-#else
+#elif INFLUENCES == 4
     return blend(entries0, weights0);
+#elif INFLUENCES == 2
+    return weights0.x * palette_entry(entries0.x) + weights0.y * palette_entry(entries0.y);
+#else
+    return palette_entry(entries0.x);
 #endif
 }
 

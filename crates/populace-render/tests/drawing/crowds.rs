@@ -95,10 +95,10 @@ fn instances_and_visible_triangles_are_counted() {
         let parts = character.parts.iter().filter(|part| part.node_name.contains(wanted));
         2 * parts.map(|part| part.mesh.indices.len() / 3).sum::<usize>()
     };
-    let all = Drawn { instances: 2, triangles: triangles("") };
-    assert_eq!(rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap(), all);
+    let all = rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap();
+    assert_eq!((all.instances, all.triangles), (2, triangles("")));
     rig.renderer.upload_character(&character, &|part| part.node_name == "head").unwrap();
-    let headless = Drawn { triangles: all.triangles - triangles("head"), ..all };
-    assert!(headless != all);
-    assert_eq!(rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap(), headless);
+    let headless = rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap();
+    assert!(triangles("head") > 0);
+    assert_eq!(headless.triangles, all.triangles - triangles("head"));
 }

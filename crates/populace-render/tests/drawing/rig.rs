@@ -7,7 +7,7 @@ use populace_character::{Character, Image};
 use populace_device::layout::Float4;
 use populace_device::{
     BackendError, DrawSource, GlContext, Instance, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, TargetMark,
+    ReleasedPalettes, TargetMark, Visibility,
 };
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Error, Highlights, Renderer, Scene, Sky, Sun};
@@ -117,7 +117,12 @@ fn flat_camera() -> Camera {
 /// Returns a scene with uniform ambient light and a black background.
 fn flat_scene() -> Scene {
     Scene {
-        sun: Sun { to_sun: [0.0, 0.0, 1.0], color: [0.0; 3], casts_shadows: false },
+        sun: Sun {
+            to_sun: [0.0, 0.0, 1.0],
+            color: [0.0; 3],
+            casts_shadows: false,
+            error_texels: 0.0,
+        },
         ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
         ground: None,
         sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
@@ -131,7 +136,15 @@ pub(crate) fn instance(
     world_from_model: Affine,
     palette_first: u32,
 ) -> Instance<'_> {
-    Instance { character, world_from_model, moved: [0.0; 3], palette_first, tint: [1.0; 3] }
+    Instance {
+        character,
+        world_from_model,
+        moved: [0.0; 3],
+        palette_first,
+        tint: [1.0; 3],
+        level: 0,
+        visibility: Visibility::InView,
+    }
 }
 
 /// A picture that was read back.

@@ -10,11 +10,12 @@ use std::sync::Arc;
 use populace_character::Character;
 use populace_clip::{Clip, FIRST_TICK};
 use populace_device::layout::Slot;
-use populace_device::{BodyIndex, Place, Tables};
+use populace_device::{BodyIndex, Place, Tables, View};
 use populace_model::RoleMap;
 use populace_settings::parts::{Key, Parts};
 
 use super::slab::Slab;
+use super::view::{Reach, Seen};
 use crate::{CharacterId, ClipId, Error, IdKind, MemberId, Placement};
 use bindings::Bound;
 
@@ -27,6 +28,9 @@ pub(super) struct Base {
     pub(super) clock: Clock,
     pub(super) assets: Assets,
     pub(super) members: Members,
+    pub(super) view: Option<View>,
+    /// Whether the members were chosen for a view in the last update.
+    pub(super) is_viewed: bool,
 }
 
 /// Time in whole ticks, and the remaining fraction of a tick.
@@ -65,6 +69,8 @@ pub(super) struct Assets {
 pub(super) struct CharacterState {
     pub(super) character: Arc<Character>,
     pub(super) body: BodyIndex,
+    /// Around all poses of the clips that were bound to it so far.
+    pub(super) reach: Reach,
     /// Detected from joint names, or set.
     pub(super) roles: Option<RoleMap>,
     /// The clips that came with the character or were added to it.
@@ -92,13 +98,14 @@ pub(super) struct MemberState {
     pub(super) since: u64,
     /// Whether root motion moves it.
     pub(super) moves: bool,
+    pub(super) seen: Seen,
 }
 
 impl MemberState {
     /// Returns the state of an index that was never used.
     pub(super) fn free(placement: Placement) -> Self {
-        let (user_data, since, moves) = (0, 0, false);
-        Self { generation: 0, character: None, placement, user_data, since, moves }
+        let (user_data, since, moves, seen) = (0, 0, false, Seen::default());
+        Self { generation: 0, character: None, placement, user_data, since, moves, seen }
     }
 }
 
@@ -110,6 +117,8 @@ impl Base {
             clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0 },
             assets: Assets::default(),
             members: Members { all: Vec::new(), count: 0, capacity },
+            view: None,
+            is_viewed: false,
         }
     }
 

@@ -91,12 +91,15 @@ impl<'a> MemberRef<'a> {
     pub fn instance(&self) -> Instance<'a> {
         let State { base, .. } = self.crowd;
         let index = self.id.number();
+        let seen = self.member().seen;
         Instance {
             character: &base.assets.characters[self.character.parts().index].character,
             world_from_model: self.placement().world_from_model(),
             moved: self.crowd.offset_of(index),
             palette_first: base.tables.members().as_slice()[index as usize].palette_first,
             tint: [1.0; 3],
+            level: seen.level,
+            visibility: seen.visibility,
         }
     }
 }

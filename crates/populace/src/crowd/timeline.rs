@@ -113,6 +113,7 @@ impl Crowd {
     fn evaluate_at(&mut self, tick: u64, left_over: f64) -> Result<(), Error> {
         let Self { state, device } = self;
         state.begin_due(tick)?;
+        state.apply_view();
         let elapsed = tick.saturating_sub(state.base.clock.tick);
         let frame = Frame::of_all(tick).after_ticks(u32::try_from(elapsed).unwrap_or(u32::MAX));
         device.run(&mut state.base.tables, frame)?;

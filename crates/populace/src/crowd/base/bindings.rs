@@ -8,6 +8,7 @@ use populace_retarget::{Binding, BindingReport};
 use populace_settings::parts::{check_contact, contact_row};
 
 use super::{Base, CharacterState, ClipIndex};
+use crate::crowd::view::Reach;
 use crate::{CharacterId, ClipId, Contact, Error, IdKind};
 
 /// A clip bound to a body.
@@ -53,6 +54,9 @@ impl Base {
         check(&report)?;
         let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
+        let state = self.character_state_mut(character)?;
+        let reach = Reach::with_clip(&state.character.skeleton, &binding);
+        state.reach = state.reach.and(reach);
         Ok(index)
     }
 

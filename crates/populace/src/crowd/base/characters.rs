@@ -9,6 +9,7 @@ use populace_settings::parts::{Key, MaskParts, Parts};
 
 use super::{Assets, Base, CharacterState};
 use crate::crowd::slab::Slab;
+use crate::crowd::view::Reach;
 use crate::{CharacterId, ClipId, Error, IdKind, MaskId};
 
 impl Assets {
@@ -27,8 +28,9 @@ impl Base {
         let body = self.tables.add_body(&character.skeleton, &character.palette)?;
         let clips = character.clips.clone();
         let roles = RoleMap::detect(&character.skeleton);
-        let state =
-            CharacterState { character, body, roles, clips: Vec::new(), masks: Slab::default() };
+        let reach = Reach::at_rest(&character.skeleton);
+        let (clips_of, masks) = (Vec::new(), Slab::default());
+        let state = CharacterState { character, body, reach, roles, clips: clips_of, masks };
         let (index, generation) = self.assets.characters.insert(state);
         let id = CharacterId::from_parts(Key { crowd: self.number, index, generation });
         for clip in &clips {

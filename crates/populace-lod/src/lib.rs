@@ -1,0 +1,72 @@
+//! Levels of detail: coarser meshes of a character, for small pictures of it.
+//!
+//! Each level is simplified from the one before it until its surface is a given distance off
+//! (edge collapse by quadric error with attributes: M. Garland and P. S. Heckbert, "Simplifying
+//! surfaces with color and texture using quadric error metrics", IEEE Visualization 1998). Normals,
+//! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
+//! stay. Vertices are a subset of the character's: palettes, textures and materials stay as they
+//! are.
+
+mod groups;
+mod mesh;
+
+use populace_character::{Character, Error, Level, Mesh};
+
+use crate::groups::JointGroups;
+use crate::mesh::Simplifier;
+
+/// Errors of the levels, as fractions of the character's height, and the most influences of a
+/// vertex.
+const LEVELS: [(f32, usize); 8] = [
+    (0.001, 4),
+    (0.0018, 4),
+    (0.0032, 4),
+    (0.0056, 2),
+    (0.01, 2),
+    (0.018, 1),
+    (0.032, 1),
+    (0.056, 1),
+];
+/// A level must save at least this part of the triangles of the level before it.
+const LEAST_SAVED: f32 = 0.2;
+
+/// Returns the character with levels of detail, which replace those that it has. A mesh too small
+/// to simplify gives none.
+///
+/// # Errors
+///
+/// [`Error::BadCharacter`] if a level is invalid, which no character gives rise to.
+pub fn with_levels(character: Character) -> Result<Character, Error> {
+    let levels = levels_of(&character);
+    character.with_levels(levels)
+}
+
+/// Returns levels of detail for a character, finest first.
+#[must_use]
+pub fn levels_of(character: &Character) -> Vec<Level> {
+    let groups = JointGroups::of(character);
+    let mut simplifiers: Vec<Simplifier> =
+        (0..character.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let count = |simplifiers: &[Simplifier]| -> usize {
+        simplifiers.iter().map(Simplifier::triangle_count).sum()
+    };
+    let mut levels: Vec<Level> = Vec::new();
+    let mut shown = count(&simplifiers);
+    for (fraction, influences) in LEVELS {
+        let error_m = fraction * character.height_m();
+        for simplifier in &mut simplifiers {
+            simplifier.simplify(error_m);
+        }
+        let left = count(&simplifiers);
+        if left == 0 {
+            break;
+        }
+        if left as f32 > (1.0 - LEAST_SAVED) * shown as f32 {
+            continue;
+        }
+        shown = left;
+        let meshes: Vec<Mesh> = simplifiers.iter().map(|s| s.mesh(influences)).collect();
+        levels.push(Level { error_m, meshes });
+    }
+    levels
+}

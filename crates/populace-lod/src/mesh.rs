@@ -1,0 +1,180 @@
+//! Simplification of one part.
+
+use std::collections::HashMap;
+
+use meshopt::{SimplifyOptions, optimize_vertex_cache, simplify_with_attributes_and_locks_decoder};
+use populace_character::{Character, Influences, Mesh};
+use populace_model::convert::{single, u32_from};
+
+use crate::groups::JointGroups;
+
+/// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
+const NORMAL: f32 = 0.01;
+/// The same between linear colours.
+const COLOR: f32 = 0.05;
+/// The same between the weights of two groups of joints.
+const WEIGHT: f32 = 0.02;
+/// Part of the distance on the surface that a shift of the texture counts as.
+const TEXTURE: f32 = 0.3;
+/// Weights below this part of a vertex's greatest are dropped where influences are limited.
+const LEAST_WEIGHT: f32 = 0.02;
+
+/// A part that becomes coarser step by step.
+pub(crate) struct Simplifier<'a> {
+    source: &'a Mesh,
+    /// At rest, in metres.
+    positions: Vec<[f32; 3]>,
+    /// The attributes of each vertex, and how much each counts.
+    attributes: Vec<f32>,
+    weights: Vec<f32>,
+    indices: Vec<u32>,
+}
+
+impl<'a> Simplifier<'a> {
+    pub(crate) fn new(character: &'a Character, part: usize, groups: &JointGroups) -> Self {
+        let source = &character.parts[part].mesh;
+        let positions = character.rest_positions(part);
+        let height = character.height_m();
+        let uv_scale = TEXTURE * metres_per_uv(source, &positions);
+        let mut weights = vec![NORMAL * height; 3];
+        weights.extend([uv_scale; 2]);
+        weights.extend([COLOR * height; 3]);
+        weights.extend(vec![WEIGHT * height; groups.count]);
+        let mut attributes = Vec::with_capacity(positions.len() * weights.len());
+        for vertex in 0..positions.len() {
+            attributes.extend(source.normals[vertex]);
+            attributes.extend(source.uvs.get(vertex).copied().unwrap_or_default());
+            attributes.extend(source.colors.get(vertex).map_or([1.0; 3], |c| [c[0], c[1], c[2]]));
+            let first = attributes.len();
+            attributes.resize(first + groups.count, 0.0);
+            groups.add_weights(&source.influences, vertex, &mut attributes[first..]);
+        }
+        let indices = welded(source, &positions);
+        Self { source, positions, attributes, weights, indices }
+    }
+
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.indices.len() / 3
+    }
+
+    /// Collapses edges until the surface is `error_m` off.
+    pub(crate) fn simplify(&mut self, error_m: f32) {
+        if self.indices.is_empty() {
+            return;
+        }
+        // The library reads a flag for every vertex, also where none is locked.
+        let unlocked = vec![false; self.positions.len()];
+        let options = SimplifyOptions::ErrorAbsolute
+            | SimplifyOptions::Prune
+            | SimplifyOptions::Permissive
+            | SimplifyOptions::RegularizeLight;
+        self.indices = simplify_with_attributes_and_locks_decoder(
+            &self.indices,
+            &self.positions,
+            &self.attributes,
+            &self.weights,
+            self.weights.len() * size_of::<f32>(),
+            &unlocked,
+            0,
+            error_m,
+            options,
+            None,
+        );
+    }
+
+    /// Returns the present mesh, with at most `influences` joints for each vertex.
+    pub(crate) fn mesh(&self, influences: usize) -> Mesh {
+        let indices = optimize_vertex_cache(&self.indices, self.positions.len());
+        let mut new_of_old = HashMap::new();
+        let mut kept: Vec<usize> = Vec::new();
+        let indices = indices
+            .iter()
+            .map(|&old| {
+                *new_of_old.entry(old).or_insert_with(|| {
+                    kept.push(old as usize);
+                    u32_from(kept.len() - 1)
+                })
+            })
+            .collect();
+        let source = self.source;
+        Mesh {
+            positions: chosen(&source.positions, &kept),
+            normals: chosen(&source.normals, &kept),
+            uvs: chosen(&source.uvs, &kept),
+            colors: chosen(&source.colors, &kept),
+            influences: fewer_influences(&source.influences, &kept, influences),
+            indices,
+        }
+    }
+}
+
+/// Returns the values of some vertices; empty if no vertex has one.
+fn chosen<T: Copy>(values: &[T], kept: &[usize]) -> Vec<T> {
+    kept.iter().filter_map(|vertex| values.get(*vertex).copied()).collect()
+}
+
+/// Returns the strongest influences of some vertices. Weights keep their sum.
+fn fewer_influences(source: &Influences, kept: &[usize], most: usize) -> Influences {
+    let per_vertex = if most <= 4 { 4 } else { source.per_vertex };
+    let (mut entries, mut weights) = (Vec::new(), Vec::new());
+    for vertex in kept {
+        let range = vertex * source.per_vertex..(vertex + 1) * source.per_vertex;
+        let mut pairs: Vec<(u16, f32)> = source.entries[range.clone()]
+            .iter()
+            .copied()
+            .zip(source.weights[range].iter().copied())
+            .collect();
+        pairs.sort_by(|a, b| b.1.total_cmp(&a.1));
+        let sum: f32 = pairs.iter().map(|pair| pair.1).sum();
+        let least = pairs[0].1 * LEAST_WEIGHT;
+        pairs.retain(|pair| pair.1 >= least);
+        pairs.truncate(most.min(per_vertex));
+        let left: f32 = pairs.iter().map(|pair| pair.1).sum();
+        pairs.resize(per_vertex, (pairs[0].0, 0.0));
+        entries.extend(pairs.iter().map(|pair| pair.0));
+        let scale = if left > 0.0 { sum / left } else { 1.0 };
+        weights.extend(pairs.iter().map(|pair| pair.1 * scale));
+    }
+    Influences { per_vertex, entries, weights }
+}
+
+/// Returns the indices of the triangles, with one index for vertices that are equal in all ways.
+fn welded(mesh: &Mesh, positions: &[[f32; 3]]) -> Vec<u32> {
+    let per_vertex = mesh.influences.per_vertex;
+    let key = |vertex: usize| {
+        let floats = positions[vertex]
+            .iter()
+            .chain(&mesh.normals[vertex])
+            .chain(mesh.uvs.get(vertex).into_iter().flatten())
+            .chain(mesh.colors.get(vertex).into_iter().flatten())
+            .chain(&mesh.influences.weights[vertex * per_vertex..(vertex + 1) * per_vertex]);
+        let bits: Vec<u32> = floats.map(|f| (f + 0.0).to_bits()).collect();
+        let entries = &mesh.influences.entries[vertex * per_vertex..(vertex + 1) * per_vertex];
+        (bits, entries)
+    };
+    let mut first = HashMap::new();
+    let same: Vec<u32> = (0..positions.len())
+        .map(|vertex| *first.entry(key(vertex)).or_insert(u32_from(vertex)))
+        .collect();
+    mesh.indices.iter().map(|index| same[*index as usize]).collect()
+}
+
+/// Returns how many metres of surface a unit of texture coordinates covers; 0 without a texture.
+fn metres_per_uv(mesh: &Mesh, positions: &[[f32; 3]]) -> f32 {
+    if mesh.uvs.is_empty() {
+        return 0.0;
+    }
+    let (mut surface, mut texture) = (0.0_f64, 0.0_f64);
+    for triangle in mesh.indices.as_chunks::<3>().0 {
+        let [a, b, c] = triangle.map(|index| index as usize);
+        let edge =
+            |to: usize| [0, 1, 2].map(|i: usize| f64::from(positions[to][i] - positions[a][i]));
+        let ([ux, uy, uz], [vx, vy, vz]) = (edge(b), edge(c));
+        let cross = [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+        surface += cross.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let edge = |to: usize| [0, 1].map(|i: usize| f64::from(mesh.uvs[to][i] - mesh.uvs[a][i]));
+        let ([ux, uy], [vx, vy]) = (edge(b), edge(c));
+        texture += (ux * vy - uy * vx).abs();
+    }
+    if texture > 0.0 { single((surface / texture).sqrt()) } else { 0.0 }
+}

@@ -1,0 +1,114 @@
+//! Levels of the built-in people, held to what they promise.
+
+use populace_character::{Character, Mesh};
+use populace_lod::{levels_of, with_levels};
+
+fn man() -> Character {
+    populace_cast::cast().unwrap().remove(1)
+}
+
+fn triangles(meshes: &[Mesh]) -> usize {
+    meshes.iter().map(|mesh| mesh.indices.len() / 3).sum()
+}
+
+type Point = [f64; 3];
+
+fn difference(a: Point, b: Point) -> Point {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+fn dot(a: Point, b: Point) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Returns the distance from a point to a triangle (C. Ericson, Real-Time Collision Detection
+/// (2005), 5.1.5).
+fn distance_to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
+    let (ab, ac, ap) = (difference(b, a), difference(c, a), difference(p, a));
+    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
+    let far = |q: Point| dot(difference(p, q), difference(p, q)).sqrt();
+    let along = |from: Point, by: Point, k: f64| [0, 1, 2].map(|i: usize| from[i] + by[i] * k);
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return far(a);
+    }
+    let bp = difference(p, b);
+    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return far(b);
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return far(along(a, ab, d1 / (d1 - d3)));
+    }
+    let cp = difference(p, c);
+    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return far(c);
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return far(along(a, ac, d2 / (d2 - d6)));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return far(along(b, difference(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
+    }
+    let k = 1.0 / (va + vb + vc);
+    far(along(along(a, ab, vb * k), ac, vc * k))
+}
+
+#[test]
+fn levels_have_ever_fewer_triangles_and_growing_errors() {
+    let man = man();
+    let own: usize = man.parts.iter().map(|part| part.mesh.indices.len() / 3).sum();
+    let levels = levels_of(&man);
+    let counts: Vec<usize> = levels.iter().map(|level| triangles(&level.meshes)).collect();
+    assert!(levels.len() >= 5, "{counts:?}");
+    assert!(counts[0] < own && counts.is_sorted_by(|a, b| a > b), "{counts:?}");
+    assert!(counts.last().is_some_and(|last| *last < own / 40), "{counts:?}");
+    assert!(levels.is_sorted_by(|a, b| a.error_m < b.error_m));
+}
+
+#[test]
+fn original_vertices_lie_near_the_surface_of_each_level() {
+    let man = man();
+    for level in levels_of(&man) {
+        let mut surface: Vec<[Point; 3]> = Vec::new();
+        for mesh in &level.meshes {
+            // The built-in people are bound in model space, so positions are those at rest.
+            let at = |index: &u32| mesh.positions[*index as usize].map(f64::from);
+            let corners = mesh.indices.as_chunks::<3>().0;
+            surface.extend(corners.iter().map(|[a, b, c]| [at(a), at(b), at(c)]));
+        }
+        let mut far: Vec<f64> = Vec::new();
+        for point in (0..man.parts.len()).flat_map(|part| man.rest_positions(part)).step_by(7) {
+            let point = point.map(f64::from);
+            let nearest = surface.iter().map(|triangle| distance_to_triangle(point, *triangle));
+            far.push(nearest.fold(f64::INFINITY, f64::min));
+        }
+        far.sort_by(f64::total_cmp);
+        // Fingers and noses within the error may vanish whole, so the farthest tenth is left out.
+        let near_all = far[far.len() * 9 / 10];
+        assert!(near_all <= f64::from(level.error_m), "{near_all} m, not {} m", level.error_m);
+    }
+}
+
+#[test]
+fn weights_keep_their_sum_and_far_levels_have_one_joint_per_vertex() {
+    let levels = levels_of(&man());
+    for mesh in levels.iter().flat_map(|level| &level.meshes) {
+        for weights in mesh.influences.weights.chunks(mesh.influences.per_vertex) {
+            assert!((weights.iter().sum::<f32>() - 1.0).abs() < 1e-4, "{weights:?}");
+            assert!(weights.is_sorted_by(|a, b| a >= b), "the strongest come first: {weights:?}");
+        }
+    }
+    let last = levels.last().unwrap();
+    let single = |weights: &[f32]| weights[1..].iter().all(|weight| *weight == 0.0);
+    assert!(last.meshes.iter().all(|m| m.influences.weights.chunks(4).all(single)));
+}
+
+#[test]
+fn levels_are_the_same_each_time_and_pass_the_checks_of_characters() {
+    let (first, second) = (with_levels(man()).unwrap(), with_levels(man()).unwrap());
+    assert_eq!(first.levels(), second.levels());
+}

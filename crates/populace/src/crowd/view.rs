@@ -1,0 +1,249 @@
+//! The view that a crowd is evaluated for: which members are hidden, and their levels of detail.
+
+use populace_device::{View, Visibility};
+use populace_model::Skeleton;
+use populace_model::convert::{single, u32_from};
+use populace_retarget::Binding;
+
+use super::base::{CharacterState, MemberState};
+use super::state::State;
+use super::{CharacterId, Crowd};
+use crate::{Allowed, Error};
+
+/// A member changes to a coarser level only where that one is finer than needed by this factor, so
+/// that it does not change back and forth.
+const HYSTERESIS: f32 = 0.85;
+/// Steps of a row's 16-bit numbers.
+const ROW_STEPS: f32 = 65_535.0;
+/// The largest error of a view, in pixels.
+const LARGEST_ERROR_PX: f32 = 1e6;
+/// Part of the reach by which foot constraints may lower the body, and by which a sphere grows.
+const MARGIN: f32 = 1.1;
+
+/// A sphere around a body in every pose that its clips can give it, in model space.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Reach {
+    /// Height of the centre, above the model's origin, in metres.
+    pub(super) height_m: f32,
+    pub(super) radius_m: f32,
+}
+
+impl Reach {
+    /// Returns the reach of a body whose joints only rotate.
+    pub(super) fn at_rest(skeleton: &Skeleton) -> Self {
+        Self::of(skeleton, |_| ([0.0; 3], 0.0))
+    }
+
+    /// Returns the reach of a body that plays a clip.
+    pub(super) fn with_clip(skeleton: &Skeleton, binding: &Binding) -> Self {
+        let ranges = binding.ranges();
+        let joints: Vec<_> = skeleton.joints().collect();
+        Self::of(skeleton, |joint| {
+            let [translation, ..] = ranges[joint];
+            let rest = skeleton.rest(joints[joint]).translation;
+            let spread = translation.step * ROW_STEPS;
+            let [x, y, z, _] = translation.offset;
+            let corner = |low: f32, rest: f32| (low - rest).abs().max((low + spread - rest).abs());
+            ([corner(x, rest[0]), corner(y, rest[1]), corner(z, rest[2])], spread)
+        })
+    }
+
+    /// `shift` returns the most by which a joint leaves its rest translation along each axis.
+    fn of(skeleton: &Skeleton, shift: impl Fn(usize) -> ([f32; 3], f32)) -> Self {
+        let joints: Vec<_> = skeleton.joints().collect();
+        let parents: Vec<Option<usize>> = joints
+            .iter()
+            .map(|joint| skeleton.parent(*joint).map(|parent| parent.index()))
+            .collect();
+        let shifted = |joint: usize| length(shift(joint).0);
+        // The joint where the body branches: all else hangs from it.
+        let children = |joint: usize| parents.iter().filter(|p| **p == Some(joint)).count();
+        let center = (0..joints.len()).find(|joint| children(*joint) != 1).unwrap_or_default();
+        let models = skeleton.rest_models();
+        let at = |joint: usize| {
+            models.get(joint).map_or([0.0; 3], |m| m.translation.to_array().map(single))
+        };
+        let [x, y, z] = at(center);
+        let mut above = shifted(center);
+        let mut next = parents.get(center).copied().flatten();
+        while let Some(joint) = next {
+            above += shifted(joint);
+            next = parents[joint];
+        }
+        // Length of the chain from the centre to each joint, at most.
+        let mut chains = vec![0.0_f32; joints.len()];
+        let mut most = 0.0_f32;
+        for joint in 0..joints.len() {
+            chains[joint] = match parents[joint] {
+                _ if joint == center => 0.0,
+                Some(parent) => {
+                    let bone = [0, 1, 2].map(|i: usize| at(joint)[i] - at(parent)[i]);
+                    chains[parent] + length(bone) + shifted(joint)
+                }
+                // Another root: it is as far from the centre as at rest.
+                None => {
+                    let away = [0, 1, 2].map(|i: usize| at(joint)[i] - at(center)[i]);
+                    length(away) + shifted(joint)
+                }
+            };
+            most = most.max(chains[joint] + skeleton.reach_m()[joint]);
+        }
+        let aside = length([x, 0.0, z]);
+        Self { height_m: y, radius_m: MARGIN * (above + most + aside) }
+    }
+
+    /// Returns a reach around both.
+    pub(super) fn and(self, other: Self) -> Self {
+        let apart = (self.height_m - other.height_m).abs();
+        Self { radius_m: self.radius_m.max(other.radius_m + apart), ..self }
+    }
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    v[0].hypot(v[1]).hypot(v[2])
+}
+
+impl Crowd {
+    /// Sets the view that the next updates are evaluated for; `None` evaluates all members, in full
+    /// detail, as from the beginning.
+    ///
+    /// Each member gets the coarsest level of its character's [`levels`] of which the error is less
+    /// than [`View::error_px`], and is [hidden](Visibility::Hidden) if it cannot be seen. Hidden
+    /// members keep their time, their placement and what they play, but are not posed: their
+    /// palettes stay as they were. Members with root motion, and those that are watched or carry
+    /// others, are posed all the same. Members with overrides, proportions, user stages or live
+    /// clips, and attached ones, are never hidden.
+    ///
+    /// Levels depend on those of the update before: a level changes to a coarser one a little later
+    /// than to a finer one. They are part of a [snapshot](Self::snapshot).
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadValue`] for a view with a number that is not finite, or an error in pixels below
+    /// 0.
+    ///
+    /// [`levels`]: populace_character::Character::levels
+    pub fn set_view(&mut self, view: Option<View>) -> Result<(), Error> {
+        if let Some(view) = &view {
+            check(view)?;
+        }
+        self.state.base.view = view;
+        Ok(())
+    }
+
+    /// The view that updates are evaluated for.
+    #[must_use]
+    pub fn view(&self) -> Option<&View> {
+        self.state.base.view.as_ref()
+    }
+
+    /// Counts the members by what the last update chose for them.
+    #[must_use]
+    pub fn view_statistics(&self) -> ViewStatistics {
+        let mut counts = ViewStatistics::default();
+        let members = self.state.base.members.all.iter().filter(|m| m.character.is_some());
+        for Seen { visibility, level } in members.map(|member| member.seen) {
+            match visibility {
+                Visibility::InView => {
+                    let level = level as usize;
+                    counts.levels.resize(counts.levels.len().max(level + 1), 0);
+                    counts.levels[level] += 1;
+                }
+                Visibility::ShadowOnly => counts.shadow_only += 1,
+                Visibility::Hidden => counts.hidden += 1,
+            }
+        }
+        counts
+    }
+}
+
+fn check(view: &View) -> Result<(), Error> {
+    let View { eye, planes, pixels_per_metre, to_sun, error_px } = view;
+    let numbers = eye.iter().chain(planes.as_flattened()).chain(to_sun.iter().flatten());
+    let allowed = Allowed::Finite;
+    for value in numbers.chain([pixels_per_metre]) {
+        if !value.is_finite() {
+            return Err(Error::BadValue { what: "a number of the view", value: *value, allowed });
+        }
+    }
+    if !(0.0..=LARGEST_ERROR_PX).contains(error_px) {
+        let allowed = Allowed::Range { least: 0.0, most: LARGEST_ERROR_PX.into() };
+        return Err(Error::BadValue { what: "the error of the view", value: *error_px, allowed });
+    }
+    Ok(())
+}
+
+/// What a member is seen as in the present view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Seen {
+    pub(super) visibility: Visibility,
+    pub(super) level: u32,
+}
+
+/// Numbers of members by what was chosen for them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ViewStatistics {
+    /// Members in view by their level of detail, from level 0 on.
+    pub levels: Vec<usize>,
+    /// Members out of view that may throw a shadow into it.
+    pub shadow_only: usize,
+    /// Members that cannot be seen.
+    pub hidden: usize,
+}
+
+impl State {
+    /// Chooses visibility and level of every member for the present view.
+    pub(super) fn apply_view(&mut self) {
+        let was_viewed = std::mem::replace(&mut self.base.is_viewed, self.base.view.is_some());
+        if !(was_viewed || self.base.is_viewed) {
+            return;
+        }
+        for index in 0..self.base.members.all.len() {
+            let MemberState { character: Some(character), seen, .. } = self.base.members.all[index]
+            else {
+                continue;
+            };
+            let next = match &self.base.view {
+                Some(view) => self.seen_in(view, index, character, seen),
+                None => Seen::default(),
+            };
+            let tables = &mut self.base.tables;
+            let hidden = next.visibility == Visibility::Hidden && tables.can_hide(u32_from(index));
+            tables.set_hidden(u32_from(index), hidden);
+            self.base.members.all[index].seen = next;
+        }
+    }
+
+    fn seen_in(&self, view: &View, index: usize, character: CharacterId, before: Seen) -> Seen {
+        let Ok(CharacterState { character, reach, .. }) = self.base.character_state(character)
+        else {
+            return Seen::default();
+        };
+        let (number, placement) = (u32_from(index), &self.base.members.all[index].placement);
+        let (scale, [x, y, z]) = (placement.scale(), placement.position());
+        let [mx, my, mz] = self.offset_of(number);
+        let center = [x + mx, y + my + scale * reach.height_m, z + mz];
+        let radius = scale * reach.radius_m;
+        let visibility = match view.visibility(center, radius) {
+            beyond if beyond != Visibility::InView && !self.base.tables.is_bounded(number) => {
+                Visibility::InView
+            }
+            found => found,
+        };
+        let px = view.pixels_per_metre_at(center, radius) * scale;
+        let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
+            None => true,
+            Some(coarser) => {
+                character.levels().get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
+            }
+        };
+        let mut level = before.level;
+        while !fits(level, view.error_px) {
+            level -= 1;
+        }
+        while fits(level + 1, HYSTERESIS * view.error_px) {
+            level += 1;
+        }
+        Seen { visibility, level }
+    }
+}

@@ -1,0 +1,187 @@
+//! Views: members that cannot be seen are not posed, and far ones get coarser levels.
+
+#![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
+
+use std::sync::Arc;
+
+use populace::character::{Character, Level};
+use populace::interop::{View, Visibility};
+use populace::{
+    ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement, Schedule, Target, Trs, Weight,
+};
+
+/// A man with two coarser levels, of which only the errors matter here.
+fn man() -> Character {
+    let man = populace_cast::cast().unwrap().remove(1);
+    let meshes: Vec<_> = man.parts.iter().map(|part| part.mesh.clone()).collect();
+    let level = |error_m| Level { error_m, meshes: meshes.clone() };
+    man.with_levels(vec![level(0.01), level(0.04)]).unwrap()
+}
+
+/// A view from the origin along -z, a quarter turn wide and high, of 1000 pixels for a metre at a
+/// distance of one metre.
+fn view(error_px: f32) -> View {
+    let k = std::f32::consts::FRAC_1_SQRT_2;
+    View {
+        eye: [0.0; 3],
+        planes: [
+            [k, 0.0, -k, 0.0],
+            [-k, 0.0, -k, 0.0],
+            [0.0, k, -k, 0.0],
+            [0.0, -k, -k, 0.0],
+            [0.0, 0.0, -1.0, 0.0],
+        ],
+        pixels_per_metre: 1000.0,
+        to_sun: None,
+        error_px,
+    }
+}
+
+struct Scene {
+    crowd: Crowd,
+    members: Vec<MemberId>,
+}
+
+impl Scene {
+    /// Members at positions, each of which walks.
+    fn new(device: Device, schedule: Schedule, positions: &[[f32; 3]]) -> Self {
+        let mut crowd = Crowd::builder().device(device).schedule(schedule).build().unwrap();
+        let id = crowd.add_character(Arc::new(man())).unwrap();
+        let walk = crowd.clip(id, "Walk").unwrap();
+        let members = positions
+            .iter()
+            .map(|position| {
+                let member = crowd.spawn(id, Placement::at(*position)).unwrap();
+                let mut playing = crowd.member_mut(member).unwrap();
+                playing.play(walk, ClipPlayback::looping()).unwrap();
+                member
+            })
+            .collect();
+        Self { crowd, members }
+    }
+
+    fn seen(&self) -> Vec<(Visibility, u32)> {
+        self.crowd.instances().map(|instance| (instance.visibility, instance.level)).collect()
+    }
+
+    fn palette(&mut self, member: usize) -> Vec<u32> {
+        let rows = self.crowd.member_mut(self.members[member]).unwrap().palette().unwrap();
+        rows.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits).collect()
+    }
+}
+
+const AHEAD: [f32; 3] = [0.0, -1.0, -10.0];
+const BEHIND: [f32; 3] = [0.0, -1.0, 10.0];
+
+#[test]
+fn hidden_members_are_not_posed_and_go_on_as_if_they_had_been() {
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        for device in [Device::native(), Device::opencl(0)] {
+            if schedule == Schedule::FusedGrouped && device == Device::native() {
+                continue;
+            }
+            let mut scene = Scene::new(device, schedule, &[AHEAD, BEHIND]);
+            scene.crowd.set_view(Some(view(0.0))).unwrap();
+            for _ in 0..3 {
+                scene.crowd.update(0.1).unwrap();
+            }
+            assert_eq!(scene.seen(), [(Visibility::InView, 0), (Visibility::Hidden, 0)]);
+            assert_ne!(scene.palette(0), scene.palette(1), "{schedule}: nobody posed the second");
+            scene.crowd.set_view(None).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            assert_eq!(scene.palette(0), scene.palette(1), "{schedule}");
+        }
+    }
+}
+
+#[test]
+fn levels_follow_the_distance_and_change_with_hysteresis() {
+    // The man reaches about 1.5 m from his hips, so 1 cm covers a pixel at roughly 11.5 m.
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD]);
+    let member = scene.members[0];
+    scene.crowd.set_view(Some(view(1.0))).unwrap();
+    let mut level_at = |z: f32| {
+        scene.crowd.set_placements(&[(member, Placement::at([0.0, -1.0, -z]))]).unwrap();
+        scene.crowd.update(0.0).unwrap();
+        scene.crowd.instances().next().unwrap().level
+    };
+    let coarser = (1..1000).map(|z| z as f32 * 0.1).find(|z| level_at(*z) == 1).unwrap();
+    assert!((10.0..16.0).contains(&coarser), "{coarser}");
+    assert_eq!(level_at(coarser - 0.2), 1, "a step back does not change it");
+    let finer = (1..1000).map(|z| coarser - z as f32 * 0.1).find(|z| level_at(*z) == 0).unwrap();
+    assert!(finer < 0.95 * coarser, "{finer} {coarser}");
+    assert_eq!((level_at(30.0), level_at(1000.0), level_at(1.0)), (1, 2, 0));
+}
+
+#[test]
+fn members_that_others_need_or_whose_reach_is_unknown_are_posed() {
+    let mut scene =
+        Scene::new(Device::native(), Schedule::Fused, &[BEHIND, BEHIND, BEHIND, BEHIND, BEHIND]);
+    let [watched, moving, shaped, carried, gazing] = *scene.members else { panic!() };
+    let crowd = &mut scene.crowd;
+    crowd.member_mut(watched).unwrap().watch_joint(JointIndex(3)).unwrap();
+    crowd.member_mut(moving).unwrap().start_root_motion().unwrap();
+    crowd.member_mut(carried).unwrap().attach_to(shaped, JointIndex(4), Trs::IDENTITY).unwrap();
+    crowd
+        .member_mut(gazing)
+        .unwrap()
+        .look_at(Target::Point([0.0, 1.0, 0.0]), Weight::FULL)
+        .unwrap();
+    crowd.set_view(Some(view(0.0))).unwrap();
+    for _ in 0..3 {
+        crowd.update(0.1).unwrap();
+    }
+    let free = scene.palette(4);
+    let seen: Vec<_> = scene.seen().iter().map(|seen| seen.0).collect();
+    use Visibility::{Hidden, InView};
+    assert_eq!(seen, [Hidden, Hidden, Hidden, InView, Hidden]);
+    scene.crowd.set_view(None).unwrap();
+    scene.crowd.update(0.0).unwrap();
+    assert_ne!(scene.palette(4), free, "gaze alone needs no pose");
+}
+
+#[test]
+fn a_run_from_a_snapshot_repeats_to_the_bit() {
+    for device in [Device::native(), Device::opencl(0)] {
+        let mut scene = Scene::new(device, Schedule::Fused, &[AHEAD, BEHIND, [12.0, 0.0, -9.0]]);
+        let members = scene.members.clone();
+        scene.crowd.member_mut(members[2]).unwrap().plant_feet(1.0).unwrap();
+        let run = |scene: &mut Scene, frames: std::ops::Range<i32>| -> Vec<_> {
+            frames
+                .flat_map(|frame| {
+                    let x = (frame % 40 - 20) as f32;
+                    let places: Vec<_> = (0..3)
+                        .map(|m| (members[m], Placement::at([x * (m as f32 - 1.0), 0.0, -11.0])))
+                        .collect();
+                    scene.crowd.set_placements(&places).unwrap();
+                    scene.crowd.update(1.0 / 30.0).unwrap();
+                    let seen = scene.seen();
+                    (0..3).map(|m| (seen[m], scene.palette(m))).collect::<Vec<_>>()
+                })
+                .collect()
+        };
+        scene.crowd.set_view(Some(view(1.0))).unwrap();
+        run(&mut scene, 0..25);
+        let snapshot = scene.crowd.snapshot().unwrap();
+        let first = run(&mut scene, 25..70);
+        let kinds = |wanted| first.iter().filter(|((seen, _), _)| *seen == wanted).count();
+        assert!(kinds(Visibility::Hidden) > 5 && kinds(Visibility::InView) > 5);
+        scene.crowd.restore(&snapshot).unwrap();
+        assert!(run(&mut scene, 25..70) == first);
+    }
+}
+
+#[test]
+fn views_that_are_not_finite_are_refused() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD]);
+    for bad in [
+        View { eye: [f32::NAN, 0.0, 0.0], ..view(1.0) },
+        View { pixels_per_metre: f32::INFINITY, ..view(1.0) },
+        View { to_sun: Some([f32::NAN; 3]), ..view(1.0) },
+        view(-1.0),
+        view(f32::NAN),
+    ] {
+        scene.crowd.set_view(Some(bad)).unwrap_err();
+        assert!(scene.crowd.view().is_none());
+    }
+}
