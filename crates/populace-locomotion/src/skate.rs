@@ -45,8 +45,8 @@ pub struct Skate {
     /// The error of the speed on straight parts, as a fraction of the requested speed; 0 for other
     /// parts. It is the larger error of two speeds: that of the body, by the distance it covers,
     /// and that of the gait. The speed of the gait is that at which the ground passes beneath the
-    /// body before feet are locked to it: the median, over all planted points, of their velocity
-    /// backwards in model space. With planting it includes the stride.
+    /// body before feet are locked to it: the median, over all planted points of whole cycles, of
+    /// their velocity backwards in model space. With planting it includes the stride.
     pub speed_error: f32,
     /// The distance from the ground within which 95 % of planted points are, above or below, as a
     /// fraction of the body's height.

@@ -162,6 +162,11 @@ impl Walkers {
         &self.strides
     }
 
+    /// The cycles in a second at which the first walker steps; 0 without any.
+    pub(crate) fn cycles_per_sec(&self) -> f32 {
+        self.walkers.first().map_or(0.0, |walker| walker.step.cycles_per_sec)
+    }
+
     /// Moves all walkers on by `secs`, and sets what their members show.
     ///
     /// # Errors

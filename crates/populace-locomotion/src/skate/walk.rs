@@ -33,8 +33,9 @@ struct Lane {
     last: Option<[Sole; 2]>,
     legs: Vec<Vec<Vec3>>,
     samples: Samples,
-    /// Speeds at which the ground passes planted points backwards, in metres per second.
-    passing: Vec<f32>,
+    /// Speeds at which the ground passes planted points backwards, in metres per second, frame by
+    /// frame.
+    passing: Vec<Vec<f32>>,
     from: [f32; 2],
 }
 
@@ -99,7 +100,7 @@ impl Walk {
         if let Some(before) = &self.lanes[0].last {
             let passing = strides.map(|stride| passing(before, &bare, stride.lead()));
             for (lane, passing) in self.lanes.iter_mut().zip(passing) {
-                lane.passing.extend(passing);
+                lane.passing.push(passing);
             }
         }
         let planted = self.lanes[1].soles(course)?;
@@ -123,7 +124,8 @@ impl Walk {
             if let Some(requested) = requested {
                 let [x, z] = lane.walkers.positions()[0];
                 let body = (x - lane.from[0]).hypot(z - lane.from[1]) / secs;
-                let gait = percentile(&mut lane.passing, 50);
+                let whole = whole_cycles(lane.walkers.cycles_per_sec(), lane.passing.len());
+                let gait = percentile(&mut lane.passing[..whole].concat(), 50);
                 let error = |speed: f32| (speed / requested - 1.0).abs();
                 lane.samples.speed_error = error(body).max(error(gait));
             }
@@ -187,6 +189,15 @@ impl Lane {
     }
 }
 
+/// Returns the number of frames in the most whole cycles that some frames hold; all of them if they
+/// hold none. What is left of a cycle would count one part of a step more than the others.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not above `frames`")]
+fn whole_cycles(cycles_per_sec: f32, frames: usize) -> usize {
+    let cycle = FRAMES_PER_SEC / cycles_per_sec.abs();
+    let whole = (frames as f32 / cycle).floor() * cycle;
+    if whole >= 1.0 { frames.min(whole.round() as usize) } else { frames }
+}
+
 /// Returns the speeds at which the ground passes planted points backwards, between two frames
 /// without planting, in metres per second. Ankles step as a stride leads them.
 fn passing(before: &[Sole; 2], now: &[Sole; 2], [_, lead]: [f32; 2]) -> Vec<f32> {
@@ -198,4 +209,18 @@ fn passing(before: &[Sole; 2], now: &[Sole; 2], [_, lead]: [f32; 2]) -> Vec<f32>
         -(ankle * lead + arm) * FRAMES_PER_SEC
     };
     both.map(speed).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn speeds_are_taken_over_whole_cycles() {
+        // A cycle of 75 frames at 0.8 in a second.
+        assert_eq!(whole_cycles(0.8, 300), 300);
+        assert_eq!(whole_cycles(0.8, 299), 225);
+        assert_eq!((whole_cycles(-0.8, 80), whole_cycles(0.1, 300)), (75, 300));
+        assert_eq!(whole_cycles(0.0, 300), 300);
+    }
 }
