@@ -44,6 +44,18 @@ pub(crate) struct Foot {
     pub(crate) ankle: Carried,
     /// The points that may touch the ground; at least one.
     pub(crate) sole: Vec<Carried>,
+    /// `None` for a body without humanoid names.
+    pub(crate) leg: Option<Leg>,
+}
+
+/// The leg of a foot.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leg {
+    pub(crate) hip: Carried,
+    /// From hip over knee to ankle, in metres.
+    pub(crate) length_m: f32,
+    /// Where the ankle is along Z at rest, in metres of model space.
+    pub(crate) rest_z: f32,
 }
 
 /// The two feet of a body.
@@ -84,11 +96,21 @@ fn by_roles(character: &Character, roles: &RoleMap, soles: &[Vec<Vec3>]) -> Opti
         if sole.is_empty() {
             sole = joints_below(character, ankle);
         }
+        let leg = leg(skeleton, roles, side);
         let ankle = carried_origin(skeleton, ankle)?;
-        (!sole.is_empty()).then_some(Foot { ankle, sole })
+        (!sole.is_empty()).then_some(Foot { ankle, sole, leg })
     };
     let hips = roles.joint(Role::Hips).and_then(|hips| carried_origin(skeleton, hips));
     Some(Feet { feet: [foot(Side::Left)?, foot(Side::Right)?], hips })
+}
+
+/// Returns the leg of one side; `None` if a joint of it has no humanoid name.
+fn leg(skeleton: &Skeleton, roles: &RoleMap, side: Side) -> Option<Leg> {
+    let joints = [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)];
+    let [hip, knee, ankle] = joints.map(|role| roles.joint(role));
+    let places = [hip?, knee?, ankle?].map(|joint| origin(skeleton, joint));
+    let length_m = places[0].distance(places[1]) + places[1].distance(places[2]);
+    Some(Leg { hip: carried_origin(skeleton, hip?)?, length_m, rest_z: places[2].z })
 }
 
 /// Finds the joint on each side of the body that carries all points which touch the ground at rest.
@@ -113,7 +135,7 @@ fn by_touch(character: &Character, soles: &[Vec<Vec3>]) -> Option<Feet> {
         let is_low = own.y <= bounds.low[1] + ANKLE * height;
         let at = if is_low { own } else { mean(&soles[top.index()]).unwrap_or(own) };
         let ankle = Carried::new(skeleton, top, at)?;
-        (!sole.is_empty()).then_some(Foot { ankle, sole })
+        (!sole.is_empty()).then_some(Foot { ankle, sole, leg: None })
     };
     let hips = common(skeleton, &tops).and_then(|hips| carried_origin(skeleton, hips));
     Some(Feet { feet: [foot(tops[0])?, foot(tops[1])?], hips })

@@ -7,35 +7,11 @@ use populace::clip::Clip;
 use populace::model::{Role, Side};
 use populace::{BlendSpace, BlendSpaceId, CharacterId, ClipId, Crowd, SpacePoint, Stride};
 
-use crate::strides::MixStride;
+use crate::steps::{Mixes, Row, STANDS, Sample};
 use crate::{Contact, Error, Gait, GaitClips, MixedClip};
 
-/// Mixes that are measured between two neighbouring clips.
-const MIXES: usize = 8;
-/// How the length of a stride grows with speed below the slowest clip: with this power of it, as
-/// that of people does (D. W. Grieve, "Gait patterns and the speed of walking", Biomedical
-/// Engineering 3 (1968), 119-122; A. D. Kuo, "A simple model of bipedal walking predicts the
-/// preferred speed-step length relationship", J. Biomechanical Engineering 123 (2001), 264-269).
-const STRIDE_POWER: f32 = 0.42;
-/// The slowest stepping, as a fraction of the rate of the slowest clip.
-const SLOWEST_RATE: f32 = 0.45;
-/// Speeds below this fraction of that of the slowest clip stand still.
-const STANDS: f32 = 0.01;
 /// A clip that is slower than this, in body heights per second, does not walk.
 const WALKS: f32 = 0.1;
-/// A measured stride is not less and not more than these parts of the expected one.
-const NEAR: (f32, f32) = (0.4, 2.0);
-/// The mix of a member that steps on the spot: this part of the way from standing to the slowest
-/// clip.
-const ON_THE_SPOT: f32 = 0.45;
-
-/// A moving clip at its own speed.
-#[derive(Clone, Copy, Debug)]
-struct Sample {
-    speed: f32,
-    /// Metres per cycle.
-    stride: f32,
-}
 
 /// How a member steps at a speed, at the scale of 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +23,8 @@ pub struct Step {
     /// Metres by which the mix itself passes over the ground in a cycle: by the median velocity of
     /// the soles that its clips plant.
     pub stride_m: f32,
-    /// Metres that a stride adds to it that doubles what ankles step. What feet roll stays as it
-    /// is.
+    /// Metres that a stride adds to it for each time more that ankles step what they do in the
+    /// mix, around this speed. What feet roll stays as it is.
     pub ankle_m: f32,
 }
 
@@ -59,9 +35,9 @@ pub struct GaitSpace {
     character: CharacterId,
     space: BlendSpaceId,
     samples: Vec<Sample>,
-    /// Strides of mixes between standing and the first sample, and between neighbouring samples, at
-    /// `MIXES + 1` even points.
-    strides: Vec<[MixStride; MIXES + 1]>,
+    /// How it steps at speeds, in their order.
+    rows: Vec<Row>,
+    on_the_spot: Step,
     idle_cycles_per_sec: f32,
 }
 
@@ -117,13 +93,15 @@ impl GaitSpace {
             ids.push(id);
             mixed.push((MixedClip::new(&clip, 1.0).with_offset(offset), gait));
         }
-        let strides = measure_strides(&asset, &mixed)?;
+        let mixes = Mixes::new(&asset, &mixed, &samples)?;
+        let (rows, on_the_spot) = (mixes.rows()?, mixes.on_the_spot()?);
         tell_contacts(crowd, character, ids.iter().zip(mixed.iter().map(|(_, gait)| gait)))?;
         Ok(Self {
             character,
             space: add_space(crowd, &ids, &mixed)?,
             samples,
-            strides,
+            rows,
+            on_the_spot,
             idle_cycles_per_sec: if idle_secs > 0.0 { 1.0 / idle_secs } else { 0.0 },
         })
     }
@@ -166,7 +144,8 @@ impl GaitSpace {
     }
 
     /// The speeds of the slowest and of the fastest clip, in metres per second at the scale of 1.
-    /// Beyond the fastest, strides and cadence both grow with the root of the speed.
+    /// Beyond the fastest, strides and cadence both grow with the root of the speed, and strides no
+    /// further than legs reach.
     #[must_use]
     pub fn speeds_m_per_sec(&self) -> [f32; 2] {
         let of = |sample: Option<&Sample>| sample.map_or(0.0, |sample| sample.speed);
@@ -176,8 +155,7 @@ impl GaitSpace {
     /// Returns how a member steps at a speed in metres per second, 0 or more.
     #[must_use]
     pub fn at_speed(&self, speed: f32) -> Step {
-        let (slowest, fastest) = (self.samples[0], self.samples[self.samples.len() - 1]);
-        if speed <= STANDS * slowest.speed {
+        if speed <= STANDS * self.samples[0].speed {
             return Step {
                 mix: 0.0,
                 cycles_per_sec: self.idle_cycles_per_sec,
@@ -185,56 +163,31 @@ impl GaitSpace {
                 ankle_m: 0.0,
             };
         }
-        let next = self.samples.partition_point(|sample| sample.speed <= speed);
-        let stride = match (next.checked_sub(1), self.samples.get(next)) {
-            (None, _) => {
-                let stride = slowest.stride * (speed / slowest.speed).powf(STRIDE_POWER);
-                stride.min(speed / (SLOWEST_RATE * slowest.speed / slowest.stride))
-            }
-            (Some(below), Some(above)) => {
-                let below = self.samples[below];
-                let power = (above.stride / below.stride).ln() / (above.speed / below.speed).ln();
-                below.stride * (speed / below.speed).powf(power)
-            }
-            (Some(_), None) => fastest.stride * (speed / fastest.speed).powf(0.5),
+        let above = self.rows.partition_point(|row| row.speed <= speed);
+        let (low, high) = match (above.checked_sub(1), self.rows.get(above)) {
+            (Some(below), Some(high)) => (&self.rows[below], high),
+            (None, _) => (&self.rows[0], &self.rows[0]),
+            (Some(last), None) => (&self.rows[last], &self.rows[last]),
         };
-        let (mix, own) = self.mix_of_stride(next.min(self.samples.len() - 1), stride);
-        Step { mix, cycles_per_sec: speed / stride, stride_m: own.sole_m, ankle_m: own.ankle_m }
+        let span = high.speed - low.speed;
+        let part = if span > 0.0 { (speed - low.speed) / span } else { 0.0 };
+        let mix = |low: f32, high: f32| low + (high - low) * part;
+        let stride = match self.rows.get(above) {
+            Some(_) => mix(low.stride, high.stride),
+            None => low.stride * (speed / low.speed).powf(0.5),
+        };
+        Step {
+            mix: mix(low.mix, high.mix),
+            cycles_per_sec: speed / stride,
+            stride_m: mix(low.own.sole_m, high.own.sole_m),
+            ankle_m: mix(low.own.ankle_m, high.own.ankle_m),
+        }
     }
 
     /// Returns how a member steps that turns on the spot or finds its stance.
     #[must_use]
-    pub fn on_the_spot(&self) -> Step {
-        let slowest = self.samples[0];
-        let own = self.stride_at(0, ON_THE_SPOT);
-        Step {
-            mix: ON_THE_SPOT,
-            cycles_per_sec: slowest.speed / slowest.stride,
-            stride_m: own.sole_m,
-            ankle_m: own.ankle_m,
-        }
-    }
-
-    /// Returns the first mix within a segment whose stride is a length, or the last, and its
-    /// stride.
-    fn mix_of_stride(&self, segment: usize, stride: f32) -> (f32, MixStride) {
-        let strides = &self.strides[segment];
-        let reaches = |above: &usize| strides[*above].sole_m >= stride;
-        let above = (1..MIXES).find(reaches).unwrap_or(MIXES);
-        let (low, high) = (strides[above - 1].sole_m, strides[above].sole_m);
-        let part = if high > low { ((stride - low) / (high - low)).clamp(0.0, 1.0) } else { 1.0 };
-        let part = (above as f32 - 1.0 + part) / MIXES as f32;
-        (segment as f32 + part, self.stride_at(segment, part))
-    }
-
-    /// Returns the stride of a mix a part of the way through a segment, 0 to 1.
-    fn stride_at(&self, segment: usize, part: f32) -> MixStride {
-        let strides = &self.strides[segment];
-        let at = part * MIXES as f32;
-        let below = (0..MIXES).rev().find(|below| *below as f32 <= at).unwrap_or(0);
-        let (low, high) = (strides[below], strides[below + 1]);
-        let mix = |low: f32, high: f32| low + (high - low) * (at - below as f32);
-        MixStride { sole_m: mix(low.sole_m, high.sole_m), ankle_m: mix(low.ankle_m, high.ankle_m) }
+    pub const fn on_the_spot(&self) -> Step {
+        self.on_the_spot
     }
 }
 
@@ -268,49 +221,6 @@ fn left_phase(gait: &Gait) -> f32 {
     let left = gait.contacts.iter().filter(|contact| contact.foot == Side::Left);
     let longest = left.max_by(|a, b| lasts(a).total_cmp(&lasts(b)));
     longest.map_or(0.0, |c| 0.5 * (c.from_secs + c.until_secs) / gait.duration_secs)
-}
-
-/// Measures the strides of mixes of neighbouring clips, each with its gait. A mix that shows none,
-/// or one that is far from that of its clips, has a stride in proportion.
-fn measure_strides(
-    asset: &Arc<Character>,
-    clips: &[(MixedClip, Gait)],
-) -> Result<Vec<[MixStride; MIXES + 1]>, Error> {
-    let mut all = Vec::new();
-    let mut below = MixStride { sole_m: 0.0, ankle_m: 0.0 };
-    for pair in clips.windows(2) {
-        let stride = pair[1].1.velocity_m_per_sec[1] * pair[1].1.duration_secs;
-        let above = MixStride { sole_m: stride, ankle_m: stride };
-        let above = near(MixStride::measure(asset, &[(pair[1].0.clone(), &pair[1].1)])?, above);
-        let mut strides = [below; MIXES + 1];
-        strides[MIXES] = above;
-        for (mix, stride) in strides.iter_mut().enumerate().take(MIXES).skip(1) {
-            let part = mix as f32 / MIXES as f32;
-            let linear = |low: f32, high: f32| low + (high - low) * part;
-            let linear = MixStride {
-                sole_m: linear(below.sole_m, above.sole_m),
-                ankle_m: linear(below.ankle_m, above.ankle_m),
-            };
-            let weighted = |nth: usize, weight| {
-                let (clip, gait) = &pair[nth];
-                (MixedClip { weight, ..clip.clone() }, gait)
-            };
-            let mixed = [weighted(0, 1.0 - part), weighted(1, part)];
-            *stride = near(MixStride::measure(asset, &mixed)?, linear);
-        }
-        all.push(strides);
-        below = above;
-    }
-    Ok(all)
-}
-
-/// Returns a stride that was measured if it is near what is expected.
-fn near(measured: Option<MixStride>, expected: MixStride) -> MixStride {
-    let close = |of: f32, to: f32| (NEAR.0 * to..=NEAR.1 * to).contains(&of);
-    let plausible = |found: &MixStride| {
-        close(found.sole_m, expected.sole_m) && close(found.ankle_m, found.sole_m)
-    };
-    measured.filter(plausible).unwrap_or(expected)
 }
 
 /// Returns whether a clip goes forwards.

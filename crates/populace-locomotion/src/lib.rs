@@ -12,6 +12,7 @@ mod mix;
 mod path;
 mod skate;
 mod soles;
+mod steps;
 mod strides;
 mod walker;
 mod walkers;

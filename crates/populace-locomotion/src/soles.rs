@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use populace::character::Character;
 use populace::{Affine, ClipPlayback, Crowd, Device, Error, Placement};
 
-use crate::feet::{Carried, Feet};
+use crate::feet::{Carried, Feet, Leg};
 use crate::mix::{MixedClip, cycle_secs};
 
 /// Samples in a second of a cycle.
@@ -19,15 +19,21 @@ const MOST_JOINTS: usize = 1 << 14;
 const STANDING: f32 = 0.01;
 
 /// One foot at one time. Places are in model space, and move back with the body's travel.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct SoleSample {
     /// Height of the lowest point of the sole in metres.
     pub(crate) height: f32,
     /// Horizontal velocity of the points that would stand, relative to the body, in metres per
     /// second.
     pub(crate) velocity: Vec2,
+    /// Where the points of the sole are along Z relative to where the body would be, and the index
+    /// of the lowest.
+    pub(crate) points_z: Vec<f32>,
+    pub(crate) lowest: usize,
     /// Horizontal place of the ankle relative to where the body would be.
     pub(crate) ankle: Vec2,
+    /// Horizontal place of the hip, alike; that of the ankle if it is not known.
+    pub(crate) hip: Vec2,
 }
 
 /// Heights of the hips in metres.
@@ -53,11 +59,15 @@ pub(crate) struct Soles {
     pub(crate) own_speed: f32,
     /// Evenly spaced samples, left and right.
     pub(crate) feet: [Vec<SoleSample>; 2],
+    /// The legs of both feet, if they are known.
+    pub(crate) legs: [Option<Leg>; 2],
 }
 
 /// Where the feet are in one pose, in model space.
 struct Pose {
     hips: Option<Vec3>,
+    /// Where each leg begins.
+    legs: [Option<Vec3>; 2],
     ankles: [Vec3; 2],
     soles: [Vec<Vec3>; 2],
 }
@@ -82,9 +92,10 @@ impl Soles {
             let mean_m = heights.sum::<f32>() / poses.len() as f32;
             (rest_m > 0.0).then_some(Hips { rest_m, mean_m })
         });
+        let legs = feet.feet.each_ref().map(|foot| foot.leg);
         let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
         let own_speed = own_speed(clips);
-        Ok(Some(Self { duration_secs, body_height_m, travel, hips, own_speed, feet }))
+        Ok(Some(Self { duration_secs, body_height_m, travel, hips, own_speed, feet, legs }))
     }
 }
 
@@ -144,6 +155,7 @@ fn pose(feet: &Feet, model_from_joints: &[Affine]) -> Pose {
     let place = |point: &Carried| point.place(model_from_joints);
     Pose {
         hips: feet.hips.as_ref().map(place),
+        legs: feet.feet.each_ref().map(|foot| foot.leg.map(|leg| place(&leg.hip))),
         ankles: feet.feet.each_ref().map(|foot| place(&foot.ankle)),
         soles: feet.feet.each_ref().map(|foot| foot.sole.iter().map(place).collect()),
     }
@@ -179,9 +191,12 @@ fn follow(
             standing += 1.0;
         }
         let velocity = Vec2::new(moved.x, moved.z) / (standing * step_secs) - travel;
-        let ankle = pair[0].ankles[foot];
-        let ankle = Vec2::new(ankle.x, ankle.z) - travel * step_secs * f32::from(nth);
-        SoleSample { height, velocity, ankle }
+        let lowest = (0..now.len()).min_by(|a, b| now[*a].y.total_cmp(&now[*b].y)).unwrap_or(0);
+        let place = |at: Vec3| Vec2::new(at.x, at.z) - travel * step_secs * f32::from(nth);
+        let points_z = now.iter().map(|at| place(*at).y).collect();
+        let ankle = place(pair[0].ankles[foot]);
+        let hip = pair[0].legs[foot].map_or(ankle, place);
+        SoleSample { height, velocity, points_z, lowest, ankle, hip }
     };
     (0u16..).zip(poses.windows(2)).map(sample).collect()
 }

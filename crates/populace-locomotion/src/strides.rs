@@ -5,7 +5,8 @@ use std::sync::Arc;
 use populace::character::Character;
 use populace::model::Side;
 
-use crate::soles::Soles;
+use crate::feet::Leg;
+use crate::soles::{SoleSample, Soles};
 use crate::{Error, Gait, MixedClip};
 
 /// Times within a contact count up to this, in seconds, when those of several clips are mixed.
@@ -14,6 +15,21 @@ const WITHIN_SECS: f32 = 0.12;
 const WHOLE: f32 = 0.999;
 /// Clips of less than this share of the weight do not make a standing foot step.
 const STEPPING: f32 = 0.02;
+/// The least and the largest lead of ankles.
+const LEADS: (f32, f32) = (0.0, 6.0);
+/// A lead this near to 1 is that of the mix itself.
+const NEAR_OWN: f32 = 0.1;
+/// How far along the ground legs reach, and how far planted feet are held back, in leg lengths: a
+/// little less than where devices let a foot go.
+const REACH: f32 = 0.63;
+const HELD_BACK: f32 = 0.45;
+/// Speeds are measured from frame to frame, at this many in a second.
+const SHOWN_PER_SEC: f32 = 60.0;
+/// Times between two samples at which movements begin.
+const FINER: f32 = 4.0;
+/// Halvings in the search for a lead, and for a stride within reach.
+const HALVINGS: usize = 14;
+const REACH_HALVINGS: usize = 7;
 
 /// Contacts of one foot, mixed by the weights of the clips.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,8 +61,18 @@ impl Planting {
 
     /// Returns whether the foot is planted, as devices decide it.
     pub(crate) fn is_planted(self) -> bool {
-        self.steps <= STEPPING * (self.steps + self.stands) || self.within > 0.0
+        self.margin() > 0.0
     }
+
+    /// Returns how far within a contact the foot is: above 0 if it is planted.
+    fn margin(self) -> f32 {
+        if self.steps <= STEPPING * (self.steps + self.stands) { 1.0 } else { self.within }
+    }
+}
+
+/// How a mix of clips steps, measured on a body.
+pub(crate) struct MixSteps {
+    feet: [Stance; 2],
 }
 
 /// How far a mix steps forwards in a cycle, in metres.
@@ -59,7 +85,7 @@ pub(crate) struct MixStride {
     pub(crate) ankle_m: f32,
 }
 
-impl MixStride {
+impl MixSteps {
     /// Measures clips that are mixed, each with its gait. `None` if no foot is planted.
     pub(crate) fn measure(
         character: &Arc<Character>,
@@ -67,29 +93,147 @@ impl MixStride {
     ) -> Result<Option<Self>, Error> {
         let mixed: Vec<_> = clips.iter().map(|(clip, _)| clip.clone()).collect();
         let Some(soles) = Soles::sample(character, &mixed)? else { return Ok(None) };
-        let (mut own, mut doubled) = (Vec::new(), Vec::new());
-        for (samples, side) in soles.feet.iter().zip([Side::Left, Side::Right]) {
+        let legs = soles.legs;
+        let [left, right] = soles.feet;
+        let stance = |side, samples: Vec<SoleSample>, leg| {
             let count = samples.len() as f32;
-            let step_secs = soles.duration_secs / count;
-            let next = samples.iter().skip(1).chain(samples.first());
-            for ((sample, next), nth) in samples.iter().zip(next).zip((0_u16..).map(f32::from)) {
+            let within = |at: f32| {
                 let mut planting = Planting::default();
                 for (mixed, gait) in clips {
-                    let phase = (nth / count + mixed.offset).rem_euclid(1.0);
+                    let phase = (at / count + mixed.offset).rem_euclid(1.0);
                     planting.add(gait, side, phase * gait.duration_secs, mixed.weight);
                 }
-                if planting.is_planted() {
-                    let ankle = (sample.ankle.y - next.ankle.y) / step_secs;
-                    own.push(-sample.velocity.y);
-                    doubled.push(ankle - sample.velocity.y);
-                }
-            }
-        }
-        let stride = |mut speeds: Vec<f32>| {
-            speeds.sort_by(f32::total_cmp);
-            speeds.get(speeds.len() / 2).map(|speed| speed * soles.duration_secs)
+                planting.margin()
+            };
+            let at = (0_u16..).map(f32::from).take(samples.len());
+            Stance { within: at.map(within).collect(), samples, leg }
         };
-        let both = stride(own).zip(stride(doubled));
-        Ok(both.map(|(sole_m, doubled_m)| Self { sole_m, ankle_m: doubled_m - sole_m }))
+        let feet = [stance(Side::Left, left, legs[0]), stance(Side::Right, right, legs[1])];
+        let stands = feet.iter().any(|foot| foot.within.iter().any(|within| *within > 0.0));
+        Ok(stands.then_some(Self { feet }))
+    }
+
+    /// Returns the stride in metres with steps of ankles led, at cycles in a second: by the median
+    /// movement of the lowest points of planted soles from one frame to the next.
+    pub(crate) fn stride_m(&self, lead: f32, cycles_per_sec: f32) -> f32 {
+        let count = self.feet[0].samples.len() as f32;
+        let step = (count * cycles_per_sec / SHOWN_PER_SEC).clamp(1.0, (0.1 * count).max(1.0));
+        let mut steps: Vec<f32> =
+            self.feet.iter().flat_map(|foot| foot.steps_m(lead, step)).collect();
+        steps.sort_by(f32::total_cmp);
+        steps.get(steps.len() / 2).map_or(0.0, |moved| -moved / step * count)
+    }
+
+    /// Returns the lead of ankles at which the stride has a length.
+    fn lead_of(&self, stride_m: f32, cycles_per_sec: f32) -> f32 {
+        let (mut low, mut high) = LEADS;
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let is_short = self.stride_m(middle, cycles_per_sec) < stride_m;
+            (low, high) = if is_short { (middle, high) } else { (low, middle) };
+        }
+        0.5 * (low + high)
+    }
+
+    /// Returns the longest stride up to `most_m` at a speed, in metres per second, in which legs
+    /// reach the feet that are planted; not less than `least_m`.
+    pub(crate) fn within_reach(&self, least_m: f32, most_m: f32, speed: f32) -> f32 {
+        let reaches = |stride_m: f32| {
+            let lead = self.lead_of(stride_m, speed / stride_m);
+            self.feet.iter().all(|foot| foot.reaches(lead, stride_m))
+        };
+        if reaches(most_m) {
+            return most_m;
+        }
+        let (mut low, mut high) = (least_m, most_m);
+        for _ in 0..REACH_HALVINGS {
+            let middle = 0.5 * (low + high);
+            (low, high) = if reaches(middle) { (middle, high) } else { (low, middle) };
+        }
+        low
+    }
+
+    /// Returns the mix's own stride at cycles in a second, and what a lead of ankles adds to it on
+    /// the way to a stride in metres.
+    pub(crate) fn towards(&self, stride_m: f32, cycles_per_sec: f32) -> MixStride {
+        let sole_m = self.stride_m(1.0, cycles_per_sec);
+        let lead = self.lead_of(stride_m, cycles_per_sec);
+        // Near the mix's own stride by how it grows there.
+        let (lead, stride_m) = if (lead - 1.0).abs() >= NEAR_OWN {
+            (lead, stride_m)
+        } else {
+            let lead = if lead < 1.0 { 1.0 - NEAR_OWN } else { 1.0 + NEAR_OWN };
+            (lead, self.stride_m(lead, cycles_per_sec))
+        };
+        MixStride { sole_m, ankle_m: (stride_m - sole_m) / (lead - 1.0) }
+    }
+}
+
+/// What a foot does in the samples of a cycle.
+struct Stance {
+    samples: Vec<SoleSample>,
+    /// How far within a contact each sample is: above 0 if the foot is planted.
+    within: Vec<f32>,
+    leg: Option<Leg>,
+}
+
+impl Stance {
+    /// Returns a value at a time between samples, in samples.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8000")]
+    fn between(&self, time: f32, value: impl Fn(usize) -> f32) -> f32 {
+        let (nth, part) = (time as usize, time - time.floor());
+        let [low, high] = [nth, nth + 1].map(|nth| value(nth % self.samples.len()));
+        low + (high - low) * part
+    }
+
+    /// Returns the point of the sole that is lowest at the sample before a time.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8000")]
+    fn lowest(&self, time: f32) -> usize {
+        self.samples[time as usize % self.samples.len()].lowest
+    }
+
+    /// Returns how far a point of the sole moves forwards between two times, in metres.
+    fn moved_m(&self, point: usize, [from, to]: [f32; 2], lead: f32) -> f32 {
+        let place = |nth: usize| {
+            let SoleSample { ankle, points_z, .. } = &self.samples[nth];
+            points_z[point] + ankle.y * (lead - 1.0)
+        };
+        self.between(to, place) - self.between(from, place)
+    }
+
+    /// Returns how far planted soles move forwards from one time to another, a number of samples
+    /// later, in metres: at [`FINER`] times for each sample.
+    fn steps_m(&self, lead: f32, step: f32) -> impl Iterator<Item = f32> {
+        let within = |time: f32| self.between(time, |nth| self.within[nth]) > 0.0;
+        let times =
+            (0_u16..).map(|nth| f32::from(nth) / FINER).map(move |from| [from, from + step]);
+        let count = self.samples.len() as f32;
+        let times = times.take_while(move |[from, _]| *from < count);
+        let planted = times.filter(move |[from, to]| within(*from) && within(*to));
+        planted.map(move |[from, to]| self.moved_m(self.lowest(from), [from, to], lead))
+    }
+
+    /// Returns whether the leg reaches a foot that is locked to the ground from the beginning to
+    /// the end of its contacts, while the body goes on by a stride in each cycle.
+    fn reaches(&self, lead: f32, stride_m: f32) -> bool {
+        let Some(leg) = self.leg else { return true };
+        let count = self.samples.len();
+        let step_m = stride_m / count as f32;
+        let mut lag = 0.0_f32;
+        // Twice around: a contact may go on through the end of the cycle.
+        (0..2 * count).all(|nth| {
+            if self.within[nth % count] <= 0.0 {
+                lag = 0.0;
+                return true;
+            }
+            let SoleSample { ankle, hip, lowest, .. } = &self.samples[nth % count];
+            let own = leg.rest_z + (ankle.y - leg.rest_z) * lead - hip.y;
+            let far = (own + lag).abs();
+            let overstretched = far > own.abs() && far > REACH * leg.length_m;
+            let held_back = lag.abs();
+            let now = (nth % count) as f32;
+            lag -= step_m + self.moved_m(*lowest, [now, now + 1.0], lead);
+            !overstretched && held_back <= HELD_BACK * leg.length_m
+        })
     }
 }

@@ -28,7 +28,10 @@ const HEIGHT_SECS: f32 = 0.08;
 const BACKWARDS: f32 = 0.2;
 /// Time in which a stride follows the motion, in seconds.
 const STRIDE_SECS: f32 = 0.06;
-
+/// A walker that gains speed steps at the rate of the speed that it has after this time, in
+/// seconds. At the rate of its own speed, the foot that happens to stand at a start would stand
+/// until the leg no longer reaches it.
+const SOON_SECS: f32 = 0.5;
 /// The change of speed, as a part of it, below which a walker steps as before.
 const SAME_SPEED: f32 = 1e-3;
 /// Turns smaller than this are not made, in radians.
@@ -94,6 +97,9 @@ pub(crate) struct Walker {
     pub(crate) told: Option<Step>,
     /// How its gaits step at a speed.
     gait: (f32, Step),
+    /// The speed that it will soon have, in metres per second, and the cycles in a second at it.
+    soon: f32,
+    soon_cycles: (f32, f32),
     pub(crate) stride: Stride,
     /// The part of the last steps that the position's rounding left out, in metres.
     rest: Vec2,
@@ -150,6 +156,8 @@ impl Walker {
             step: STANDING,
             told: None,
             gait: (f32::INFINITY, STANDING),
+            soon: 0.0,
+            soon_cycles: (f32::INFINITY, 0.0),
             stride: Stride::OF_CLIPS,
             rest: Vec2::ZERO,
         }
@@ -183,6 +191,8 @@ impl Walker {
         let faster = wanted.length_squared() > self.velocity.length_squared();
         let most = secs * if faster { limits.acceleration } else { limits.deceleration };
         self.velocity += change.clamp_length_max(most);
+        let gained = limits.acceleration * SOON_SECS;
+        self.soon = wanted.length().min(self.velocity.length() + gained);
         if !moves && self.velocity.length() < STANDS_M_PER_SEC {
             self.velocity = Vec2::ZERO;
         }
@@ -241,6 +251,13 @@ impl Walker {
         let mut step = self.gait.1;
         if self.settles_secs > 0.0 && (speed == 0.0 || turns && step.mix < on_the_spot.mix) {
             step = on_the_spot;
+        }
+        let soon = self.soon / self.scale;
+        if soon > speed && speed > 0.0 && step.mix > 0.0 {
+            if (soon - self.soon_cycles.0).abs() > SAME_SPEED * soon {
+                self.soon_cycles = (soon, gaits.at_speed(soon).cycles_per_sec);
+            }
+            step.cycles_per_sec = step.cycles_per_sec.max(self.soon_cycles.1);
         }
         let Vec2 { x: sin, y: cos } = self.ahead;
         let (x, z) = (self.velocity.x / self.scale, self.velocity.y / self.scale);

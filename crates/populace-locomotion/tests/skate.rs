@@ -109,6 +109,9 @@ fn clips_made_by_hand_hardly_skate() {
     assert_eq!(clips.moving.len(), 2);
     let all = Skate::measure(&knight, &clips).unwrap();
     holds(&all, &Targets { mean_m_per_sec: 0.02, p95_m_per_sec: 0.08 });
+    // No foot is left behind and let go.
+    let start = find(&all, "start", true);
+    assert!(start.mean_m_per_sec < 0.01 && start.p95_m_per_sec < 0.04, "{start:?}");
 }
 
 #[test]
@@ -117,6 +120,19 @@ fn retargeted_clips_hardly_skate() {
     let person = cast().unwrap().remove(0);
     let clips = GaitClips::among(&human, &person.clips).unwrap();
     let all = Skate::measure(&human, &clips).unwrap();
+    holds(&all, &Targets { mean_m_per_sec: 0.02, p95_m_per_sec: 0.08 });
+}
+
+#[test]
+fn a_walk_and_a_fast_jog_hardly_skate_between_their_speeds() {
+    // Feet of the mix stand as long as those of the walk, at thrice its speed.
+    let Some(human) = load("m2m_human_base.glb") else { return };
+    let clips = GaitClips::of(&human).unwrap();
+    let all = Skate::measure(&human, &clips).unwrap();
+    for segment in ["start", "straight 2", "straight 3", "straight 4"] {
+        let part = find(&all, segment, true);
+        assert!(part.mean_m_per_sec < 0.02 && part.p95_m_per_sec < 0.08, "{part:?}");
+    }
     holds(&all, &Targets { mean_m_per_sec: 0.02, p95_m_per_sec: 0.08 });
 }
 

@@ -50,3 +50,24 @@ fn strides_of_adults_follow_a_published_curve() {
         }
     }
 }
+
+/// Stance of a leg, in heights of the body: a foot that stands passes from a little less than 0.7
+/// leg lengths ahead of the hip to as far behind it, and rolls over its length.
+const STANCE: f32 = 0.75;
+/// The contact of the run, as a part of its cycle.
+const RUN_STANDS: f32 = 0.38;
+
+#[test]
+fn beyond_the_fastest_clip_contacts_stay_within_reach_of_the_legs() {
+    for character in populace_cast::cast().expect("people") {
+        let (name, height_m) = (character.name.clone(), character.height_m());
+        let builder = Crowd::builder().device(Device::native()).capacity(1);
+        let mut crowd = builder.build().expect("a crowd");
+        let id = crowd.add_character(character).expect("enough memory");
+        let gaits = GaitSpace::of(&mut crowd, id).expect("clips that walk");
+        let [_, fastest] = gaits.speeds_m_per_sec();
+        let step = gaits.at_speed(2.9 * fastest);
+        let stance = RUN_STANDS * 2.9 * fastest / step.cycles_per_sec;
+        assert!(stance < STANCE * height_m, "{name}: {stance} m of {height_m}");
+    }
+}
