@@ -158,7 +158,8 @@ glsl_block! {
         zenith_color: Float4,
         /// rgb: colour of the sky at the horizon, and of the haze.
         horizon_color: Float4,
-        /// rgb: colour of the paving.
+        /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0 without
+        /// ground.
         ground_color: Float4,
         /// rgb: colour of the lines on the paving.
         line_color: Float4,

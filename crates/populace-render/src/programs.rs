@@ -22,6 +22,8 @@ pub(crate) enum Kind {
     Ground,
     /// The background.
     Sky,
+    /// The members' samples, over ground and sky.
+    Resolve { samples: u8 },
 }
 
 const VERSION: &str = "#version 430 core\n";
@@ -47,6 +49,13 @@ fn sources(kind: Kind) -> [String; 2] {
             with_blocks(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
             with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
         ],
+        Kind::Resolve { samples } => {
+            let define = format!("#define SAMPLES {samples}\n");
+            [
+                [VERSION, include_str!("shaders/resolve.vert")].concat(),
+                [VERSION, &define, include_str!("shaders/resolve.frag")].concat(),
+            ]
+        }
     }
 }
 

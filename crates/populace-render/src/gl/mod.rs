@@ -43,8 +43,6 @@ pub(crate) struct Limits {
     pub(crate) storage_bytes: u64,
     /// True if buffers can stay mapped while they are drawn from.
     pub(crate) maps_buffers: bool,
-    /// Largest number of samples per pixel.
-    pub(crate) samples: u32,
     /// Largest anisotropy of texture filters, 1 if unsupported or too slow.
     pub(crate) anisotropy: f32,
 }
@@ -252,7 +250,6 @@ impl Limits {
             maps_buffers: functions.version().major > 4
                 || (functions.version().major == 4 && functions.version().minor >= 4)
                 || functions.supported_extensions().contains("GL_ARB_buffer_storage"),
-            samples: get(glow::MAX_SAMPLES),
             anisotropy,
         })
     }

@@ -9,7 +9,7 @@ use super::Gl;
 use crate::Error;
 
 /// Samples per pixel, if the driver supports them.
-const SAMPLES: u32 = 4;
+const SAMPLES: u8 = 4;
 
 /// A framebuffer and its attachments.
 struct Target {
@@ -66,6 +66,49 @@ impl Target {
         self.gl.check("allocate a renderbuffer")
     }
 
+    /// Attaches an sRGB colour texture of `samples` samples per pixel.
+    fn attach_samples(&mut self, samples: i32, [width, height]: [i32; 2]) -> Result<(), Error> {
+        let functions = &self.gl.functions;
+        self.bind(glow::FRAMEBUFFER);
+        // SAFETY: the context is current.
+        let texture = unsafe { functions.create_texture() }
+            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
+        self.texture = Some(texture);
+        let target = glow::TEXTURE_2D_MULTISAMPLE;
+        self.bind_texture(target, 0);
+        // SAFETY: the context is current, and framebuffer and texture bound. `check` reports a size
+        // or sample count that the driver rejects. Fixed locations are required beside a
+        // renderbuffer.
+        unsafe {
+            functions.tex_storage_2d_multisample(
+                target,
+                samples,
+                glow::SRGB8_ALPHA8,
+                width,
+                height,
+                true,
+            );
+            functions.framebuffer_texture_2d(
+                glow::FRAMEBUFFER,
+                glow::COLOR_ATTACHMENT0,
+                target,
+                Some(texture),
+                0,
+            );
+        }
+        self.gl.check("allocate a multisampled texture")
+    }
+
+    /// Binds the texture to a texture unit.
+    fn bind_texture(&self, target: u32, unit: u32) {
+        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and this crate uses
+        // lower numbers only.
+        unsafe {
+            self.gl.functions.active_texture(glow::TEXTURE0 + unit);
+            self.gl.functions.bind_texture(target, self.texture);
+        }
+    }
+
     /// Checks that the framebuffer can be drawn to.
     fn complete(&self, operation: &str) -> Result<(), Error> {
         self.bind(glow::FRAMEBUFFER);
@@ -97,9 +140,11 @@ impl Drop for Target {
     }
 }
 
-/// The picture: multisampled sRGB colour and depth, and a resolved copy to read back.
+/// The picture: multisampled sRGB colour and depth of the members, and one sample per pixel to
+/// blend them with their surroundings and to read back.
 pub(crate) struct PictureTarget {
     drawn: Target,
+    samples: u8,
     resolved: Target,
     size: [i32; 2],
 }
@@ -119,27 +164,32 @@ impl PictureTarget {
             return Err(Error::TooLarge { what: "the side of a picture", size, limit });
         };
         let size = [w, h];
-        let samples = if gl.limits().samples >= SAMPLES { SAMPLES.cast_signed() } else { 0 };
         // Drivers may reject multisampling at large sizes. Fall back to one sample.
-        let drawn = match Self::target(gl, samples, size) {
-            Err(_) if samples > 0 => Self::target(gl, 0, size)?,
-            other => other?,
+        let (drawn, samples) = match Self::multisampled(gl, SAMPLES, size) {
+            Err(_) => (Self::multisampled(gl, 1, size)?, 1),
+            Ok(drawn) => (drawn, SAMPLES),
         };
         let mut resolved = Target::new(gl)?;
         resolved.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, 0, size)?;
         resolved.complete("create a framebuffer of the picture's size")?;
-        Ok(Self { drawn, resolved, size })
+        Ok(Self { drawn, samples, resolved, size })
     }
 
-    fn target(gl: &Rc<Gl>, samples: i32, size: [i32; 2]) -> Result<Target, Error> {
+    fn multisampled(gl: &Rc<Gl>, samples: u8, size: [i32; 2]) -> Result<Target, Error> {
         let mut target = Target::new(gl)?;
-        target.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, samples, size)?;
-        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, samples, size)?;
+        target.attach_samples(i32::from(samples), size)?;
+        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, i32::from(samples), size)?;
         target.complete("create a framebuffer of the picture's size")?;
         Ok(target)
     }
 
-    /// Makes this the current framebuffer and clears it to opaque black.
+    /// Returns the number of samples per pixel.
+    pub(crate) fn samples(&self) -> u8 {
+        self.samples
+    }
+
+    /// Makes the members' framebuffer the current one and clears it to no coverage. Vertex shaders
+    /// that draw to the picture write one clip distance.
     pub(crate) fn begin(&self) {
         self.drawn.bind(glow::FRAMEBUFFER);
         let functions = &self.drawn.gl.functions;
@@ -148,41 +198,34 @@ impl PictureTarget {
         unsafe {
             functions.viewport(0, 0, width, height);
             functions.enable(glow::FRAMEBUFFER_SRGB);
+            functions.enable(glow::CLIP_DISTANCE0);
             functions.depth_mask(true);
-            functions.clear_color(0.0, 0.0, 0.0, 1.0);
+            functions.clear_color(0.0, 0.0, 0.0, 0.0);
             functions.clear_depth_f32(1.0);
             functions.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
         }
     }
 
-    /// Resolves the samples and reads the picture back, top row first.
+    /// Makes the framebuffer that is read back the current one, and binds the members' samples to
+    /// texture unit `unit`. Does not clear the framebuffer, since the sky covers it.
+    pub(crate) fn begin_resolve(&self, unit: u32) {
+        self.resolved.bind(glow::FRAMEBUFFER);
+        self.drawn.bind_texture(glow::TEXTURE_2D_MULTISAMPLE, unit);
+    }
+
+    /// Reads the picture back, top row first.
     pub(crate) fn read(&self) -> Result<Image, Error> {
-        let gl = &self.drawn.gl;
+        let gl = &self.resolved.gl;
         let [width, height] = self.size;
-        let row_bytes = 4 * self.size[0].unsigned_abs() as usize;
-        let mut rgba = vec![0; row_bytes * self.size[1].unsigned_abs() as usize];
-        self.drawn.bind(glow::READ_FRAMEBUFFER);
-        self.resolved.bind(glow::DRAW_FRAMEBUFFER);
-        // SAFETY: the context is current, and both framebuffers have the size `size`. The driver
+        let row_bytes = 4 * width.unsigned_abs() as usize;
+        let mut rgba = vec![0; row_bytes * height.unsigned_abs() as usize];
+        self.resolved.bind(glow::READ_FRAMEBUFFER);
+        // SAFETY: the context is current, and the framebuffer has the size `size`. The driver
         // writes width x height x 4 bytes, the length of `rgba`: rows of 4-byte pixels have no
         // padding.
         unsafe {
-            let functions = &gl.functions;
-            functions.enable(glow::FRAMEBUFFER_SRGB);
-            functions.blit_framebuffer(
-                0,
-                0,
-                width,
-                height,
-                0,
-                0,
-                width,
-                height,
-                glow::COLOR_BUFFER_BIT,
-                glow::NEAREST,
-            );
-            self.resolved.bind(glow::READ_FRAMEBUFFER);
             let pixels = glow::PixelPackData::Slice(Some(&mut rgba));
+            let functions = &gl.functions;
             functions.read_pixels(0, 0, width, height, glow::RGBA, glow::UNSIGNED_BYTE, pixels);
         }
         gl.check("read the picture")?;
@@ -264,6 +307,7 @@ impl ShadowTarget {
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
             functions.viewport(0, 0, self.size, self.size);
+            functions.disable(glow::CLIP_DISTANCE0);
             functions.depth_mask(true);
             functions.clear_depth_f32(1.0);
             functions.clear(glow::DEPTH_BUFFER_BIT);
@@ -272,11 +316,6 @@ impl ShadowTarget {
 
     /// Binds the map to a texture unit.
     pub(crate) fn bind_texture(&self, unit: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 48 units, and this crate uses
-        // lower numbers only.
-        unsafe {
-            self.target.gl.functions.active_texture(glow::TEXTURE0 + unit);
-            self.target.gl.functions.bind_texture(glow::TEXTURE_2D, self.target.texture);
-        }
+        self.target.bind_texture(glow::TEXTURE_2D, unit);
     }
 }

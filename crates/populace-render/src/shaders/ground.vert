@@ -8,4 +8,5 @@ void main() {
     vec2 corner = vec2(gl_VertexID & 1, gl_VertexID >> 1) * 2.0 - 1.0;
     world_position = vec3(eye.x + corner.x * 1.5 * eye.w, 0.0, eye.z - corner.y * 1.5 * eye.w);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
+    gl_ClipDistance[0] = 1.0;
 }

@@ -20,4 +20,8 @@ void main() {
     texture_uv = uv;
     surface_color = color * vec4(tint, 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
+    // The ground, which is drawn without depth, hides what lies beyond it. Soles at y = 0 stay
+    // visible: members may sink into the ground by the size of a pixel.
+    float sunk_m = ground_color.w * gl_Position.w;
+    gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world_position.y + sunk_m : 1.0;
 }

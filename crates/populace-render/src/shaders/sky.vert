@@ -9,4 +9,5 @@ void main() {
     vec4 far = world_from_clip * vec4(corner, 1.0, 1.0);
     view_direction = far.xyz / far.w - eye.xyz;
     gl_Position = vec4(corner, 1.0, 1.0);
+    gl_ClipDistance[0] = 1.0;
 }
