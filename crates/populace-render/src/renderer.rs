@@ -18,7 +18,7 @@ use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
 use crate::programs::{Kind, Programs};
 use crate::sun::{Sphere, SunView};
-use crate::{Camera, Error, Ground, Scene};
+use crate::{Camera, Error, Scene};
 
 /// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
@@ -251,7 +251,7 @@ impl Renderer {
         self.picture.begin();
         self.draw_runs(&batches.opaque, Pass::Opaque, &mut drawn)?;
         self.draw_runs(&batches.blended, Pass::Blended, &mut drawn)?;
-        self.draw_surroundings(scene.ground)?;
+        self.draw_surroundings(scene)?;
         self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")?;
         drawn.instances = batches.opaque.iter().map(|run| run.count as usize).sum();
@@ -353,13 +353,13 @@ impl Renderer {
 
     /// Draws sky and ground, and blends the members over them. Ground and sky have no edges that
     /// several samples per pixel would smooth, and one sample takes a fraction of the time.
-    fn draw_surroundings(&mut self, ground: Option<Ground>) -> Result<(), Error> {
+    fn draw_surroundings(&mut self, scene: &Scene) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
-        self.picture.begin_resolve(MEMBER_UNIT);
+        self.picture.begin_resolve(scene.shown_horizon(), MEMBER_UNIT);
         self.gl.set_state(surroundings);
         self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
-        if ground.is_some() {
+        if scene.ground.is_some() {
             self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });

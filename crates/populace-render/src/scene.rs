@@ -98,6 +98,17 @@ impl Default for Scene {
 }
 
 impl Scene {
+    /// Returns the linear colour of the horizon after tone mapping, the same curve as
+    /// `tone_mapped` in `light.glsl`.
+    pub(crate) fn shown_horizon(&self) -> [f32; 3] {
+        let knee = self.highlights.knee();
+        let headroom = 1.0 - knee;
+        self.sky.horizon.map(|color| {
+            let over = (color - knee).max(0.0) / headroom.max(1e-3);
+            color.min(knee) + headroom * (1.0 - (-over).exp())
+        })
+    }
+
     /// Rejects non-finite colours, and a direction to the sun that cannot be normalised.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let ground = self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3] });

@@ -1,8 +1,9 @@
 // ground.frag - paving that gives scale: a line every metre, a wider one every five metres.
-// Reads   world position
+// Reads   world position, shadow map position
 // Writes  linear colour, which the framebuffer stores as sRGB
 
 in vec3 world_position;
+in vec3 shadow_position;
 
 out vec4 color;
 
@@ -24,7 +25,6 @@ void main() {
     vec2 at = world_position.xz;
     float coverage = max(0.6 * lines(at, 0.03), lines(at / 5.0, 0.016));
     vec3 base = mix(ground_color.rgb, line_color.rgb, coverage);
-    vec3 shadow_position = (shadow_from_world * vec4(world_position, 1.0)).xyz * 0.5 + 0.5;
     vec3 lit = base * light_on(vec3(0.0, 1.0, 0.0), shadow_position);
     color = vec4(tone_mapped(hazed(lit, world_position)), 1.0);
 }

@@ -1,4 +1,4 @@
-// sky.vert - the whole picture, at the far plane.
+// sky.vert - the picture above the horizon.
 // Reads   gl_VertexID, from which it computes the corner; no attributes
 // Writes  view direction in world space, not normalised
 
@@ -9,5 +9,5 @@ void main() {
     vec4 far = world_from_clip * vec4(corner, 1.0, 1.0);
     view_direction = far.xyz / far.w - eye.xyz;
     gl_Position = vec4(corner, 1.0, 1.0);
-    gl_ClipDistance[0] = 1.0;
+    gl_ClipDistance[0] = view_direction.y;
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use populace_model::Affine;
-use populace_render::{Camera, Ground, Sky};
+use populace_render::{Camera, Ground, Highlights, Sky};
 
 use crate::fixture::{at, person};
 use crate::rig::{Rig, instance, srgb};
@@ -27,6 +27,43 @@ fn ground_is_at_the_feet_and_sky_above() {
     drawn.expect(0.6, 1.9, [0, 0, 255]);
     rig.scene.ground = None;
     rig.draw(&[instance(&red, Affine::IDENTITY, 0)]).expect(0.6, -0.9, [0, 0, 255]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn ground_hides_what_lies_beyond_it() {
+    let mut rig = Rig::new();
+    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.camera.eye = [0.0, 1.0, 10.0];
+    rig.camera.target = [0.0, 1.0, 0.0];
+    let red = Arc::new(person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
+    rig.upload(&[Affine::IDENTITY; 2]);
+    // Half a metre deep in the ground, which is one metre below the centre of the picture.
+    let list = [instance(&red, at(0.0, -0.5, 0.0), 0)];
+    let above = rig.draw(&list);
+    above.expect(0.13, -0.9, [255, 0, 0]);
+    above.expect(0.13, -1.15, [0, 255, 0]);
+    // From below, the ground is one metre above the centre and hides what stands on it.
+    rig.camera.eye = [0.0, -1.0, 10.0];
+    rig.camera.target = [0.0, -1.0, 0.0];
+    let below = rig.draw(&list);
+    below.expect(0.13, 0.85, [255, 0, 0]);
+    below.expect(0.13, 1.15, [0, 255, 0]);
+    rig.scene.ground = None;
+    rig.draw(&list).expect(0.13, 1.15, [255, 0, 0]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn horizon_continues_below_the_sky() {
+    let mut rig = Rig::new();
+    rig.scene.highlights = Highlights::Shoulder;
+    // The sky has one colour, part of which is above the knee of the tone mapping curve.
+    rig.scene.sky = Sky { zenith: [1.0, 0.8, 0.3], horizon: [1.0, 0.8, 0.3] };
+    let drawn = rig.draw(&[]);
+    let above = drawn.at(0.5, 1.0);
+    assert!(above[0] < 250 && above[0] > above[1], "{above:?}");
+    drawn.expect(0.5, -1.0, above);
 }
 
 #[test]
