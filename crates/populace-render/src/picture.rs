@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use image::ImageEncoder as _;
-use image::codecs::png::PngEncoder;
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use populace_character::Image;
 
 use crate::Error;
@@ -34,7 +34,8 @@ pub fn encode_png(picture: &Image) -> Result<Vec<u8>, Error> {
     let rgb: Vec<u8> =
         rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     let mut bytes = Vec::new();
-    PngEncoder::new(&mut bytes)
+    // One filter for all rows is faster than a choice for each. This one makes files as small.
+    PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Paeth)
         .write_image(&rgb, width, height, image::ExtendedColorType::Rgb8)
         .map_err(|cause| Error::Encoding { cause: cause.to_string() })?;
     Ok(bytes)
