@@ -158,10 +158,11 @@ impl Batches {
     }
 }
 
-/// Sorts into the fewest runs, each front to back.
+/// Sorts into the fewest runs, each front to back. Fine levels come first: they are near, and hide
+/// what is behind them.
 fn sort_for_opaque(keys: &mut [DrawKey]) {
     keys.sort_unstable_by(|a, b| {
-        let group = |k: &DrawKey| (k.page, k.model, k.mirrored, k.level);
+        let group = |k: &DrawKey| (k.level, k.page, k.model, k.mirrored);
         let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
         order.then(a.index.cmp(&b.index))
     });

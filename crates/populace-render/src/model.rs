@@ -34,9 +34,9 @@ pub(crate) struct ModelPart {
     pub(crate) influences: u32,
     pub(crate) indices: Buffer<u32>,
     pub(crate) surface: Buffer<Surface>,
-    pub(crate) texture: Rc<Texture>,
+    pub(crate) texture: Option<Rc<Texture>>,
     pub(crate) alpha: Alpha,
-    double_sided: bool,
+    pub(crate) double_sided: bool,
     /// True if the rest pose mirrors the mesh, as a node with a negative scale does.
     mirrored: bool,
 }
@@ -59,7 +59,13 @@ pub(crate) struct ModelLevel {
     pub(crate) parts: Vec<ModelPart>,
     /// See [`Level::error_m`](populace_character::Level::error_m); 0 for the character itself.
     pub(crate) error_m: f32,
+    /// True if its triangles are so small in pictures that light at their corners is enough.
+    pub(crate) is_coarse: bool,
 }
+
+/// A level with at least this error, in heights of the character, is coarse. It is drawn where a
+/// body covers fewer than 200 pixels, if errors are below a pixel.
+const COARSE: f32 = 0.005;
 
 /// A character on the graphics device.
 pub(crate) struct Model {
@@ -77,7 +83,7 @@ impl Model {
         character: &Character,
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<Self, Error> {
-        let mut textures = Textures::new(gl)?;
+        let mut textures = Textures { gl, uploaded: Vec::new() };
         let mirrored = mirrored_entries(character);
         let shown: Vec<usize> =
             (0..character.parts.len()).filter(|part| !hide(&character.parts[*part])).collect();
@@ -103,10 +109,13 @@ impl Model {
             }
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
-                let texture = textures.get(together.like.texture, &character.images)?;
+                let texture = together.like.texture;
+                let texture =
+                    texture.map(|wanted| textures.get(wanted, &character.images)).transpose()?;
                 parts.push(together.upload(gl, texture)?);
             }
-            levels.push(ModelLevel { parts, error_m });
+            let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
+            levels.push(ModelLevel { parts, error_m, is_coarse });
         }
         let blended = levels[0].parts.iter().any(|part| part.alpha == Alpha::Blended);
         let sphere = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
@@ -185,7 +194,7 @@ impl DrawnTogether {
         self.indices.extend(mesh.indices.iter().map(|index| first.saturating_add(*index)));
     }
 
-    fn upload(&self, gl: &Rc<Gl>, texture: Rc<Texture>) -> Result<ModelPart, Error> {
+    fn upload(&self, gl: &Rc<Gl>, texture: Option<Rc<Texture>>) -> Result<ModelPart, Error> {
         let (size, limit) = (self.indices.len() as u64, u64::from(i32::MAX.unsigned_abs()));
         if size > limit {
             return Err(Error::TooLarge { what: "the number of indices of a mesh", size, limit });
@@ -260,26 +269,15 @@ fn normalized_weights(influences: &Influences) -> Vec<f32> {
 /// Cache of one character's textures: each is uploaded once.
 struct Textures<'a> {
     gl: &'a Rc<Gl>,
-    /// Texture of materials without one.
-    white: Rc<Texture>,
     uploaded: Vec<(populace_character::Texture, Rc<Texture>)>,
 }
 
-impl<'a> Textures<'a> {
-    fn new(gl: &'a Rc<Gl>) -> Result<Self, Error> {
-        let pixel = Image { width: 1, height: 1, rgba: vec![255; 4] };
-        let white = Rc::new(Texture::new(gl, &pixel, Sampling::default())?);
-        Ok(Self { gl, white, uploaded: Vec::new() })
-    }
-
+impl Textures<'_> {
     fn get(
         &mut self,
-        texture: Option<populace_character::Texture>,
+        wanted: populace_character::Texture,
         images: &[Image],
     ) -> Result<Rc<Texture>, Error> {
-        let Some(wanted) = texture else {
-            return Ok(Rc::clone(&self.white));
-        };
         if let Some((_, texture)) = self.uploaded.iter().find(|(known, _)| *known == wanted) {
             return Ok(Rc::clone(texture));
         }

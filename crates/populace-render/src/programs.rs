@@ -11,13 +11,23 @@ use crate::layout::{
 };
 use crate::model::Alpha;
 
+/// A variant of the shaders that draw members into the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct MemberKind {
+    pub(crate) influences: u32,
+    pub(crate) alpha: Alpha,
+    pub(crate) textured: bool,
+    /// Light is computed once per vertex, for triangles of a few pixels.
+    pub(crate) vertex_lit: bool,
+}
+
 /// A shader variant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Kind {
     /// Members in the picture.
-    Member { influences: u32, alpha: Alpha },
+    Member(MemberKind),
     /// Members in the shadow map.
-    Shadow { influences: u32, alpha: Alpha },
+    Shadow { influences: u32, alpha: Alpha, textured: bool },
     /// The ground plane.
     Ground,
     /// The background.
@@ -33,13 +43,17 @@ const LIGHT: &str = include_str!("shaders/light.glsl");
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member { influences, alpha } => [
-            skinned(influences, include_str!("shaders/member.vert")),
-            with_blocks(alpha, &[LIGHT, include_str!("shaders/member.frag")]),
-        ],
-        Kind::Shadow { influences, alpha } => [
-            skinned(influences, include_str!("shaders/shadow.vert")),
-            with_blocks(alpha, &[include_str!("shaders/shadow.frag")]),
+        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit }) => {
+            let texture = texture_define(textured);
+            let light = if vertex_lit { "#define VERTEX_LIT\n" } else { "" };
+            [
+                skinned(influences, &[light, LIGHT, include_str!("shaders/member.vert")]),
+                with_blocks(alpha, &[texture, light, LIGHT, include_str!("shaders/member.frag")]),
+            ]
+        }
+        Kind::Shadow { influences, alpha, textured } => [
+            skinned(influences, &[include_str!("shaders/shadow.vert")]),
+            with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
         ],
         Kind::Ground => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
@@ -59,14 +73,18 @@ fn sources(kind: Kind) -> [String; 2] {
     }
 }
 
+fn texture_define(textured: bool) -> &'static str {
+    if textured { "#define TEXTURED\n" } else { "" }
+}
+
 /// Returns the text of a vertex shader that skins by 1, 2, 4 or 8 influences, with its inputs and
 /// uniform blocks.
-fn skinned(influences: u32, body: &str) -> String {
+fn skinned(influences: u32, bodies: &[&str]) -> String {
     let define = format!("#define INFLUENCES {influences}\n");
     let attributes =
         if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
     let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
-    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, body].concat()
+    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, &bodies.concat()].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.
@@ -113,7 +131,9 @@ mod tests {
     fn driver_block_layout_matches_rust_structs() {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
-        let kind = Kind::Member { influences: 4, alpha: Alpha::Masked };
+        let (influences, alpha) = (4, Alpha::Masked);
+        let kind =
+            Kind::Member(MemberKind { influences, alpha, textured: true, vertex_lit: false });
         let program = programs.get(kind).unwrap();
         for fields in [Frame::FIELDS, Surface::FIELDS] {
             let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();

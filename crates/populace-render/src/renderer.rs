@@ -1,22 +1,24 @@
 //! The renderer: shadow map, members, ground and sky of one frame.
 
+mod constants;
+
 use std::rc::Rc;
 use std::sync::Arc;
 
 use glam::{Mat4, Vec3};
 use populace_character::{Character, Image, Part};
-use populace_device::layout::Float4;
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 
+use self::constants::{bounding_sphere, frame};
 use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, Cull, DrawRange, DrawState, Gl, PictureTarget, ShadowTarget, VertexArray,
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
-use crate::model::{Alpha, Model, ModelPart, Skin};
+use crate::model::{Alpha, ModelPart, Skin};
 use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
-use crate::programs::{Kind, Programs};
+use crate::programs::{Kind, MemberKind, Programs};
 use crate::sun::{Sphere, SunView};
 use crate::{Camera, Error, Scene};
 
@@ -319,14 +321,21 @@ impl Renderer {
     fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
-            for part in &self.models.as_slice()[run.model].levels[run.level as usize].parts {
+            let level = &self.models.as_slice()[run.model].levels[run.level as usize];
+            for part in &level.parts {
                 let (alpha, influences) = (part.alpha, part.influences);
+                let textured = part.texture.is_some();
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
                     continue;
                 }
                 let kind = match pass {
-                    Pass::Shadow => Kind::Shadow { influences, alpha },
-                    Pass::Opaque | Pass::Blended => Kind::Member { influences, alpha },
+                    Pass::Shadow => Kind::Shadow { influences, alpha, textured },
+                    Pass::Opaque | Pass::Blended => Kind::Member(MemberKind {
+                        influences,
+                        alpha,
+                        textured,
+                        vertex_lit: level.is_coarse && !part.double_sided,
+                    }),
                 };
                 let triangles = part.indices.len() / 3 * run.count as usize;
                 match pass {
@@ -337,7 +346,9 @@ impl Renderer {
                 self.programs.get(kind)?.bind();
                 self.gl.set_state(state(pass, part.cull(run.mirrored)));
                 part.surface.bind_uniform();
-                part.texture.bind(TEXTURE_UNIT);
+                if let Some(texture) = &part.texture {
+                    texture.bind(TEXTURE_UNIT);
+                }
                 match &part.skin {
                     Skin::Four(influences) => {
                         self.skin4.draw(&range(part, influences, &self.instances, run))
@@ -399,44 +410,6 @@ fn state(pass: Pass, cull: Cull) -> DrawState {
         }
         Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
         Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
-    }
-}
-
-/// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
-fn bounding_sphere(model: &Model, instance: &Instance<'_>) -> Option<Sphere> {
-    let (center, radius) = model.sphere;
-    let world = &instance.world_from_model;
-    let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
-    let radius = radius * column(0).max(column(1)).max(column(2));
-    let center = Vec3::from(world.transform_point(center.to_array())) + Vec3::from(instance.moved);
-    (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius })
-}
-
-fn frame(
-    camera: &Camera,
-    scene: &Scene,
-    clip_from_world: Mat4,
-    sun: Option<SunView>,
-    [_, height]: [u32; 2],
-) -> Frame {
-    let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 1.0]);
-    let with = |[x, y, z]: [f32; 3], w| Float4([x, y, z, w]);
-    let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
-    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
-    let pixel_m = 2.0 / (clip_from_world.row(1).truncate().length() * height as f32);
-    Frame {
-        clip_from_world: clip_from_world.into(),
-        world_from_clip: clip_from_world.inverse().into(),
-        shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
-        eye: with(camera.eye, camera.far),
-        to_sun: with(to_sun, sun.map_or(0.0, |s| s.texel_m)),
-        sun_color: with(scene.sun.color, scene.highlights.knee()),
-        sky_light: color(scene.ambient.sky),
-        ground_light: color(scene.ambient.ground),
-        zenith_color: color(scene.sky.zenith),
-        horizon_color: color(scene.sky.horizon),
-        ground_color: scene.ground.map_or(with([0.0; 3], 0.0), |g| with(g.color, pixel_m)),
-        line_color: color(scene.ground.map_or([0.0; 3], |g| g.line_color)),
     }
 }
 

@@ -22,12 +22,13 @@ vec3 light_on(vec3 normal, vec3 shadow_position) {
     return mix(ground_light.rgb, sky_light.rgb, 0.5 + 0.5 * normal.y) + sun * sun_color.rgb;
 }
 
-// Adds haze, which hides the edge of the world: none up to a tenth of the far plane's distance,
-// full before the far plane.
-vec3 hazed(vec3 color, vec3 world_position) {
-    float haze = smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
-    return mix(color, horizon_color.rgb, haze);
+// Fraction of haze, which hides the edge of the world: none up to a tenth of the far plane's
+// distance, full before the far plane.
+float haze_at(vec3 world_position) {
+    return smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
 }
+
+vec3 hazed(vec3 color, float haze) { return mix(color, horizon_color.rgb, haze); }
 
 // Tone mapping: linear up to a knee, then a shoulder that approaches white, so that sunlit white
 // cloth keeps its folds. Value and slope are continuous at the knee. A knee of 1 clips at white.

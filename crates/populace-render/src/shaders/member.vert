@@ -1,22 +1,35 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  position and normal in world space, shadow map position, texture coordinates, product of
-//         vertex colour and tint
+// Writes  texture coordinates, product of vertex colour and tint, and what light needs: position
+//         and normal in world space and the position in the shadow map, or with VERTEX_LIT the
+//         light itself and the haze
 
+#ifdef VERTEX_LIT
+out vec3 light;
+out float haze;
+#else
 out vec3 world_position;
 out vec3 world_normal;
 out vec3 shadow_position;
+#endif
 out vec2 texture_uv;
 out vec4 surface_color;
 
 void main() {
     mat3x4 model_from_bind = model_from_bind();
     mat3x4 world_from_model = world_from_model();
+#ifdef VERTEX_LIT
+    vec3 world_position, world_normal, shadow_position;
+#endif
     world_position = vec4(vec4(position, 1.0) * model_from_bind, 1.0) * world_from_model;
     world_normal = transform_normal(world_from_model, transform_normal(model_from_bind, normal));
     // An offset of 1.5 shadow texels along the normal prevents self-shadowing.
     vec3 offset_position = world_position + world_normal * (1.5 * to_sun.w);
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
+#ifdef VERTEX_LIT
+    light = light_on(world_normal, shadow_position);
+    haze = haze_at(world_position);
+#endif
     texture_uv = uv;
     surface_color = color * vec4(tint, 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);

@@ -3,7 +3,9 @@
 // Writes  depth
 
 #ifdef MASKED
+#ifdef TEXTURED
 layout(binding = 0) uniform sampler2D base_color_texture;
+#endif
 
 in vec2 texture_uv;
 in float surface_alpha;
@@ -11,6 +13,10 @@ in float surface_alpha;
 
 void main() {
 #ifdef MASKED
-    if (surface_alpha * texture(base_color_texture, texture_uv).a < alpha_cutoff) discard;
+    float alpha = surface_alpha;
+#ifdef TEXTURED
+    alpha *= texture(base_color_texture, texture_uv).a;
+#endif
+    if (alpha < alpha_cutoff) discard;
 #endif
 }

@@ -2,6 +2,7 @@
 
 mod bindings;
 mod characters;
+mod reach;
 mod roles;
 
 use std::collections::HashMap;
@@ -10,14 +11,14 @@ use std::sync::Arc;
 use populace_character::Character;
 use populace_clip::{Clip, FIRST_TICK};
 use populace_device::layout::Slot;
-use populace_device::{BodyIndex, Place, Tables, View};
+use populace_device::{BodyIndex, Place, Tables, View, Visibility};
 use populace_model::RoleMap;
 use populace_settings::parts::{Key, Parts};
 
 use super::slab::Slab;
-use super::view::{Reach, Seen};
 use crate::{CharacterId, ClipId, Error, IdKind, MemberId, Placement};
 use bindings::Bound;
+use reach::Reach;
 
 /// The tables, the clock, the assets and the members of a crowd.
 #[derive(Clone)]
@@ -99,6 +100,13 @@ pub(super) struct MemberState {
     /// Whether root motion moves it.
     pub(super) moves: bool,
     pub(super) seen: Seen,
+}
+
+/// What a member is seen as in the present view.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Seen {
+    pub(super) visibility: Visibility,
+    pub(super) level: u32,
 }
 
 impl MemberState {

@@ -7,8 +7,8 @@ use populace_retarget::{Binding, BindingReport};
 
 use populace_settings::parts::{check_contact, contact_row};
 
+use super::reach::Reach;
 use super::{Base, CharacterState, ClipIndex};
-use crate::crowd::view::Reach;
 use crate::{CharacterId, ClipId, Contact, Error, IdKind};
 
 /// A clip bound to a body.

@@ -7,9 +7,9 @@ use populace_clip::Clip;
 use populace_model::{Mask, RoleMap, nearest_names};
 use populace_settings::parts::{Key, MaskParts, Parts};
 
+use super::reach::Reach;
 use super::{Assets, Base, CharacterState};
 use crate::crowd::slab::Slab;
-use crate::crowd::view::Reach;
 use crate::{CharacterId, ClipId, Error, IdKind, MaskId};
 
 impl Assets {

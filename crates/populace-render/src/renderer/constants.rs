@@ -1,0 +1,49 @@
+//! The constants of a picture, and the spheres around what it shows.
+
+use glam::{Mat4, Vec3};
+use populace_device::Instance;
+use populace_device::layout::Float4;
+
+use crate::layout::Frame;
+use crate::model::Model;
+use crate::sun::{Sphere, SunView};
+use crate::{Camera, Scene};
+
+/// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
+pub(super) fn bounding_sphere(model: &Model, instance: &Instance<'_>) -> Option<Sphere> {
+    let (center, radius) = model.sphere;
+    let world = &instance.world_from_model;
+    let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
+    let radius = radius * column(0).max(column(1)).max(column(2));
+    let center = Vec3::from(world.transform_point(center.to_array())) + Vec3::from(instance.moved);
+    (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius })
+}
+
+/// Returns the constants of a picture.
+pub(super) fn frame(
+    camera: &Camera,
+    scene: &Scene,
+    clip_from_world: Mat4,
+    sun: Option<SunView>,
+    [_, height]: [u32; 2],
+) -> Frame {
+    let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 1.0]);
+    let with = |[x, y, z]: [f32; 3], w| Float4([x, y, z, w]);
+    let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
+    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
+    let pixel_m = 2.0 / (clip_from_world.row(1).truncate().length() * height as f32);
+    Frame {
+        clip_from_world: clip_from_world.into(),
+        world_from_clip: clip_from_world.inverse().into(),
+        shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
+        eye: with(camera.eye, camera.far),
+        to_sun: with(to_sun, sun.map_or(0.0, |s| s.texel_m)),
+        sun_color: with(scene.sun.color, scene.highlights.knee()),
+        sky_light: color(scene.ambient.sky),
+        ground_light: color(scene.ambient.ground),
+        zenith_color: color(scene.sky.zenith),
+        horizon_color: color(scene.sky.horizon),
+        ground_color: scene.ground.map_or(with([0.0; 3], 0.0), |g| with(g.color, pixel_m)),
+        line_color: color(scene.ground.map_or([0.0; 3], |g| g.line_color)),
+    }
+}
