@@ -219,7 +219,8 @@ pub struct CharacterSource {
 /// A coarser version of a character's meshes, for small pictures of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Level {
-    /// Distance in metres, at rest, by which its surface is off that of the character at most.
+    /// Distance in metres, at rest, by which its surface may be off that of the character. Smaller
+    /// pieces of the character may be missing.
     pub error_m: f32,
     /// One mesh for each part, in the order of [`CharacterSource::parts`] and with the same palette
     /// and materials. Parts that are too small to be seen have no triangles.

@@ -5,8 +5,9 @@ use std::sync::Arc;
 
 use populace::character::Character;
 
+use crate::step::Step;
 use crate::strides::{MixSteps, MixStride};
-use crate::{Error, Gait, MixedClip, Step};
+use crate::{Error, Gait, MixedClip};
 
 /// Mixes that are measured between two neighbouring clips.
 const MIXES: usize = 8;

@@ -5,7 +5,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec2;
 use populace::{Ground, Placement, Stride};
 
-use crate::gait_space::{GaitSpace, Step};
+use crate::gait_space::GaitSpace;
+use crate::step::Step;
 
 /// How far from its heading a walker may move without turning first, in radians.
 const LEEWAY_RAD: f32 = 0.45;

@@ -17,16 +17,8 @@ use crate::mesh::Simplifier;
 
 /// Errors of the levels, as fractions of the character's height, and the most influences of a
 /// vertex.
-const LEVELS: [(f32, usize); 8] = [
-    (0.001, 4),
-    (0.0018, 4),
-    (0.0032, 4),
-    (0.0056, 2),
-    (0.01, 2),
-    (0.018, 1),
-    (0.032, 1),
-    (0.056, 1),
-];
+const LEVELS: [(f32, usize); 7] =
+    [(0.001, 4), (0.0018, 4), (0.0032, 4), (0.0056, 2), (0.01, 2), (0.018, 1), (0.032, 1)];
 /// A level must save at least this part of the triangles of the level before it.
 const LEAST_SAVED: f32 = 0.2;
 

@@ -9,13 +9,13 @@ use populace_model::convert::{single, u32_from};
 use crate::groups::JointGroups;
 
 /// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
-const NORMAL: f32 = 0.01;
+const NORMAL: f32 = 0.005;
 /// The same between linear colours.
-const COLOR: f32 = 0.05;
+const COLOR: f32 = 0.03;
 /// The same between the weights of two groups of joints.
-const WEIGHT: f32 = 0.02;
+const WEIGHT: f32 = 0.01;
 /// Part of the distance on the surface that a shift of the texture counts as.
-const TEXTURE: f32 = 0.3;
+const TEXTURE: f32 = 0.15;
 /// Weights below this part of a vertex's greatest are dropped where influences are limited.
 const LEAST_WEIGHT: f32 = 0.02;
 
@@ -35,7 +35,7 @@ impl<'a> Simplifier<'a> {
         let source = &character.parts[part].mesh;
         let positions = character.rest_positions(part);
         let height = character.height_m();
-        let uv_scale = TEXTURE * metres_per_uv(source, &positions);
+        let uv_scale = TEXTURE * metres_per_uv(source, &positions).min(height);
         let mut weights = vec![NORMAL * height; 3];
         weights.extend([uv_scale; 2]);
         weights.extend([COLOR * height; 3]);
@@ -64,10 +64,8 @@ impl<'a> Simplifier<'a> {
         }
         // The library reads a flag for every vertex, also where none is locked.
         let unlocked = vec![false; self.positions.len()];
-        let options = SimplifyOptions::ErrorAbsolute
-            | SimplifyOptions::Prune
-            | SimplifyOptions::Permissive
-            | SimplifyOptions::RegularizeLight;
+        let options =
+            SimplifyOptions::ErrorAbsolute | SimplifyOptions::Prune | SimplifyOptions::Permissive;
         self.indices = simplify_with_attributes_and_locks_decoder(
             &self.indices,
             &self.positions,

@@ -75,10 +75,11 @@ struct DrawKey {
 }
 
 impl Batches {
-    /// Checks the instances and sorts them by their distance from `eye`. Hidden instances, and those
-    /// with a non-finite transform or tint, are skipped. `models` has the index in `infos` of each
-    /// instance's model. `page_len` returns the number of palette entries of a page. `shadow_level`
-    /// returns the level of an instance in the shadow map; `None` if its shadow is not in it.
+    /// Checks the instances and sorts them by their distance from `eye`. Hidden instances, and
+    /// those with a non-finite transform or tint, are skipped. `models` has the index in `infos` of
+    /// each instance's model. `page_len` returns the number of palette entries of a page.
+    /// `shadow_level` returns the level of an instance in the shadow map; `None` if its shadow is
+    /// not in it.
     pub(crate) fn new(
         instances: &[Instance<'_>],
         models: &[usize],

@@ -158,8 +158,8 @@ glsl_block! {
         zenith_color: Float4,
         /// rgb: colour of the sky at the horizon, and of the haze.
         horizon_color: Float4,
-        /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0 without
-        /// ground.
+        /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0
+        /// without ground.
         ground_color: Float4,
         /// rgb: colour of the lines on the paving.
         line_color: Float4,
@@ -238,7 +238,8 @@ mod tests {
     fn glsl_declarations_match_rust_structs() {
         assert_eq!(
             Surface::GLSL,
-            "layout(std140, binding = 1) uniform Surface {\n    float alpha_cutoff;\n    float unused0;\n    float unused1;\n    float unused2;\n};\n"
+            "layout(std140, binding = 1) uniform Surface {\n    float alpha_cutoff;\n    float \
+             unused0;\n    float unused1;\n    float unused2;\n};\n"
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),

@@ -201,7 +201,15 @@ fn demo_and_render_print_the_same_document() {
     let common = [&SMALL[..], &["--json", "--out", &out]].concat();
     let wanted =
         ["schema", "device", "schedule", "members", "frames", "ms_median", "drawn_members"];
-    let wanted = BTreeSet::from_iter(wanted.into_iter().chain(["triangles", "out"]));
+    let wanted = BTreeSet::from_iter(wanted.into_iter().chain([
+        "triangles",
+        "shadow",
+        "draw_calls",
+        "levels",
+        "shadow_only",
+        "hidden",
+        "out",
+    ]));
     let hidden = [
         "demo", "--frames", "2", "--clip", "Run", "--fps", "10", "--height", "1", "--hide", "body",
     ];
@@ -222,12 +230,36 @@ fn demo_and_render_print_the_same_document() {
             d["ms_median"]["animate"].as_f64() > Some(0.0)
                 && d["ms_median"]["draw"].as_f64() > Some(0.0)
         );
+        assert_eq!(fields(&d["shadow"]), BTreeSet::from(["members", "triangles"]));
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
             None => assert!(d["triangles"].as_u64() > Some(1000), "people have many triangles"),
         }
         assert!(Path::new(d["out"].as_str().expect("a path")).exists());
     }
+}
+
+/// The camera stands among the members, so that some are behind it and some are far.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn far_members_have_fewer_triangles_and_others_are_hidden() {
+    let folder = Folder::new();
+    let out = folder.text("x.png");
+    let common = ["render", "@man", "--members", "60", "--json", "--out", &out, "--device"];
+    let args = [&common[..], &["native", "--camera", "0,1.7,-9,0,1,-30"]].concat();
+    let seen = json_of(&args);
+    let number = |document: &Value, key: &str| document[key].as_u64().expect("a number");
+    let levels = seen["levels"].as_array().expect("a list");
+    let in_view: u64 = levels.iter().filter_map(Value::as_u64).sum();
+    assert!(levels.len() > 2, "{seen}");
+    assert!(number(&seen, "hidden") > 5, "{seen}");
+    assert_eq!(in_view + number(&seen, "shadow_only") + number(&seen, "hidden"), 60);
+    assert_eq!(number(&seen, "drawn_members"), in_view);
+    let full = json_of(&[&args[..], &["--full-detail"]].concat());
+    assert_eq!((number(&full, "hidden"), number(&full, "drawn_members")), (0, 60));
+    assert!(number(&full, "triangles") > 4 * number(&seen, "triangles"));
+    let finer = json_of(&[&args[..], &["--detail", "0.1"]].concat());
+    assert!(number(&finer, "triangles") > number(&seen, "triangles"));
 }
 
 /// `script` provides a terminal. The run is far too long, and is ended once the bar has shown.

@@ -292,8 +292,8 @@ impl Tables {
         Ok(())
     }
 
-    /// Returns whether a member's clips tell how far it reaches from its place. Those of members with
-    /// overrides, user stages, proportions or live clips, and of attached ones, do not.
+    /// Returns whether a member's clips tell how far it reaches from its place. Those of members
+    /// with overrides, user stages, proportions or live clips, and of attached ones, do not.
     ///
     /// # Panics
     ///

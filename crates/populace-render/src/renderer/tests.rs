@@ -1,6 +1,7 @@
 use std::time::Duration;
 
 use populace_character::{AlphaMode, CharacterSource, Influences, Material, Mesh, PaletteEntry};
+use populace_device::layout::Float4;
 use populace_device::{
     BackendError, PaletteTarget, PaletteTransport, ReleasedPalettes, TargetMark,
 };

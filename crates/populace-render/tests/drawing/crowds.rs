@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
+use populace_character::{Level, Mesh, Part};
+use populace_device::{Instance, Visibility};
 use populace_model::Affine;
-use populace_render::Drawn;
 
 use crate::fixture::{at, palette, person};
-use crate::rig::{NOTHING, Pages, Picture, Rig};
+use crate::rig::{NOTHING, Pages, Picture, Rig, instance};
 
 const RED: [u8; 3] = [255, 0, 0];
 const GREEN: [u8; 3] = [0, 255, 0];
@@ -101,4 +102,39 @@ fn instances_and_visible_triangles_are_counted() {
     let headless = rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap();
     assert!(triangles("head") > 0);
     assert_eq!(headless.triangles, all.triangles - triangles("head"));
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn instances_show_their_level_and_hidden_ones_nothing() {
+    let mut rig = Rig::new();
+    let character = person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
+    let headless = |part: &Part| {
+        let indices = if part.node_name == "head" { Vec::new() } else { part.mesh.indices.clone() };
+        Mesh { indices, ..part.mesh.clone() }
+    };
+    let meshes = character.parts.iter().map(headless).collect();
+    let character = Arc::new(character.with_levels(vec![Level { error_m: 0.1, meshes }]).unwrap());
+    let member = (Arc::clone(&character), Affine::IDENTITY, 0);
+    let mut pages = Pages::new(vec![palette(&[Affine::IDENTITY; 2])], vec![member]);
+    rig.renderer.acquire_palettes(&mut pages).unwrap();
+    let whole = instance(&character, Affine::IDENTITY, 0);
+    let mut draw = |instance| {
+        let drawn = rig.renderer.draw_instances(&[instance], &rig.camera, &rig.scene).unwrap();
+        (drawn, Picture(rig.renderer.read_image().unwrap()))
+    };
+    let (all, picture) = draw(whole);
+    picture.expect(0.0, 1.6, RED);
+    picture.expect(0.0, 1.1, RED);
+    for level in [1, 9] {
+        let (drawn, picture) = draw(Instance { level, ..whole });
+        picture.expect(0.0, 1.6, NOTHING);
+        picture.expect(0.0, 1.1, RED);
+        assert!(drawn.triangles < all.triangles, "level {level}");
+    }
+    for visibility in [Visibility::ShadowOnly, Visibility::Hidden] {
+        let (drawn, picture) = draw(Instance { visibility, ..whole });
+        picture.expect(0.0, 1.1, NOTHING);
+        assert_eq!((drawn.instances, drawn.triangles), (0, 0));
+    }
 }
