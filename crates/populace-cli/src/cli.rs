@@ -59,8 +59,11 @@ pub(crate) enum Command {
     /// --json, a document is printed instead. Its `frames` is the number of pictures, and
     /// `ms_median` holds medians of milliseconds per frame: `animate` lasts from the call that
     /// evaluates the frame until the device has finished, `draw` from then until the picture is
-    /// read back, and `total` until the file is written. `drawn_members` and `triangles` describe
-    /// the last picture.
+    /// read back, and `total` until the file is written. `shadow`, `members` and `surroundings` are
+    /// the times of passes by the timers of OpenGL. The rest describes the last picture:
+    /// `drawn_members`, `triangles`, `draw_calls`, what the `shadow` map shows, members in view by
+    /// their level of detail in `levels`, those out of view that throw a shadow into it in
+    /// `shadow_only`, and those that cannot be seen in `hidden`.
     ///
     /// SIGINT and SIGTERM end the program at once. Files are written atomically, so no incomplete
     /// picture is left behind.

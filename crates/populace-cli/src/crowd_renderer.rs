@@ -3,7 +3,7 @@
 use populace::character::{Image, Part};
 use populace::interop::PaletteTransport;
 use populace::{Crowd, CrowdBuilder};
-use populace_render::{Camera, Drawn, Renderer, Scene};
+use populace_render::{Camera, Drawn, PassTimes, Renderer, Scene};
 
 use crate::failure::Failure;
 use crate::roles::CrowdRole;
@@ -48,6 +48,11 @@ impl CrowdRenderer {
     /// Returns what the last picture shows.
     pub(crate) fn drawn(&self) -> Drawn {
         self.drawn
+    }
+
+    /// Returns how long the passes of the last picture took.
+    pub(crate) fn pass_times(&self) -> Result<PassTimes, Failure> {
+        Ok(self.renderer.pass_times()?)
     }
 
     /// Draws the crowd in the state of its last update.

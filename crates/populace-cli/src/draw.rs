@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use populace::Crowd;
-use populace_render::{Camera, Drawn, Renderer, Scene, encode_png};
+use populace_render::{Camera, Drawn, PassTimes, Renderer, Scene, encode_png};
 use serde_json::json;
 
 use crate::cli::{PictureArgs, View, build};
@@ -40,6 +40,7 @@ struct FrameTimes {
     total: Vec<f64>,
     animate: Vec<f64>,
     draw: Vec<f64>,
+    passes: Vec<PassTimes>,
 }
 
 /// Returns the milliseconds since `start`.
@@ -63,6 +64,11 @@ impl FrameTimes {
         let ms = ms_since(start);
         self.animate.push(ms);
         Ok(ms)
+    }
+
+    /// Returns the median of one pass.
+    fn pass(&self, of: fn(&PassTimes) -> f64) -> f64 {
+        median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()
     }
 
     /// Returns the medians of `total`, `animate` and `draw`.
@@ -146,6 +152,7 @@ impl DrawJob<'_> {
             let start = Instant::now();
             let picture = renderer.picture(crowd)?;
             times.draw.push(ms_since(start));
+            times.passes.push(renderer.pass_times()?);
             output::write(&pictures.path(index), &encode_png(&picture)?)?;
             times.total.push(animate_ms + ms_since(start));
             progress.step();
@@ -194,7 +201,14 @@ impl DrawJob<'_> {
                 "schedule": crowd.device_info().schedule.name(),
                 "members": crowd.member_count(),
                 "frames": count,
-                "ms_median": {"total": total, "animate": animate, "draw": draw},
+                "ms_median": {
+                    "total": total,
+                    "animate": animate,
+                    "draw": draw,
+                    "shadow": times.pass(|pass| pass.shadow_ms),
+                    "members": times.pass(|pass| pass.members_ms),
+                    "surroundings": times.pass(|pass| pass.surroundings_ms),
+                },
                 "drawn_members": drawn.instances,
                 "triangles": drawn.triangles,
                 "shadow": {"members": drawn.shadow_instances, "triangles": drawn.shadow_triangles},

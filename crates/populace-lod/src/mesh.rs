@@ -9,7 +9,7 @@ use populace_model::convert::{single, u32_from};
 use crate::groups::JointGroups;
 
 /// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
-const NORMAL: f32 = 0.005;
+const NORMAL: f32 = 0.01;
 /// The same between linear colours.
 const COLOR: f32 = 0.03;
 /// The same between the weights of two groups of joints.

@@ -43,4 +43,5 @@ pub use error::Error;
 pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
+pub use renderer::passes::PassTimes;
 pub use scene::{Ambient, Ground, Highlights, Scene, Sky, Sun};

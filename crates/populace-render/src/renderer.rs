@@ -1,6 +1,7 @@
 //! The renderer: shadow map, members, ground and sky of one frame.
 
 mod constants;
+pub(crate) mod passes;
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -10,24 +11,17 @@ use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 
 use self::constants::{bounding_sphere, frame};
-use crate::batch::{Batches, Drawn, ModelInfo, Run};
-use crate::gl::{
-    Buffer, BufferUse, Cull, DrawRange, DrawState, Gl, PictureTarget, ShadowTarget, VertexArray,
-};
+use crate::batch::{Batches, Drawn, ModelInfo};
+use crate::gl::{Buffer, BufferUse, Gl, PictureTarget, ShadowTarget, Timers, VertexArray};
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
-use crate::model::{Alpha, ModelPart, Skin};
 use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
-use crate::programs::{Kind, MemberKind, Programs};
+use crate::programs::Programs;
 use crate::sun::{Sphere, SunView};
 use crate::{Camera, Error, Scene};
 
 /// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
-const PALETTE_BINDING: u32 = 0;
-const TEXTURE_UNIT: u32 = 0;
-const SHADOW_UNIT: u32 = 1;
-const MEMBER_UNIT: u32 = 2;
 
 /// An OpenGL renderer that draws crowds into a picture in memory.
 ///
@@ -44,15 +38,8 @@ pub struct Renderer {
     models: Models,
     instances: Buffer<InstanceData>,
     frame: Buffer<Frame>,
+    timers: Timers<3>,
     gl: Rc<Gl>,
-}
-
-/// A pass over the members.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pass {
-    Shadow,
-    Opaque,
-    Blended,
 }
 
 impl Renderer {
@@ -77,6 +64,7 @@ impl Renderer {
             models: Models::default(),
             instances: Buffer::new(&gl, BufferUse::Stream)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
+            timers: Timers::new(&gl)?,
             gl,
         })
     }
@@ -234,7 +222,9 @@ impl Renderer {
             let (_, model_radius) = model.sphere;
             let sphere = spheres[index].filter(|sphere| sun.covers(sphere))?;
             let scale = if model_radius > 0.0 { sphere.radius / model_radius } else { 1.0 };
-            Some(model.level_within(scene.sun.error_texels * sun.texel_m / scale))
+            // The mesh that is seen throws no false shadow on itself.
+            let seen = instances[index].level.min(model.info.level_count - 1);
+            Some(model.level_within(scene.sun.error_texels * sun.texel_m / scale).max(seen))
         };
         let eye = Vec3::from(camera.eye);
         let batches = Batches::new(instances, &models, &infos, &page_len, &shadow_level, eye)?;
@@ -243,17 +233,7 @@ impl Renderer {
         let frame = frame(camera, scene, clip_from_world, sun, self.size);
         self.frame.fill(&[frame], "upload the scene")?;
         self.frame.bind_uniform();
-        if let (Some(_), Some(shadow)) = (sun, &self.shadow) {
-            shadow.begin();
-            self.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn)?;
-        }
-        if let Some(shadow) = &self.shadow {
-            shadow.bind_texture(SHADOW_UNIT);
-        }
-        self.picture.begin();
-        self.draw_runs(&batches.opaque, Pass::Opaque, &mut drawn)?;
-        self.draw_runs(&batches.blended, Pass::Blended, &mut drawn)?;
-        self.draw_surroundings(scene)?;
+        self.draw_passes(&batches, sun.is_some(), scene, &mut drawn)?;
         self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")?;
         drawn.instances = batches.opaque.iter().map(|run| run.count as usize).sum();
@@ -316,68 +296,6 @@ impl Renderer {
         };
         instances.iter().zip(models).map(sphere).collect()
     }
-
-    /// Draws runs of instances, and counts the triangles.
-    fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
-        for run in runs {
-            self.palettes.bind(run.page, PALETTE_BINDING);
-            let level = &self.models.as_slice()[run.model].levels[run.level as usize];
-            for part in &level.parts {
-                let (alpha, influences) = (part.alpha, part.influences);
-                let textured = part.texture.is_some();
-                if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
-                    continue;
-                }
-                let kind = match pass {
-                    Pass::Shadow => Kind::Shadow { influences, alpha, textured },
-                    Pass::Opaque | Pass::Blended => Kind::Member(MemberKind {
-                        influences,
-                        alpha,
-                        textured,
-                        vertex_lit: level.is_coarse && !part.double_sided,
-                    }),
-                };
-                let triangles = part.indices.len() / 3 * run.count as usize;
-                match pass {
-                    Pass::Shadow => drawn.shadow_triangles += triangles,
-                    Pass::Opaque | Pass::Blended => drawn.triangles += triangles,
-                }
-                drawn.draw_calls += 1;
-                self.programs.get(kind)?.bind();
-                self.gl.set_state(state(pass, part.cull(run.mirrored)));
-                part.surface.bind_uniform();
-                if let Some(texture) = &part.texture {
-                    texture.bind(TEXTURE_UNIT);
-                }
-                match &part.skin {
-                    Skin::Four(influences) => {
-                        self.skin4.draw(&range(part, influences, &self.instances, run))
-                    }
-                    Skin::Eight(influences) => {
-                        self.skin8.draw(&range(part, influences, &self.instances, run))
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Draws sky and ground, and blends the members over them. Ground and sky have no edges that
-    /// several samples per pixel would smooth, and one sample takes a fraction of the time.
-    fn draw_surroundings(&mut self, scene: &Scene) -> Result<(), Error> {
-        let surroundings =
-            DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
-        self.picture.begin_resolve(scene.shown_horizon(), MEMBER_UNIT);
-        self.gl.set_state(surroundings);
-        self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
-        if scene.ground.is_some() {
-            self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
-        }
-        self.gl.set_state(DrawState { blend: true, ..surroundings });
-        let resolve = Kind::Resolve { samples: self.picture.samples() };
-        self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
-        Ok(())
-    }
 }
 
 /// Returns the side of the shadow map in texels: 1.5 times the larger side of the picture, since
@@ -385,32 +303,6 @@ impl Renderer {
 fn shadow_size([width, height]: [u32; 2]) -> u32 {
     let [low, high] = SHADOW_SIZES;
     (width.max(height).min(high) * 3 / 2).next_power_of_two().clamp(low, high)
-}
-
-fn range<'a, I>(
-    part: &'a ModelPart,
-    influences: &'a Buffer<I>,
-    instances: &'a Buffer<InstanceData>,
-    run: &Run,
-) -> DrawRange<'a, I> {
-    DrawRange {
-        vertices: &part.vertices,
-        influences,
-        indices: &part.indices,
-        instances,
-        first_instance: run.first,
-        instance_count: run.count,
-    }
-}
-
-fn state(pass: Pass, cull: Cull) -> DrawState {
-    match pass {
-        Pass::Shadow => {
-            DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
-        }
-        Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
-        Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
-    }
 }
 
 #[cfg(test)]

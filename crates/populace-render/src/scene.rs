@@ -13,7 +13,7 @@ pub struct Sun {
     pub casts_shadows: bool,
     /// Greatest distance, in texels of the shadow map, between what throws a shadow and the
     /// character's surface. Coarser levels of detail throw the shadows of characters that have
-    /// some; 0 takes the finest.
+    /// some; 0 takes the level in which the member is seen.
     pub error_texels: f32,
 }
 
@@ -87,7 +87,7 @@ impl Default for Scene {
                 to_sun: [0.55, 1.0, 0.6],
                 color: [0.86, 0.81, 0.72],
                 casts_shadows: true,
-                error_texels: 2.0,
+                error_texels: 0.75,
             },
             ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
             ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),

@@ -222,7 +222,10 @@ fn demo_and_render_print_the_same_document() {
         let args = [args, &common].concat();
         let d = json_of(&args);
         assert_eq!(fields(&d), wanted);
-        assert_eq!(fields(&d["ms_median"]), BTreeSet::from(["total", "animate", "draw"]));
+        assert_eq!(
+            fields(&d["ms_median"]),
+            BTreeSet::from(["total", "animate", "draw", "shadow", "members", "surroundings"])
+        );
         assert_eq!((&d["schema"], &d["device"]), (&json!(1), &json!("native")));
         assert_eq!((&d["schedule"], &d["members"]), (&json!("fused"), &json!(2)));
         assert_eq!((&d["frames"], &d["drawn_members"]), (&json!(frames), &json!(2)));
@@ -233,7 +236,7 @@ fn demo_and_render_print_the_same_document() {
         assert_eq!(fields(&d["shadow"]), BTreeSet::from(["members", "triangles"]));
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
-            None => assert!(d["triangles"].as_u64() > Some(1000), "people have many triangles"),
+            None => assert!(d["triangles"].as_u64() > Some(100), "people have many triangles"),
         }
         assert!(Path::new(d["out"].as_str().expect("a path")).exists());
     }
@@ -245,18 +248,18 @@ fn demo_and_render_print_the_same_document() {
 fn far_members_have_fewer_triangles_and_others_are_hidden() {
     let folder = Folder::new();
     let out = folder.text("x.png");
-    let common = ["render", "@man", "--members", "60", "--json", "--out", &out, "--device"];
-    let args = [&common[..], &["native", "--camera", "0,1.7,-9,0,1,-30"]].concat();
+    let common = ["render", "@man", "--members", "100", "--json", "--out", &out, "--device"];
+    let args = [&common[..], &["native", "--camera", "0,1.7,4,6,1,-10"]].concat();
     let seen = json_of(&args);
     let number = |document: &Value, key: &str| document[key].as_u64().expect("a number");
     let levels = seen["levels"].as_array().expect("a list");
     let in_view: u64 = levels.iter().filter_map(Value::as_u64).sum();
     assert!(levels.len() > 2, "{seen}");
     assert!(number(&seen, "hidden") > 5, "{seen}");
-    assert_eq!(in_view + number(&seen, "shadow_only") + number(&seen, "hidden"), 60);
+    assert_eq!(in_view + number(&seen, "shadow_only") + number(&seen, "hidden"), 100);
     assert_eq!(number(&seen, "drawn_members"), in_view);
     let full = json_of(&[&args[..], &["--full-detail"]].concat());
-    assert_eq!((number(&full, "hidden"), number(&full, "drawn_members")), (0, 60));
+    assert_eq!((number(&full, "hidden"), number(&full, "drawn_members")), (0, 100));
     assert!(number(&full, "triangles") > 4 * number(&seen, "triangles"));
     let finer = json_of(&[&args[..], &["--detail", "0.1"]].concat());
     assert!(number(&finer, "triangles") > number(&seen, "triangles"));

@@ -14,6 +14,7 @@ mod page;
 mod program;
 mod target;
 mod texture;
+mod timer;
 mod vertex_array;
 
 use std::rc::Rc;
@@ -30,6 +31,7 @@ pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
 pub(crate) use target::{PictureTarget, ShadowTarget};
 pub(crate) use texture::{Sampling, Texture};
+pub(crate) use timer::Timers;
 pub(crate) use vertex_array::{DrawRange, VertexArray};
 
 /// Limits and features of the driver.

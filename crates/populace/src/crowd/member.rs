@@ -104,6 +104,16 @@ impl<'a> MemberRef<'a> {
     }
 }
 
+impl MemberRef<'_> {
+    /// Returns a sphere in world space around the member in every pose that the clips bound to its
+    /// character so far can give it: centre and radius in metres. Overrides, proportions, user
+    /// stages, live clips and attachments can lead out of it.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> ([f32; 3], f32) {
+        self.crowd.sphere_of(self.id.number() as usize, self.character)
+    }
+}
+
 impl<C: Borrow<State>> MemberView<C> {
     fn state(&self) -> &State {
         self.crowd.borrow()

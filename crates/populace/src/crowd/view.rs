@@ -118,16 +118,22 @@ impl State {
         }
     }
 
+    /// Returns centre and radius of the sphere around a member's poses.
+    pub(super) fn sphere_of(&self, index: usize, character: CharacterId) -> ([f32; 3], f32) {
+        let placement = &self.base.members.all[index].placement;
+        let reach = self.base.character_state(character).map(|c| c.reach).unwrap_or_default();
+        let (scale, [x, y, z]) = (placement.scale(), placement.position());
+        let [mx, my, mz] = self.offset_of(u32_from(index));
+        ([x + mx, y + my + scale * reach.height_m, z + mz], scale * reach.radius_m)
+    }
+
     fn seen_in(&self, view: &View, index: usize, character: CharacterId, before: Seen) -> Seen {
-        let Ok(CharacterState { character, reach, .. }) = self.base.character_state(character)
-        else {
+        let (center, radius) = self.sphere_of(index, character);
+        let Ok(CharacterState { character, .. }) = self.base.character_state(character) else {
             return Seen::default();
         };
-        let (number, placement) = (u32_from(index), &self.base.members.all[index].placement);
-        let (scale, [x, y, z]) = (placement.scale(), placement.position());
-        let [mx, my, mz] = self.offset_of(number);
-        let center = [x + mx, y + my + scale * reach.height_m, z + mz];
-        let radius = scale * reach.radius_m;
+        let number = u32_from(index);
+        let scale = self.base.members.all[index].placement.scale();
         let visibility = match view.visibility(center, radius) {
             beyond if beyond != Visibility::InView && !self.base.tables.is_bounded(number) => {
                 Visibility::InView

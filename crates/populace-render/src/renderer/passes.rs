@@ -1,0 +1,187 @@
+//! The passes of a picture: members in the shadow map and in the picture, and what surrounds them.
+
+use super::Renderer;
+use crate::batch::{Batches, Drawn, Run};
+use crate::gl::{Buffer, Cull, DrawRange, DrawState, ShadowTarget};
+use crate::layout::InstanceData;
+use crate::model::{Alpha, ModelPart, Skin};
+use crate::programs::{Kind, MemberKind};
+use crate::{Error, Scene};
+
+const PALETTE_BINDING: u32 = 0;
+const TEXTURE_UNIT: u32 = 0;
+const SHADOW_UNIT: u32 = 1;
+const MEMBER_UNIT: u32 = 2;
+
+/// Milliseconds that the graphics device took for the passes of a picture, by its own timers.
+///
+/// llvmpipe draws into a target once the target is no longer bound, so it counts the shadow pass
+/// with the members.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassTimes {
+    /// Members in the shadow map; 0 without shadows.
+    pub shadow_ms: f64,
+    /// Members in the picture.
+    pub members_ms: f64,
+    /// Ground and sky, and the members' samples brought over them.
+    pub surroundings_ms: f64,
+}
+
+/// Index of a pass among the timers.
+const SHADOW_PASS: usize = 0;
+const MEMBER_PASS: usize = 1;
+const SURROUNDINGS_PASS: usize = 2;
+
+/// A pass over the members.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Pass {
+    Shadow,
+    Opaque,
+    Blended,
+}
+
+impl Renderer {
+    /// Returns how long the passes of the last picture took. Waits until it is drawn.
+    ///
+    /// # Errors
+    ///
+    /// Errors of the driver.
+    pub fn pass_times(&self) -> Result<PassTimes, Error> {
+        self.gl.make_current()?;
+        let ms = self.timers.ms();
+        self.gl.check("read the timers")?;
+        Ok(PassTimes {
+            shadow_ms: ms[SHADOW_PASS],
+            members_ms: ms[MEMBER_PASS],
+            surroundings_ms: ms[SURROUNDINGS_PASS],
+        })
+    }
+
+    /// Draws the members into the shadow map, if there are shadows, and into the picture, and then
+    /// what surrounds them.
+    pub(super) fn draw_passes(
+        &mut self,
+        batches: &Batches,
+        shadows: bool,
+        scene: &Scene,
+        drawn: &mut Drawn,
+    ) -> Result<(), Error> {
+        self.timers.clear();
+        if shadows {
+            self.shadow.iter().for_each(ShadowTarget::begin);
+            self.timed(SHADOW_PASS, |renderer| {
+                renderer.draw_runs(&batches.shadow, Pass::Shadow, drawn)
+            })?;
+        }
+        if let Some(shadow) = &self.shadow {
+            shadow.bind_texture(SHADOW_UNIT);
+        }
+        self.picture.begin();
+        self.timed(MEMBER_PASS, |renderer| {
+            renderer.draw_runs(&batches.opaque, Pass::Opaque, drawn)?;
+            renderer.draw_runs(&batches.blended, Pass::Blended, drawn)
+        })?;
+        self.timed(SURROUNDINGS_PASS, |renderer| renderer.draw_surroundings(scene))?;
+        Ok(())
+    }
+
+    /// Draws a pass, and times it.
+    fn timed(
+        &mut self,
+        pass: usize,
+        draw: impl FnOnce(&mut Self) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.timers.begin(pass);
+        let result = draw(self);
+        self.timers.end();
+        result
+    }
+
+    /// Draws runs of instances, and counts the triangles.
+    fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
+        for run in runs {
+            self.palettes.bind(run.page, PALETTE_BINDING);
+            let level = &self.models.as_slice()[run.model].levels[run.level as usize];
+            for part in &level.parts {
+                let (alpha, influences) = (part.alpha, part.influences);
+                let textured = part.texture.is_some();
+                if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
+                    continue;
+                }
+                let kind = match pass {
+                    Pass::Shadow => Kind::Shadow { influences, alpha, textured },
+                    Pass::Opaque | Pass::Blended => Kind::Member(MemberKind {
+                        influences,
+                        alpha,
+                        textured,
+                        vertex_lit: level.is_coarse && !part.double_sided,
+                    }),
+                };
+                let triangles = part.indices.len() / 3 * run.count as usize;
+                match pass {
+                    Pass::Shadow => drawn.shadow_triangles += triangles,
+                    Pass::Opaque | Pass::Blended => drawn.triangles += triangles,
+                }
+                drawn.draw_calls += 1;
+                self.programs.get(kind)?.bind();
+                self.gl.set_state(state(pass, part.cull(run.mirrored)));
+                part.surface.bind_uniform();
+                if let Some(texture) = &part.texture {
+                    texture.bind(TEXTURE_UNIT);
+                }
+                match &part.skin {
+                    Skin::Four(influences) => {
+                        self.skin4.draw(&range(part, influences, &self.instances, run))
+                    }
+                    Skin::Eight(influences) => {
+                        self.skin8.draw(&range(part, influences, &self.instances, run))
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Draws sky and ground, and blends the members over them. Ground and sky have no edges that
+    /// several samples per pixel would smooth, and one sample takes a fraction of the time.
+    fn draw_surroundings(&mut self, scene: &Scene) -> Result<(), Error> {
+        let surroundings =
+            DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
+        self.picture.begin_resolve(scene.shown_horizon(), MEMBER_UNIT);
+        self.gl.set_state(surroundings);
+        self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
+        if scene.ground.is_some() {
+            self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
+        }
+        self.gl.set_state(DrawState { blend: true, ..surroundings });
+        let resolve = Kind::Resolve { samples: self.picture.samples() };
+        self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
+        Ok(())
+    }
+}
+
+fn range<'a, I>(
+    part: &'a ModelPart,
+    influences: &'a Buffer<I>,
+    instances: &'a Buffer<InstanceData>,
+    run: &Run,
+) -> DrawRange<'a, I> {
+    DrawRange {
+        vertices: &part.vertices,
+        influences,
+        indices: &part.indices,
+        instances,
+        first_instance: run.first,
+        instance_count: run.count,
+    }
+}
+
+fn state(pass: Pass, cull: Cull) -> DrawState {
+    match pass {
+        Pass::Shadow => {
+            DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
+        }
+        Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
+        Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
+    }
+}
