@@ -27,7 +27,7 @@ pub struct Instance<'a> {
     /// Level of detail: 0 for the character's own meshes, else one more than the index of its
     /// [`levels`](Character::levels). The coarsest level stands for all above it.
     pub level: u32,
-    /// What can be seen of it. A hidden one is not drawn.
+    /// The part of the view that it takes. A hidden instance is not drawn.
     pub visibility: Visibility,
 }
 

@@ -3,6 +3,7 @@
 mod binding;
 mod controls;
 mod free_runs;
+mod hiding;
 mod live;
 mod machines;
 mod members;

@@ -1,4 +1,4 @@
-//! What a picture shows of a crowd: which members can be seen, and how fine they must be.
+//! The view of a picture: visibility of members, and the size in pixels at which they are seen.
 #![expect(
     clippy::disallowed_methods,
     reason = "square roots of the host alone; no device computes them again"

@@ -36,7 +36,7 @@ use samples::Samples;
 pub struct Skate {
     /// The part of the course; `all` for all of it.
     pub segment: &'static str,
-    /// Whether the device plants the feet.
+    /// True if the device plants the feet.
     pub planting: bool,
     /// Mean speed of planted points, in metres per second.
     pub mean_m_per_sec: f32,

@@ -169,7 +169,7 @@ impl MixSteps {
     }
 }
 
-/// What a foot does in the samples of a cycle.
+/// Samples of a foot over a cycle, and its contacts.
 struct Stance {
     samples: Vec<SoleSample>,
     /// How far within a contact each sample is: above 0 if the foot is planted.

@@ -67,14 +67,14 @@ pub struct Walkers {
     velocities: Vec<[f32; 2]>,
     preferred: Vec<[f32; 2]>,
     steered: Vec<[f32; 2]>,
-    /// Whether a walker was last steered to another velocity than it prefers.
+    /// True for a walker that was last steered to another velocity than it prefers.
     evades: Vec<bool>,
     radii_m: Vec<f32>,
     most_speeds: Vec<f32>,
     groups: Vec<u32>,
     placements: Vec<(MemberId, Placement)>,
     strides: Vec<(MemberId, Stride)>,
-    /// Of the walkers that change what they play in this update.
+    /// New points of blend spaces, for walkers that change theirs in this update.
     points: Vec<(MemberId, SpacePoint)>,
     times: UpdateTimes,
 }

@@ -11,8 +11,7 @@ use crate::Error;
 use crate::layout::{
     Body, BoundClip, InertializationSlot, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer,
     MAX_PHASES, MEMBER_HIDDEN, MEMBER_LAYER_BITS, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK,
-    SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
-    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH, Slot,
+    SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
 };
 
 const EMPTY_SLOT: Slot = Slot {
@@ -51,11 +50,6 @@ impl Member {
     pub const fn is_hidden(&self) -> bool {
         self.layers_and_phase & MEMBER_HIDDEN != 0
     }
-}
-
-/// Returns whether a step rotates joints of its member, by nothing but its targets.
-const fn is_own(kind: u32) -> bool {
-    matches!(kind, STEP_ROTATION | STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_PELVIS | STEP_FOOT)
 }
 
 impl Tables {
@@ -290,66 +284,6 @@ impl Tables {
             | member.layer_count();
         self.all.members.set(member_index as usize, member);
         Ok(())
-    }
-
-    /// Returns whether a member's clips tell how far it reaches from its place. Those of members
-    /// with overrides, user stages, proportions or live clips, and of attached ones, do not.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such member.
-    #[must_use]
-    pub fn is_bounded(&self, member_index: u32) -> bool {
-        let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
-        let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
-        let is_live = |slot: &Slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE;
-        self.takes_only(member_index, bounded) && !slots.iter().any(is_live)
-    }
-
-    /// Returns whether a member can be [hidden](Self::set_hidden): nobody else needs its pose, and
-    /// the next frames do not build on it. Members with root motion, and those that are watched or
-    /// carry others, cannot.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such member.
-    #[must_use]
-    pub fn can_hide(&self, member_index: u32) -> bool {
-        self.takes_only(member_index, is_own)
-    }
-
-    /// Returns whether a member's constraint program has only steps of certain kinds and changes
-    /// nothing before Transform.
-    fn takes_only(&self, member_index: u32, allowed: impl Fn(u32) -> bool) -> bool {
-        let member = self.all.members.as_slice()[member_index as usize];
-        if member.control == NONE {
-            return true;
-        }
-        let control = self.all.controls.as_slice()[member.control as usize];
-        let first = control.step_first as usize;
-        let steps = &self.all.steps.as_slice()[first..first + control.step_count as usize];
-        control.local_count == 0
-            && control.pose_step_count == 0
-            && control.scale_first == NONE
-            && steps.iter().all(|step| allowed(step.kind))
-    }
-
-    /// Hides a member, so that frames do not evaluate it and its palette stays as it is, or shows
-    /// it again. What feet and gaze remember of earlier frames does not count any more then.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such member.
-    pub fn set_hidden(&mut self, member_index: u32, hidden: bool) {
-        let mut member = self.all.members.as_slice()[member_index as usize];
-        if member.is_hidden() == hidden {
-            return;
-        }
-        member.layers_and_phase ^= MEMBER_HIDDEN;
-        self.all.members.set(member_index as usize, member);
-        if !hidden && member.control != NONE {
-            self.renew_epoch(member.control);
-        }
     }
 
     /// Number of phases in a frame, up to the last one that a member is evaluated in; at least 1.

@@ -15,7 +15,7 @@ const RADIUS: f32 = 0.14;
 
 impl Walkers {
     /// Makes a member a walker that stands where it is placed: plays the gaits of its character and
-    /// plants its feet. A walker begins anew, at its place in slices.
+    /// plants its feet. A member that is a walker already is reset, and keeps its place in slices.
     ///
     /// # Errors
     ///

@@ -1,4 +1,4 @@
-//! What bodies cannot do, walkers do not do.
+//! Limits of bodies, which walkers keep.
 
 use glam::Vec2;
 use populace::Placement;

@@ -132,16 +132,19 @@ fn despawned_members_are_named_and_can_be_forgotten() {
     refused(&mut town, &says, |town| town.walkers.update(&mut town.crowd, FRAME_SECS));
     refused(&mut town, &says, |town| town.walkers.update(&mut town.crowd, 0.0));
     // A new member with the number of the old one takes its place.
-    let anew = town.add_at([8.0, 0.0]);
-    assert_eq!((anew.number(), town.walkers.members()), (number, &[anew, all[1], all[2]][..]));
+    let newcomer = town.add_at([8.0, 0.0]);
+    assert_eq!(
+        (newcomer.number(), town.walkers.members()),
+        (number, &[newcomer, all[1], all[2]][..])
+    );
     town.run(0.1);
-    assert_eq!(town.velocity(anew).length(), 0.0, "it does what the old one did");
-    town.crowd.despawn(anew).unwrap();
-    town.walkers.remove(anew).unwrap();
+    assert_eq!(town.velocity(newcomer).length(), 0.0, "it does what the old one did");
+    town.crowd.despawn(newcomer).unwrap();
+    town.walkers.remove(newcomer).unwrap();
     assert_eq!(town.walkers.members(), [all[2], all[1]], "the last takes its place");
     town.run(1.0);
     assert!(all[1..].iter().all(|member| town.velocity(*member).y > 0.99));
-    assert_eq!(town.walkers.remove(anew).unwrap_err().kind(), ErrorKind::NotFound);
+    assert_eq!(town.walkers.remove(newcomer).unwrap_err().kind(), ErrorKind::NotFound);
     town.walkers.remove(all[2]).unwrap();
     let before = town.position(all[2]);
     town.run(0.5);
