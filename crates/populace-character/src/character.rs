@@ -225,6 +225,9 @@ pub struct Level {
     /// One mesh for each part, in the order of [`CharacterSource::parts`] and with the same palette
     /// and materials. Parts that are too small to be seen have no triangles.
     pub meshes: Vec<Mesh>,
+    /// Number of joints that are evaluated: the first ones in level order. The others hang from them
+    /// as at rest.
+    pub joint_count: usize,
 }
 
 /// A checked character: every index is valid and every number is finite.
@@ -295,10 +298,11 @@ impl Character {
     ///
     /// # Errors
     ///
-    /// [`Error::BadCharacter`] if the levels' errors are not positive and increasing, or for a mesh
-    /// that [`new`](Self::new) would refuse as a part.
+    /// [`Error::BadCharacter`] if the levels' errors are not positive and increasing, for a joint
+    /// count that is 0 or larger than that of the level before, or for a mesh that
+    /// [`new`](Self::new) would refuse as a part.
     pub fn with_levels(mut self, levels: Vec<Level>) -> Result<Self, Error> {
-        let mut finer_m = 0.0;
+        let (mut finer_m, mut finer_joints) = (0.0, self.skeleton.joint_count());
         for (index, level) in levels.iter().enumerate() {
             let fail = |place: String, what: String| {
                 Err(Error::BadCharacter { place: format!("level {}{place}", index + 1), what })
@@ -311,6 +315,12 @@ impl Character {
                 );
             }
             finer_m = level.error_m;
+            let joint_count = level.joint_count;
+            if !(1..=finer_joints).contains(&joint_count) {
+                let what = format!("has {joint_count} joints; 1 to {finer_joints} are needed");
+                return fail(String::new(), what);
+            }
+            finer_joints = joint_count;
             if level.meshes.len() != self.parts.len() {
                 let what = format!("{} meshes for {} parts", level.meshes.len(), self.parts.len());
                 return fail(String::new(), what);

@@ -8,6 +8,7 @@ mod live;
 mod machines;
 mod members;
 mod pages;
+mod reduced;
 mod removal;
 mod rows;
 mod runs;
@@ -192,15 +193,34 @@ impl Tables {
         Some((member_index, first - own_first))
     }
 
-    /// Adds a body.
+    /// Adds a body that is always evaluated whole.
     ///
     /// # Errors
     ///
-    /// [`Error::TooLarge`] if offsets exceed 32 bits or the palette is larger than a page.
+    /// As [`add_reducible_body`](Self::add_reducible_body).
     pub fn add_body(
         &mut self,
         skeleton: &Skeleton,
         palette: &[PaletteEntry],
+    ) -> Result<BodyIndex, Error> {
+        self.add_reducible_body(skeleton, palette, &[])
+    }
+
+    /// Adds a body, and reduced ones with the first `joint_counts` of its joints, in level order.
+    /// [`set_reduced`](Self::set_reduced) chooses among them for each member.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::TooLarge`] if offsets exceed 32 bits or the palette is larger than a page.
+    ///
+    /// # Panics
+    ///
+    /// If a joint count is 0, or larger than that of the skeleton.
+    pub fn add_reducible_body(
+        &mut self,
+        skeleton: &Skeleton,
+        palette: &[PaletteEntry],
+        joint_counts: &[usize],
     ) -> Result<BodyIndex, Error> {
         if palette.len() > PAGE_ENTRIES as usize {
             let limit = PAGE_ENTRIES as usize;
@@ -232,7 +252,11 @@ impl Tables {
                 entry_first,
                 entry_count: u32_from(palette.len()),
             };
-            runs.add(&mut all.bodies, [body])
+            let reduced = joint_counts
+                .iter()
+                .map(|count| reduced::add(all, runs, (skeleton, palette), &body, *count))
+                .collect::<Result<Vec<_>, _>>()?;
+            runs.add(&mut all.bodies, std::iter::once(body).chain(reduced))
         })?;
         self.soles_of_bodies.insert(index, soles);
         self.measure_levels();

@@ -46,18 +46,20 @@ impl View {
     #[must_use]
     pub fn visibility(&self, center: [f32; 3], radius: f32) -> Visibility {
         // The far end of the shadow on the ground beneath the body.
-        let shadow_end = self.to_sun.map(|[x, y, z]| {
-            let level = (x * x + z * z).sqrt();
-            let along = (2.0 * radius / y.max(level / LONGEST_SHADOW)).max(0.0);
-            [center[0] - along * x, center[1] - along * y, center[2] - along * z]
-        });
+        let shadow_end = || {
+            self.to_sun.map(|[x, y, z]| {
+                let level = (x * x + z * z).sqrt();
+                let along = (2.0 * radius / y.max(level / LONGEST_SHADOW)).max(0.0);
+                [center[0] - along * x, center[1] - along * y, center[2] - along * z]
+            })
+        };
         let mut visibility = Visibility::InView;
         for [x, y, z, offset] in self.planes {
             let beyond = |[px, py, pz]: [f32; 3]| x * px + y * py + z * pz + offset < -radius;
             if !beyond(center) {
                 continue;
             }
-            match shadow_end {
+            match shadow_end() {
                 Some(end) if !beyond(end) => visibility = Visibility::ShadowOnly,
                 _ => return Visibility::Hidden,
             }

@@ -6,8 +6,13 @@
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
 //! stay. Vertices are a subset of the character's: palettes, textures and materials stay as they
 //! are.
+//!
+//! Each level evaluates only the first joints, in level order, up to the last one that moves vertices
+//! farther away from it than four times the level's error. The other joints, such as those of
+//! fingers, hang from the first as at rest.
 
 mod groups;
+mod joints;
 mod mesh;
 
 use populace_character::{Character, Error, Level, Mesh};
@@ -43,6 +48,7 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         simplifiers.iter().map(Simplifier::triangle_count).sum()
     };
     let mut levels: Vec<Level> = Vec::new();
+    let extents_m = joints::extents_m(&character.skeleton);
     let mut shown = count(&simplifiers);
     for (fraction, influences) in LEVELS {
         let error_m = fraction * character.height_m();
@@ -58,7 +64,8 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         }
         shown = left;
         let meshes: Vec<Mesh> = simplifiers.iter().map(|s| s.mesh(influences)).collect();
-        levels.push(Level { error_m, meshes });
+        let joint_count = joints::joint_count(&extents_m, error_m);
+        levels.push(Level { error_m, meshes, joint_count });
     }
     levels
 }

@@ -4,6 +4,7 @@
 
 use populace_character::{Character, Mesh};
 use populace_lod::{levels_of, with_levels};
+use populace_model::JointIndex;
 
 fn man() -> Character {
     populace_cast::cast().unwrap().remove(1)
@@ -113,4 +114,18 @@ fn weights_keep_their_sum_and_far_levels_have_one_joint_per_vertex() {
 fn levels_are_the_same_each_time_and_pass_the_checks_of_characters() {
     let (first, second) = (with_levels(man()).unwrap(), with_levels(man()).unwrap());
     assert_eq!(first.levels(), second.levels());
+}
+
+#[test]
+fn far_levels_leave_out_fingers_then_hands_and_keep_arms_and_legs() {
+    let man = man();
+    let counts: Vec<usize> = levels_of(&man).iter().map(|level| level.joint_count).collect();
+    assert!(counts.is_sorted_by(|finer, coarser| finer >= coarser), "{counts:?}");
+    assert_eq!(counts[0], man.skeleton.joint_count(), "{counts:?}");
+    let (last, joints) = (*counts.last().unwrap(), &man.skeleton);
+    assert!(last < joints.joint_count() / 2, "{counts:?}");
+    for name in ["forearm", "foot", "head"] {
+        let has = |joint: JointIndex| joints.name(joint).to_lowercase().contains(name);
+        assert!(joints.joints().take(last).any(has), "{name} is missing of {last}");
+    }
 }

@@ -86,7 +86,8 @@ pub(crate) fn member_models(
     let MemberInputs { inputs, member, dispatch } = of;
     let tables = inputs.tables;
     let body = body_of(tables, member);
-    scratch.models.resize(body.padded_count as usize, Affine::IDENTITY);
+    let padded = (body.joint_count as usize).next_multiple_of(LANES);
+    scratch.models.resize(padded, Affine::IDENTITY);
     let mut playing = [Playing::default(); MAX_SLOTS];
     let count = play_all(of, &mut playing);
     let (playing, layers) = (&playing[..count], member_layers(tables, member));

@@ -3,9 +3,9 @@
 use populace_device::Tables;
 use populace_device::layout::{Body, Control, Layer, NONE, Slot};
 
-/// Returns the skeleton layout of a member.
+/// Returns the body that a member is evaluated with.
 pub(crate) fn body_of(tables: &Tables, member: u32) -> &Body {
-    &tables.bodies().as_slice()[tables.members().as_slice()[member as usize].body as usize]
+    &tables.bodies().as_slice()[tables.members().as_slice()[member as usize].posed as usize]
 }
 
 /// Returns the parent of each joint of a body, [`NONE`] for roots.

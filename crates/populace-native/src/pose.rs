@@ -28,7 +28,7 @@ pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut Jo
             return;
         }
         let member = &tables.members().as_slice()[index as usize];
-        let body = &tables.bodies().as_slice()[member.body as usize];
+        let body = &tables.bodies().as_slice()[member.posed as usize];
         let range = tables.slot_range(index);
         let (slots, samples) = (&tables.slots().as_slice()[range.clone()], &samples[range]);
         let mut playing = [Playing::default(); MAX_SLOTS];

@@ -115,7 +115,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
         states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-    const Body body = bodies[member.body];
+    const Body body = bodies[member.posed];
     const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines,
                                        tick, &clip_tables, row_times, buckets, playing);
     const Hierarchy models = { model_rows, stride };
@@ -168,7 +168,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_j
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Member member = members[owner];
-    const Body body = bodies[member.body];
+    const Body body = bodies[member.posed];
     const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines,
                                        tick, &clip_tables, row_times, buckets, playing);
     for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP)

@@ -149,7 +149,7 @@ INLINE void pose_member(const ClipTables *tables, Adjustments adjustments, uint 
                         Playback playback, __global const Layer *layers, uint layer_count,
                         Body body, __global float16 *restrict models, __global float *planes)
 {
-    for (uint joint = 0; joint < body.padded_count; joint += JOINT_BLOCK) {
+    for (uint joint = 0; joint < body.joint_count; joint += JOINT_BLOCK) {
         const Local trs =
             pose_joint(tables, adjustments, control, playback, layers, layer_count, body, joint);
         if (planes) store_trs(trs, planes + joint, body.padded_count);
@@ -218,7 +218,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         if (owner < place_first || owner >= place_end) continue;
         const Member member = members[owner];
         if (member_phase(member) != phase) continue;
-        const Body body = bodies[member.body];
+        const Body body = bodies[member.posed];
         __global float16 *restrict models = desk + count * padded_most;
         Playing playing[MAX_SLOTS];
         const Playback playback =
@@ -277,7 +277,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Member member = members[owner];
-    const Body body = bodies[member.body];
+    const Body body = bodies[member.posed];
     __global const Slot *mine = slots + owner * slots_per_member;
     __global float16 *models = (__global float16 *)matrices;
     for (uint s = 0; s < slots_per_member; s++)

@@ -37,7 +37,7 @@ __kernel void pose(
     const uint owner = joint_blocks[place / JOINT_BLOCK];
     if (owner < member_first || owner >= member_end) return;
     const Member member = members[owner];
-    const Body body = bodies[member.body];
+    const Body body = bodies[member.posed];
     const uint joint = place - member.joint_first, first_slot = owner * slots_per_member;
     if (joint >= body.joint_count) return;
 

@@ -39,7 +39,7 @@ __kernel void transform(
     if (owner >= member_end || members[owner].body == NONE) return;
     const Member member = members[owner];
     if (member_phase(member) != phase) return;
-    const Body body = bodies[member.body];
+    const Body body = bodies[member.posed];
     if (level >= body.level_count) return;
     const uint joint = levels[body.level_first + level] + (uint)get_global_id(0);
     if (joint >= levels[body.level_first + level + 1]) return;

@@ -24,9 +24,9 @@ __kernel void write_back(
     if (owner == NONE || owner < member_first || owner >= member_end) return;
     const Member member = members[owner];
     const uint index = place - member.palette_first;
-    if (index >= bodies[member.body].entry_count) return;
+    if (index >= bodies[member.posed].entry_count) return;
 
-    const Entry entry = entries[bodies[member.body].entry_first + index];
+    const Entry entry = entries[bodies[member.posed].entry_first + index];
     const uint joint = member.joint_first + entry.joint;
     const float16 model_from_joint =
         (float16)(row0[joint], row1[joint], row2[joint], (float4)(0.0f));

@@ -7,15 +7,20 @@ use std::sync::Arc;
 use populace::character::{Character, Level};
 use populace::interop::{View, Visibility};
 use populace::{
-    ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement, Schedule, Target, Trs, Weight,
+    ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, Placement, Schedule, Space,
+    Target, Trs, Weight,
 };
 
-/// A man with two coarser levels, of which only the errors matter here.
+/// Joints that are left at the second level.
+const JOINTS_LEFT: usize = 20;
+
+/// A man with two coarser levels, of which only errors and joints matter here.
 fn man() -> Character {
     let man = populace_cast::cast().unwrap().remove(1);
     let meshes: Vec<_> = man.parts.iter().map(|part| part.mesh.clone()).collect();
-    let level = |error_m| Level { error_m, meshes: meshes.clone() };
-    man.with_levels(vec![level(0.01), level(0.04)]).unwrap()
+    let level = |error_m, joint_count| Level { error_m, meshes: meshes.clone(), joint_count };
+    let all = man.skeleton.joint_count();
+    man.with_levels(vec![level(0.01, all), level(0.04, JOINTS_LEFT)]).unwrap()
 }
 
 /// A view from the origin along -z, a quarter turn wide and high, of 1000 pixels for a metre at a
@@ -111,6 +116,52 @@ fn levels_follow_the_distance_and_change_with_hysteresis() {
     let finer = (1..1000).map(|z| coarser - z as f32 * 0.1).find(|z| level_at(*z) == 0).unwrap();
     assert!(finer < 0.95 * coarser, "{finer} {coarser}");
     assert_eq!((level_at(30.0), level_at(1000.0), level_at(1.0)), (1, 2, 0));
+}
+
+#[test]
+fn far_members_are_posed_with_fewer_joints() {
+    const FAR: [f32; 3] = [0.0, -1.0, -100.0];
+    for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
+        for device in [Device::native(), Device::opencl(0)] {
+            if schedule == Schedule::FusedGrouped && device == Device::native() {
+                continue;
+            }
+            let mut scene = Scene::new(device, schedule, &[FAR, FAR, FAR]);
+            let [plain, planted, shaped] = *scene.members else { panic!() };
+            scene.crowd.member_mut(planted).unwrap().plant_feet(1.0).unwrap();
+            let (joint, transform) = (JointIndex(JOINTS_LEFT as u32), Trs::IDENTITY);
+            let bent = JointOverride { joint, space: Space::Local, transform, weight: 1.0 };
+            scene.crowd.member_mut(shaped).unwrap().override_joints(&[bent]).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            let whole: Vec<_> = (0..3).map(|m| scene.palette(m)).collect();
+            scene.crowd.set_view(Some(view(1.0))).unwrap();
+            scene.crowd.update(0.0).unwrap();
+            assert!(scene.seen().iter().all(|seen| *seen == (Visibility::InView, 2)));
+            let man = man();
+            let is_left = |entry: usize| man.palette[entry].joint.index() < JOINTS_LEFT;
+            for member in 0..3 {
+                let now = scene.palette(member);
+                let equal = |e: &usize| now[12 * e..][..12] == whole[member][12 * e..][..12];
+                let entries = 0..man.palette.len();
+                let what = format!("{schedule}, member {member}");
+                assert!(entries.clone().filter(|e| is_left(*e)).all(|e| equal(&e)), "{what}");
+                let changed = entries.filter(|e| !equal(e)).count();
+                assert_eq!(changed > 10, member != 2, "{what}: {changed} entries changed");
+            }
+            let mut reading = scene.crowd.member_mut(plain).unwrap();
+            let (locals, models) =
+                (reading.local_pose().unwrap(), reading.model_from_joints().unwrap());
+            for joint in man.skeleton.joints().skip(JOINTS_LEFT) {
+                assert_eq!(locals[joint.index()], *man.skeleton.rest(joint), "{joint:?}");
+            }
+            for (entry, matrix) in man.palette.iter().zip(reading.palette().unwrap()) {
+                let expected = models[entry.joint.index()].mul(&entry.joint_from_bind);
+                let pairs = expected.rows.iter().flatten().zip(matrix.rows.iter().flatten());
+                let off = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+                assert!(off < 1e-5, "{schedule}, joint {}: {off}", entry.joint.0);
+            }
+        }
+    }
 }
 
 #[test]

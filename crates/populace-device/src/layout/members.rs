@@ -4,12 +4,17 @@ use super::*;
 
 device_struct! {
     /// A body: a skeleton and the palette entries of its meshes.
+    ///
+    /// A reduced body has the first joints of a body, and all of its entries: those of the other
+    /// joints hang, at rest, from the nearest ancestor that is left. It shares the body's parents,
+    /// rest pose and clips, and their strides.
     pub struct Body {
         /// Offset into `parents`.
         pub joint_first: u32,
         /// Number of joints.
         pub joint_count: u32,
-        /// Number of joints, padded to whole blocks of [`JOINT_BLOCK`].
+        /// Number of joints, padded to whole blocks of [`JOINT_BLOCK`]; reduced bodies have that of
+        /// the whole body.
         pub padded_count: u32,
         /// Offset into `levels`: `level_count + 1` joint indices, the first of each level and the
         /// end of the last.
@@ -72,6 +77,9 @@ device_struct! {
         pub layers_and_phase: u32,
         /// Index into `controls`, or [`NONE`] if only clips move the member.
         pub control: u32,
+        /// Index into `bodies`: what frames evaluate. It is `body`, or one of the reduced bodies that
+        /// follow it.
+        pub posed: u32,
     }
 }
 

@@ -36,6 +36,8 @@ struct Runs {
     links: (usize, usize),
     targets: (usize, usize),
     values: (usize, usize),
+    /// Joints that the program needs, counted from the first.
+    joint_count: u32,
 }
 
 /// Allocation of controls and of their runs.
@@ -82,6 +84,11 @@ impl ControlSpaces {
 }
 
 impl ControlSpaces {
+    /// Returns how many joints, counted from the first, a member with this control needs.
+    pub(super) fn joints_needed(&self, control: u32) -> u32 {
+        self.runs.get(control as usize).map_or(0, |runs| runs.joint_count)
+    }
+
     /// Returns a number for the next owner of history state.
     fn next_epoch(&mut self) -> u32 {
         self.epoch = self.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);
@@ -145,6 +152,7 @@ impl Tables {
             if member.control == NONE { self.add_control(member_index) } else { member.control };
         self.resize_runs(control as usize, &program);
         self.write_program(control as usize, program);
+        self.set_reduced(member_index, member.posed - member.body);
         Ok(())
     }
 
@@ -255,6 +263,7 @@ impl Tables {
     }
 
     fn write_program(&mut self, control: usize, mut program: Program) {
+        self.control_spaces.runs[control].joint_count = program.joints_needed();
         let runs = self.control_spaces.runs[control];
         program.move_to(
             runs.overrides.0,

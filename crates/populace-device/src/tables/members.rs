@@ -25,8 +25,14 @@ const EMPTY_SLOT: Slot = Slot {
     weight_rate: 0.0,
     end_weight: 0.0,
 };
-const FREE_MEMBER: Member =
-    Member { body: NONE, joint_first: 0, palette_first: 0, layers_and_phase: 0, control: NONE };
+const FREE_MEMBER: Member = Member {
+    body: NONE,
+    joint_first: 0,
+    palette_first: 0,
+    layers_and_phase: 0,
+    control: NONE,
+    posed: NONE,
+};
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
 impl Member {
@@ -81,6 +87,7 @@ impl Tables {
                 palette_first: u32_from(palette_block.0 * PALETTE_BLOCK as usize),
                 layers_and_phase: 1,
                 control: NONE,
+                posed: body.0,
             },
         );
         self.phase_members[0] += 1;

@@ -114,7 +114,8 @@ fn instances_show_their_level_and_hidden_ones_nothing() {
         Mesh { indices, ..part.mesh.clone() }
     };
     let meshes = character.parts.iter().map(headless).collect();
-    let character = Arc::new(character.with_levels(vec![Level { error_m: 0.1, meshes }]).unwrap());
+    let level = Level { error_m: 0.1, meshes, joint_count: 1 };
+    let character = Arc::new(character.with_levels(vec![level]).unwrap());
     let member = (Arc::clone(&character), Affine::IDENTITY, 0);
     let mut pages = Pages::new(vec![palette(&[Affine::IDENTITY; 2])], vec![member]);
     rig.renderer.acquire_palettes(&mut pages).unwrap();

@@ -18,7 +18,7 @@ use populace_settings::parts::{Key, Parts};
 use super::slab::Slab;
 use crate::{CharacterId, ClipId, Error, IdKind, MemberId, Placement};
 use bindings::Bound;
-use reach::Reach;
+pub(super) use reach::Reach;
 
 /// The tables, the clock, the assets and the members of a crowd.
 #[derive(Clone)]
@@ -70,6 +70,8 @@ pub(super) struct Assets {
 pub(super) struct CharacterState {
     pub(super) character: Arc<Character>,
     pub(super) body: BodyIndex,
+    /// The reduced body that each level of detail evaluates, counted from 1; 0 for the whole one.
+    pub(super) reduced_of_level: Vec<u32>,
     /// Around all poses of the clips that were bound to it so far.
     pub(super) reach: Reach,
     /// Detected from joint names, or set.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace_device::layout::{Body, Float4};
 use populace_device::{BackendError, PaletteSource, StageBuffer};
-use populace_model::{Affine, Trs};
+use populace_model::{Affine, Skeleton, Trs};
 use populace_settings::parts::Parts;
 
 use super::base::Base;
@@ -93,18 +93,35 @@ impl Crowd {
     pub(super) fn model_from_joints(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let buffers = [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
         let [a, b, c] = self.read_rows(member, buffers)?;
-        Ok(a.iter().zip(&b).zip(&c).map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect())
+        let rows = a.iter().zip(&b).zip(&c);
+        let mut models: Vec<_> = rows.map(|((a, b), c)| Affine { rows: [a.0, b.0, c.0] }).collect();
+        let skeleton = self.skeleton_of(member)?;
+        for joint in skeleton.joints().skip(models.len()) {
+            // A joint beyond the first has a parent, which comes before it.
+            let parent = skeleton.parent(joint).map_or(Affine::IDENTITY, |p| models[p.index()]);
+            models.push(parent.mul(&Affine::from_trs(skeleton.rest(joint))));
+        }
+        Ok(models)
     }
 
     pub(super) fn local_pose(&mut self, member: MemberId) -> Result<Vec<Trs>, Error> {
         let buffers = [StageBuffer::Translations, StageBuffer::Rotations, StageBuffer::Scales];
         let [t, r, s] = self.read_rows(member, buffers)?;
         let joints = t.iter().zip(&r).zip(&s);
-        Ok(joints
+        let mut locals: Vec<_> = joints
             .map(|((t, r), s)| Trs { translation: t.xyz(), rotation: r.0, scale: s.xyz() })
-            .collect())
+            .collect();
+        let skeleton = self.skeleton_of(member)?;
+        locals.extend(skeleton.joints().skip(locals.len()).map(|joint| *skeleton.rest(joint)));
+        Ok(locals)
     }
 
+    fn skeleton_of(&self, member: MemberId) -> Result<&Skeleton, Error> {
+        let base = &self.state.base;
+        Ok(&base.character_state(base.check(member)?)?.character.skeleton)
+    }
+
+    /// Reads the rows of the joints that were evaluated.
     fn read_rows(
         &mut self,
         member: MemberId,
@@ -135,6 +152,6 @@ impl Crowd {
             return Err(BackendError::NotEvaluated.into());
         }
         let row = tables.members().as_slice()[member.number() as usize];
-        Ok((row, tables.bodies().as_slice()[row.body as usize]))
+        Ok((row, tables.bodies().as_slice()[row.posed as usize]))
     }
 }

@@ -142,6 +142,9 @@ impl State {
     /// Returns the root-motion offset of a member, or of its parent, when palettes were last
     /// acquired.
     pub(super) fn offset_of(&self, mut index: u32) -> [f32; 3] {
+        if self.motion.is_empty() {
+            return [0.0; 3];
+        }
         loop {
             if let Some(offset) = self.motion.offset(index) {
                 return offset;

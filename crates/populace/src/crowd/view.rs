@@ -3,7 +3,7 @@
 use populace_device::{View, Visibility};
 use populace_model::convert::u32_from;
 
-use super::base::{CharacterState, MemberState, Seen};
+use super::base::{CharacterState, MemberState, Reach, Seen};
 use super::state::State;
 use super::{CharacterId, Crowd};
 use crate::{Allowed, Error};
@@ -96,55 +96,66 @@ pub struct ViewStatistics {
 }
 
 impl State {
-    /// Chooses visibility and level of every member for the present view.
+    /// Chooses visibility, level and joints of every member for the present view.
     pub(super) fn apply_view(&mut self) {
         let was_viewed = std::mem::replace(&mut self.base.is_viewed, self.base.view.is_some());
         if !(was_viewed || self.base.is_viewed) {
             return;
         }
         for index in 0..self.base.members.all.len() {
-            let MemberState { character: Some(character), seen, .. } = self.base.members.all[index]
+            let MemberState { character: Some(character), seen: before, .. } =
+                self.base.members.all[index]
             else {
                 continue;
             };
+            let Ok(state) = self.base.character_state(character) else { continue };
             let next = match &self.base.view {
-                Some(view) => self.seen_in(view, index, character, seen),
+                Some(view) => self.seen_in(view, index, state, before),
                 None => Seen::default(),
             };
-            let tables = &mut self.base.tables;
-            let hidden = next.visibility == Visibility::Hidden && tables.can_hide(u32_from(index));
-            tables.set_hidden(u32_from(index), hidden);
+            let reduced = state.reduced_of_level.get(next.level as usize).copied();
+            if next == before && next == Seen::default() {
+                continue;
+            }
+            let (tables, number) = (&mut self.base.tables, u32_from(index));
+            let hidden = next.visibility == Visibility::Hidden && tables.can_hide(number);
+            tables.set_hidden(number, hidden);
+            tables.set_reduced(number, reduced.unwrap_or_default());
             self.base.members.all[index].seen = next;
         }
     }
 
     /// Returns centre and radius of the sphere around a member's poses.
     pub(super) fn sphere_of(&self, index: usize, character: CharacterId) -> ([f32; 3], f32) {
-        let placement = &self.base.members.all[index].placement;
         let reach = self.base.character_state(character).map(|c| c.reach).unwrap_or_default();
+        self.sphere_of_reach(index, reach)
+    }
+
+    fn sphere_of_reach(&self, index: usize, reach: Reach) -> ([f32; 3], f32) {
+        let placement = &self.base.members.all[index].placement;
         let (scale, [x, y, z]) = (placement.scale(), placement.position());
         let [mx, my, mz] = self.offset_of(u32_from(index));
         ([x + mx, y + my + scale * reach.height_m, z + mz], scale * reach.radius_m)
     }
 
-    fn seen_in(&self, view: &View, index: usize, character: CharacterId, before: Seen) -> Seen {
-        let (center, radius) = self.sphere_of(index, character);
-        let Ok(CharacterState { character, .. }) = self.base.character_state(character) else {
-            return Seen::default();
-        };
-        let number = u32_from(index);
+    fn seen_in(&self, view: &View, index: usize, state: &CharacterState, before: Seen) -> Seen {
+        let (center, radius) = self.sphere_of_reach(index, state.reach);
         let scale = self.base.members.all[index].placement.scale();
         let visibility = match view.visibility(center, radius) {
-            beyond if beyond != Visibility::InView && !self.base.tables.is_bounded(number) => {
+            beyond
+                if beyond != Visibility::InView
+                    && !self.base.tables.is_bounded(u32_from(index)) =>
+            {
                 Visibility::InView
             }
             found => found,
         };
         let px = view.pixels_per_metre_at(center, radius) * scale;
+        let levels = state.character.levels();
         let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
             None => true,
             Some(coarser) => {
-                character.levels().get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
+                levels.get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
             }
         };
         let mut level = before.level;

@@ -127,6 +127,16 @@ impl Program {
         self.steps.push(Step { joint: joint.0, kind, index, operand: u32_from(operand) });
     }
 
+    /// Returns how many joints the program needs, counted from the first. What changes local
+    /// transforms may change those of any joint.
+    pub(super) fn joints_needed(&self) -> u32 {
+        if self.local_count > 0 || self.pose_step_count > 0 || self.scale_first != NONE {
+            return NONE;
+        }
+        let steps = self.steps.iter().map(|step| step.joint);
+        steps.chain(self.links.iter().map(|link| link.joint)).max().map_or(0, |last| last + 1)
+    }
+
     /// Allocates `count` rotations that later steps apply, and returns the first index.
     fn allocate_rotations(&mut self, count: usize) -> usize {
         self.rotation_count += count;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use populace_character::Character;
 use populace_clip::Clip;
+use populace_model::convert::u32_from;
 use populace_model::{Mask, RoleMap, nearest_names};
 use populace_settings::parts::{Key, MaskParts, Parts};
 
@@ -20,17 +21,38 @@ impl Assets {
     }
 }
 
+/// Returns, for each level from 0 on, the number of the reduced body that it evaluates, counted from
+/// 1, or 0 for the whole body.
+fn reduced_of_levels(character: &Character, reduced: &[usize]) -> Vec<u32> {
+    let counts = character.levels().iter().map(|level| level.joint_count);
+    let number = |count| reduced.iter().position(|r| *r == count).map_or(0, |at| u32_from(at + 1));
+    std::iter::once(0).chain(counts.map(number)).collect()
+}
+
 impl Base {
     pub(crate) fn add_character(
         &mut self,
         character: Arc<Character>,
     ) -> Result<CharacterId, Error> {
-        let body = self.tables.add_body(&character.skeleton, &character.palette)?;
+        let counts = character.levels().iter().map(|level| level.joint_count);
+        let mut reduced: Vec<usize> = counts.collect();
+        reduced.dedup();
+        reduced.retain(|count| *count < character.skeleton.joint_count());
+        let (skeleton, palette) = (&character.skeleton, &character.palette);
+        let body = self.tables.add_reducible_body(skeleton, palette, &reduced)?;
         let clips = character.clips.clone();
         let roles = RoleMap::detect(&character.skeleton);
         let reach = Reach::at_rest(&character.skeleton);
-        let (clips_of, masks) = (Vec::new(), Slab::default());
-        let state = CharacterState { character, body, reach, roles, clips: clips_of, masks };
+        let reduced_of_level = reduced_of_levels(&character, &reduced);
+        let state = CharacterState {
+            character,
+            body,
+            reduced_of_level,
+            reach,
+            roles,
+            clips: Vec::new(),
+            masks: Slab::default(),
+        };
         let (index, generation) = self.assets.characters.insert(state);
         let id = CharacterId::from_parts(Key { crowd: self.number, index, generation });
         for clip in &clips {
