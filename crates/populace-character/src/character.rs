@@ -7,6 +7,7 @@ use populace_clip::Clip;
 use populace_model::{Affine, JointIndex, Skeleton, f64math};
 
 use crate::Error;
+use crate::options::{PartOption, find_options};
 
 /// A distinct pair of a joint and a bind matrix that vertices use. Two skins may bind one joint
 /// differently, rigid parts use the identity, and joints without vertices have no entry.
@@ -232,6 +233,7 @@ pub struct Level {
 pub struct Character {
     source: CharacterSource,
     levels: Vec<Level>,
+    options: Vec<PartOption>,
     rest_bounds: Option<Bounds>,
 }
 
@@ -285,7 +287,8 @@ impl Character {
                 return fail(place_of(part), what);
             }
         }
-        let mut character = Self { source, levels: Vec::new(), rest_bounds: None };
+        let options = find_options(&source.parts);
+        let mut character = Self { source, levels: Vec::new(), options, rest_bounds: None };
         let parts = 0..character.parts.len();
         character.rest_bounds = Bounds::around(parts.flat_map(|p| character.rest_positions(p)));
         Ok(character)
@@ -330,6 +333,20 @@ impl Character {
     #[must_use]
     pub fn levels(&self) -> &[Level] {
         &self.levels
+    }
+
+    /// The parts that members can show or not, by their number.
+    #[must_use]
+    pub fn options(&self) -> &[PartOption] {
+        &self.options
+    }
+
+    /// Returns the number of the option that a part belongs to; `None` for a part that is always
+    /// shown.
+    #[must_use]
+    pub fn option_of(&self, part: usize) -> Option<usize> {
+        let of_node = PartOption::of_node(&self.parts.get(part)?.node_name)?;
+        self.options.iter().position(|option| *option == of_node)
     }
 
     /// The box around all vertices at rest in model space; `None` without meshes.

@@ -27,6 +27,10 @@ pub(crate) type Float3 = [f32; 3];
 pub(crate) type Vector4 = [f32; 4];
 /// Four 16-bit indices as one vertex attribute.
 pub(crate) type Index4 = [u16; 4];
+/// Four bytes as one vertex attribute.
+pub(crate) type Bytes4 = [u8; 4];
+/// Four 32-bit numbers as one vertex attribute.
+pub(crate) type Index32x4 = [u32; 4];
 
 /// A uniform block, filled from Rust.
 pub(crate) trait UniformBlock: bytemuck::Pod {
@@ -43,6 +47,7 @@ pub(crate) trait UniformBlock: bytemuck::Pod {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Component {
     F32,
+    U8,
     U16,
     U32,
 }
@@ -117,6 +122,12 @@ macro_rules! attribute_type {
     (Index4) => {
         ("uvec4", Component::U16, 4)
     };
+    (Bytes4) => {
+        ("uvec4", Component::U8, 4)
+    };
+    (Index32x4) => {
+        ("uvec4", Component::U32, 4)
+    };
 }
 
 macro_rules! vertex_struct {
@@ -185,6 +196,9 @@ vertex_struct! {
         uv: Float2,
         /// Linear rgb and alpha, white for meshes without vertex colours.
         color: Vector4,
+        /// Number of the region; number of the option that hides the vertex plus 1, or 0; and two
+        /// bytes that are not used.
+        marks: Bytes4,
     }
 }
 
@@ -213,8 +227,10 @@ vertex_struct! {
         world_row0: Vector4,
         world_row1: Vector4,
         world_row2: Vector4,
-        /// Linear rgb factor.
-        tint: Float3,
+        /// First half of a [`MemberLook`](populace_device::MemberLook): tints of regions 0 to 3.
+        look0: Index32x4,
+        /// Second half: tints of regions 4 to 6, and the hidden options.
+        look1: Index32x4,
         /// First palette entry, relative to the bound page.
         palette_first: u32,
     }
@@ -243,14 +259,18 @@ mod tests {
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 8) in uint palette_first;"
+            "layout(location = 10) in uint palette_first;"
         );
     }
 
     #[test]
     fn attributes_cover_their_whole_struct() {
         let end = |a: &Attribute| {
-            let width = if a.component == Component::U16 { 2 } else { 4 };
+            let width = match a.component {
+                Component::U8 => 1,
+                Component::U16 => 2,
+                Component::F32 | Component::U32 => 4,
+            };
             a.offset_bytes + width * usize::from(a.component_count)
         };
         assert_eq!(Vertex::ATTRIBUTES.last().map(end), Some(size_of::<Vertex>()));

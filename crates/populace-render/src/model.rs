@@ -3,13 +3,15 @@
 use std::rc::Rc;
 
 use glam::Vec3;
-use populace_character::{AlphaMode, Character, Image, Influences, Material, Mesh, Part};
+use populace_character::{
+    AlphaMode, Character, Image, Influences, Material, Mesh, Part, RegionFinder,
+};
 use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{ModelInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
-use crate::layout::{Influences4, Influences8, Surface, Vertex};
+use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
 
 /// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -85,6 +87,7 @@ impl Model {
     ) -> Result<Self, Error> {
         let mut textures = Textures { gl, uploaded: Vec::new() };
         let mirrored = mirrored_entries(character);
+        let regions = RegionFinder::new(character);
         let shown: Vec<usize> =
             (0..character.parts.len()).filter(|part| !hide(&character.parts[*part])).collect();
         let own = shown.iter().map(|part| (*part, &character.parts[*part].mesh)).collect();
@@ -105,7 +108,11 @@ impl Model {
                     drawn.push(DrawnTogether::new(like));
                     drawn.len() - 1
                 });
-                drawn[index].append(mesh, &material);
+                let regions = regions.regions(part, mesh);
+                let option = character.option_of(part).map_or(0, |option| option + 1);
+                let marks =
+                    regions.iter().map(|r| [r.number(), u8::try_from(option).unwrap_or(0), 0, 0]);
+                drawn[index].append(mesh, &material, marks);
             }
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
@@ -177,16 +184,17 @@ impl DrawnTogether {
         Self { like, vertices: Vec::new(), influences, indices: Vec::new() }
     }
 
-    fn append(&mut self, mesh: &Mesh, material: &Material) {
+    fn append(&mut self, mesh: &Mesh, material: &Material, marks: impl Iterator<Item = Bytes4>) {
         // Saturation is out of reach: indices of 2^32 vertices are refused on upload.
         let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
-        self.vertices.extend((0..mesh.positions.len()).map(|vertex| {
+        self.vertices.extend((0..mesh.positions.len()).zip(marks).map(|(vertex, marks)| {
             let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
             Vertex {
                 position: mesh.positions[vertex],
                 normal: mesh.normals[vertex],
                 uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
                 color: [0, 1, 2, 3].map(|c: usize| material.base_color[c] * color[c]),
+                marks,
             }
         }));
         self.influences.entries.extend(&mesh.influences.entries);

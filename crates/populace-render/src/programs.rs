@@ -38,6 +38,7 @@ pub(crate) enum Kind {
 
 const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
+const LOOK: &str = include_str!("shaders/look.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
 
 /// Returns the GLSL texts of the vertex and the fragment shader.
@@ -84,7 +85,7 @@ fn skinned(influences: u32, bodies: &[&str]) -> String {
     let attributes =
         if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
     let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
-    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, &bodies.concat()].concat()
+    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, LOOK, &bodies.concat()].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.

@@ -1,6 +1,6 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  texture coordinates, product of vertex colour and tint, and what light needs: position
+// Writes  texture coordinates, product of vertex colour and the region's tint, and what light needs: position
 //         and normal in world space and the position in the shadow map, or with VERTEX_LIT the
 //         light itself and the haze
 
@@ -31,10 +31,11 @@ void main() {
     haze = haze_at(world_position);
 #endif
     texture_uv = uv;
-    surface_color = color * vec4(tint, 1.0);
+    surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
     // The ground, which is drawn without depth, hides what lies beyond it. Soles at y = 0 stay
     // visible: members may sink into the ground by the size of a pixel.
     float sunk_m = ground_color.w * gl_Position.w;
     gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world_position.y + sunk_m : 1.0;
+    if (is_hidden()) gl_Position = OUTSIDE;
 }

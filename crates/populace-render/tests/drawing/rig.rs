@@ -6,8 +6,8 @@ use std::sync::Arc;
 use populace_character::{Character, Image};
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, DrawSource, GlContext, Instance, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, TargetMark, Visibility,
+    BackendError, DrawSource, GlContext, Instance, MemberLook, PaletteSource, PaletteTarget,
+    PaletteTransport, ReleasedPalettes, TargetMark, Visibility,
 };
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Error, Highlights, Renderer, Scene, Sky, Sun};
@@ -130,7 +130,7 @@ fn flat_scene() -> Scene {
     }
 }
 
-/// Returns an instance without tint.
+/// Returns an instance in the character's own colours.
 pub(crate) fn instance(
     character: &Arc<Character>,
     world_from_model: Affine,
@@ -141,7 +141,7 @@ pub(crate) fn instance(
         world_from_model,
         moved: [0.0; 3],
         palette_first,
-        tint: [1.0; 3],
+        look: MemberLook::PLAIN,
         level: 0,
         visibility: Visibility::InView,
     }

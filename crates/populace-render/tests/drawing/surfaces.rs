@@ -5,6 +5,7 @@ use std::sync::Arc;
 use populace_character::{
     AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
 };
+use populace_device::MemberLook;
 use populace_model::Affine;
 use populace_render::{Ambient, Highlights};
 
@@ -68,7 +69,7 @@ fn material_vertex_and_tint_colors_multiply() {
     let quad = Arc::new(mesh_of(mesh, plain([0.5, 0.5, 1.0, 1.0])));
     rig.upload(&[Affine::IDENTITY]);
     let mut one = instance(&quad, Affine::IDENTITY, 0);
-    one.tint = [1.0, 1.0, 0.2];
+    one.look = MemberLook::PLAIN.all_tinted([1.0, 1.0, 0.2]);
     rig.draw(&[one]).expect(0.0, 0.0, [srgb(0.25), srgb(0.5), srgb(0.2)]);
 }
 
