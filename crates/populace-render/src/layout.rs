@@ -149,7 +149,7 @@ macro_rules! vertex_struct {
 }
 
 glsl_block! {
-    /// Per-frame constants of all shaders. Colours are linear; unused w components are 1.
+    /// Per-frame constants of all shaders. Colours are linear; unused w components are 0.
     Frame, binding 0 {
         clip_from_world: Mat4,
         /// Inverse of `clip_from_world`, used for view directions only.
@@ -159,16 +159,25 @@ glsl_block! {
         eye: Float4,
         /// xyz: unit vector to the sun. w: size of a shadow texel in metres, 0 without shadows.
         to_sun: Float4,
-        /// rgb: colour of the sun. w: knee of the tone mapping curve, 1 to clip at white.
+        /// rgb: colour of the sun.
         sun_color: Float4,
-        /// rgb: ambient light on surfaces that face up.
-        sky_light: Float4,
-        /// rgb: ambient light on surfaces that face down.
-        ground_light: Float4,
+        /// rgb: the sky's light on upright surfaces. w: fraction of contact shadows.
+        ambient_base: Float4,
+        /// rgb: factor of the height of the normal. w: fraction of reflections.
+        ambient_slope: Float4,
+        /// rgb: factor of the squared height of the normal.
+        ambient_bow: Float4,
+        /// rgb: factor of the component of the normal towards the sun.
+        ambient_glow: Float4,
         /// rgb: colour of the sky overhead.
         zenith_color: Float4,
-        /// rgb: colour of the sky at the horizon, and of the haze.
+        /// rgb: colour of the sky at the horizon, and of the haze. w: binary logarithm by which
+        /// haze weakens contrasts, per metre.
         horizon_color: Float4,
+        /// rgb: colour that the sky has more towards the sun. w: 1 if the sun is drawn, else 0.
+        glow_color: Float4,
+        /// Coefficients of the tone mapping curve.
+        tone: Float4,
         /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0
         /// without ground.
         ground_color: Float4,
@@ -182,9 +191,11 @@ glsl_block! {
     Surface, binding 1 {
         /// Fragments of masked parts with a lower alpha are discarded.
         alpha_cutoff: f32,
-        unused0: f32,
-        unused1: f32,
-        unused2: f32,
+        normal_scale: f32,
+        occlusion_strength: f32,
+        unused: f32,
+        /// rgb: colour of emitted light.
+        emissive: Float4,
     }
 }
 
@@ -196,8 +207,8 @@ vertex_struct! {
         uv: Float2,
         /// Linear rgb and alpha, white for meshes without vertex colours.
         color: Vector4,
-        /// Number of the region; number of the option that hides the vertex plus 1, or 0; and two
-        /// bytes that are not used.
+        /// Number of the region; number of the option that hides the vertex plus 1, or 0; metallic
+        /// and roughness in 1/255.
         marks: Bytes4,
     }
 }
@@ -255,7 +266,8 @@ mod tests {
         assert_eq!(
             Surface::GLSL,
             "layout(std140, binding = 1) uniform Surface {\n    float alpha_cutoff;\n    float \
-             unused0;\n    float unused1;\n    float unused2;\n};\n"
+             normal_scale;\n    float occlusion_strength;\n    float unused;\n    vec4 \
+             emissive;\n};\n"
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),

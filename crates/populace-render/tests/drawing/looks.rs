@@ -5,6 +5,7 @@ use std::sync::Arc;
 use populace_character::{Character, Level, Material, Region};
 use populace_device::MemberLook;
 use populace_model::Affine;
+use populace_render::Ambient;
 
 use crate::fixture::{at, box_mesh, part, plain, quad_mesh, source, transform};
 use crate::rig::{NOTHING, Rig, instance, srgb};
@@ -75,7 +76,7 @@ fn hidden_options_are_not_drawn_and_cast_no_shadow() {
         drawn.expect(0.6, 0.0, wanted[1]);
     }
     // The sun stands above the camera: the hats, 1 m before the wall, shade it 0.5 m lower.
-    (rig.scene.ambient.sky, rig.scene.ambient.ground) = ([0.0; 3], [0.0; 3]);
+    rig.scene.ambient = Ambient::uniform([0.0; 3]);
     rig.scene.sun.color = [0.5; 3];
     rig.scene.sun.to_sun = [0.0, 1.0, 2.0];
     rig.scene.sun.casts_shadows = true;

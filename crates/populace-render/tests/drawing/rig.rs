@@ -114,7 +114,7 @@ fn flat_camera() -> Camera {
     }
 }
 
-/// Returns a scene with uniform ambient light and a black background.
+/// Returns a scene with uniform ambient light, matt surfaces and a black background.
 fn flat_scene() -> Scene {
     Scene {
         sun: Sun {
@@ -123,10 +123,12 @@ fn flat_scene() -> Scene {
             casts_shadows: false,
             error_texels: 0.0,
         },
-        ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
+        ambient: Ambient::uniform([1.0; 3]),
         ground: None,
-        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        sky: Sky::uniform([0.0; 3]),
         highlights: Highlights::Clipped,
+        reflections: 0.0,
+        contact_shadows: 0.0,
     }
 }
 
