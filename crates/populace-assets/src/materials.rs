@@ -1,4 +1,4 @@
-//! Materials: base colours and textures (glTF 2.0, sections 3.8 and 3.9).
+//! Materials: factors and textures (glTF 2.0, sections 3.8 and 3.9).
 
 use populace_character::{AlphaMode, Image, Material, Texture, TextureFilter, Wrap};
 
@@ -119,36 +119,84 @@ fn read_material(
     textures: &Textures,
     store: &mut ImageStore,
 ) -> Checked<(Material, Option<TextureUse>)> {
-    let mut material = Material { name: at.name(), ..Material::default() };
+    // Materials of files are metal and rough unless they say otherwise (section 5.22).
+    let mut material =
+        Material { name: at.name(), metallic: 1.0, roughness: 1.0, ..Material::default() };
     material.double_sided = at.optional("doubleSided", Cursor::flag)?.unwrap_or(false);
     material.alpha = read_alpha(at)?;
-    let Some(metallic) = at.get("pbrMetallicRoughness") else {
-        return Ok((material, None));
-    };
-    metallic.object()?;
-    if let Some(factor) = metallic.optional("baseColorFactor", Cursor::numbers::<4>)? {
-        if factor.iter().any(|v| !(0.0..=1.0).contains(v)) {
-            metallic.note("has a baseColorFactor outside 0 to 1; it is clamped");
-        }
-        material.base_color = factor.map(|v| to_f32(v.clamp(0.0, 1.0)));
+    let mut maps = Maps { textures, store, used: None };
+    if let Some(metallic) = at.get("pbrMetallicRoughness") {
+        metallic.object()?;
+        material.base_color = factors(&metallic, "baseColorFactor")?.unwrap_or([1.0; 4]);
+        material.metallic = factor(&metallic, "metallicFactor", 1.0)?;
+        material.roughness = factor(&metallic, "roughnessFactor", 1.0)?;
+        material.base_color_texture = maps.read(metallic.get("baseColorTexture"))?;
+        material.metallic_roughness_texture =
+            maps.read(metallic.get("metallicRoughnessTexture"))?;
     }
-    let Some(info) = metallic.get("baseColorTexture") else {
-        return Ok((material, None));
-    };
-    let index = info.require("index").and_then(|i| i.index(textures.len(), "texture"));
-    let usage = read_use(&info);
-    let (index, usage) = (index?, usage?);
-    if let Some(mut texture) = textures[index]? {
-        match store.decoded(texture.image)? {
-            Some(image) => {
-                texture.image = image;
-                material.base_color_texture = Some(texture);
-            }
-            None => return Ok((material, None)),
-        }
+    let normal = at.get("normalTexture");
+    if let Some(info) = &normal {
+        material.normal_scale = to_f32(info.optional("scale", Cursor::number)?.unwrap_or(1.0));
     }
-    let usage = material.base_color_texture.map(|_| usage);
-    Ok((material, usage))
+    material.normal_texture = maps.read(normal)?;
+    let occlusion = at.get("occlusionTexture");
+    if let Some(info) = &occlusion {
+        material.occlusion_strength = factor(info, "strength", 1.0)?;
+    }
+    material.occlusion_texture = maps.read(occlusion)?;
+    let strength = at.extension("KHR_materials_emissive_strength");
+    let strength = strength.map_or(Ok(None), |e| e.optional("emissiveStrength", Cursor::number))?;
+    let strength = to_f32(strength.unwrap_or(1.0).max(0.0));
+    let emissive = factors(at, "emissiveFactor")?.unwrap_or([0.0; 3]);
+    material.emissive = emissive.map(|channel| channel * strength);
+    material.emissive_texture = maps.read(at.get("emissiveTexture"))?;
+    Ok((material, maps.used))
+}
+
+/// Reads linear factors from 0 to 1. Others are clamped.
+fn factors<const N: usize>(at: &Cursor, key: &str) -> Checked<Option<[f32; N]>> {
+    let Some(factors) = at.optional(key, Cursor::numbers::<N>)? else { return Ok(None) };
+    if factors.iter().any(|v| !(0.0..=1.0).contains(v)) {
+        at.note(format!("has a {key} outside 0 to 1; it is clamped"));
+    }
+    Ok(Some(factors.map(|v| to_f32(v.clamp(0.0, 1.0)))))
+}
+
+/// Reads a factor from 0 to 1. Others are clamped.
+fn factor(at: &Cursor, key: &str, default: f64) -> Checked<f32> {
+    let factor = at.optional(key, Cursor::number)?.unwrap_or(default);
+    if !(0.0..=1.0).contains(&factor) {
+        at.note(format!("has a {key} outside 0 to 1; it is clamped"));
+    }
+    Ok(to_f32(factor.clamp(0.0, 1.0)))
+}
+
+/// The textures of one material. The first that is read sets the texture coordinates of all.
+struct Maps<'a, 'b> {
+    textures: &'a Textures,
+    store: &'a mut ImageStore<'b>,
+    used: Option<TextureUse>,
+}
+
+impl Maps<'_, '_> {
+    /// Reads a texture. One that is not available, or that needs other texture coordinates than the
+    /// first, is noted and left out.
+    fn read(&mut self, info: Option<Cursor>) -> Checked<Option<Texture>> {
+        let Some(info) = info else { return Ok(None) };
+        let index = info.require("index").and_then(|i| i.index(self.textures.len(), "texture"));
+        let usage = read_use(&info);
+        let (index, usage) = (index?, usage?);
+        let Some(texture) = self.textures[index]? else { return Ok(None) };
+        if self.used.is_some_and(|used| used != usage) {
+            info.note(
+                "has other texture coordinates than the material's first texture; it is left out",
+            );
+            return Ok(None);
+        }
+        let image = self.store.decoded(texture.image)?;
+        self.used = self.used.or(image.map(|_| usage));
+        Ok(image.map(|image| Texture { image, ..texture }))
+    }
 }
 
 fn read_alpha(at: &Cursor) -> Checked<AlphaMode> {

@@ -7,6 +7,7 @@ use populace_clip::Clip;
 use populace_model::{Affine, JointIndex, Skeleton, f64math};
 
 use crate::Error;
+use crate::options::{PartOption, find_options};
 
 /// A distinct pair of a joint and a bind matrix that vertices use. Two skins may bind one joint
 /// differently, rigid parts use the identity, and joints without vertices have no entry.
@@ -123,7 +124,8 @@ pub enum AlphaMode {
     Blend,
 }
 
-/// A material.
+/// A material: metallic and rough as in glTF 2.0, section 3.9. All textures have the texture
+/// coordinates of the mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
     /// The material's name; may be empty.
@@ -132,18 +134,67 @@ pub struct Material {
     pub base_color: [f32; 4],
     /// Base colour texture, sRGB.
     pub base_color_texture: Option<Texture>,
+    /// From 0 for plastic, cloth and skin to 1 for metal; multiplies the texture.
+    pub metallic: f32,
+    /// From 0 for a mirror to 1 for chalk; multiplies the texture.
+    pub roughness: f32,
+    /// Texture whose green is roughness and whose blue is metallic, both linear.
+    pub metallic_roughness_texture: Option<Texture>,
+    /// Texture of normals in tangent space, linear: red along u, green against v, blue outwards.
+    pub normal_texture: Option<Texture>,
+    /// Factor of the normals' red and green.
+    pub normal_scale: f32,
+    /// Texture whose red is the fraction of the sky's light that arrives, linear.
+    pub occlusion_texture: Option<Texture>,
+    /// From 0 to ignore the texture of occlusion to 1.
+    pub occlusion_strength: f32,
+    /// Linear colour of the light that the surface emits; multiplies the texture.
+    pub emissive: [f32; 3],
+    /// Texture of emitted light, sRGB.
+    pub emissive_texture: Option<Texture>,
     /// Meaning of alpha.
     pub alpha: AlphaMode,
     /// True if back faces are drawn.
     pub double_sided: bool,
 }
 
+impl Material {
+    /// All textures of the material.
+    pub fn textures(&self) -> impl Iterator<Item = Texture> {
+        let all = [
+            self.base_color_texture,
+            self.metallic_roughness_texture,
+            self.normal_texture,
+            self.occlusion_texture,
+            self.emissive_texture,
+        ];
+        all.into_iter().flatten()
+    }
+
+    /// Returns whether all numbers are finite.
+    fn is_finite(&self) -> bool {
+        let numbers = [self.metallic, self.roughness, self.normal_scale, self.occlusion_strength];
+        numbers.iter().chain(&self.base_color).chain(&self.emissive).all(|n| n.is_finite())
+    }
+}
+
 impl Default for Material {
+    /// Returns white that is rough and no metal. A material of a glTF file is metal unless the file
+    /// says otherwise.
     fn default() -> Self {
         Self {
             name: String::new(),
             base_color: [1.0; 4],
             base_color_texture: None,
+            metallic: 0.0,
+            roughness: 0.9,
+            metallic_roughness_texture: None,
+            normal_texture: None,
+            normal_scale: 1.0,
+            occlusion_texture: None,
+            occlusion_strength: 1.0,
+            emissive: [0.0; 3],
+            emissive_texture: None,
             alpha: AlphaMode::Opaque,
             double_sided: false,
         }
@@ -235,6 +286,7 @@ pub struct Level {
 pub struct Character {
     source: CharacterSource,
     levels: Vec<Level>,
+    options: Vec<PartOption>,
     rest_bounds: Option<Bounds>,
 }
 
@@ -276,11 +328,12 @@ impl Character {
             }
         }
         for (index, material) in source.materials.iter().enumerate() {
-            if material.base_color_texture.is_some_and(|t| t.image >= source.images.len()) {
-                return fail(
-                    format!("material {index}"),
-                    "its texture refers to an image that does not exist".into(),
-                );
+            let place = || format!("material {index}");
+            if material.textures().any(|t| t.image >= source.images.len()) {
+                return fail(place(), "its texture refers to an image that does not exist".into());
+            }
+            if !material.is_finite() {
+                return fail(place(), "it holds a value that is not a finite number".into());
             }
         }
         for part in &source.parts {
@@ -288,7 +341,8 @@ impl Character {
                 return fail(place_of(part), what);
             }
         }
-        let mut character = Self { source, levels: Vec::new(), rest_bounds: None };
+        let options = find_options(&source.parts);
+        let mut character = Self { source, levels: Vec::new(), options, rest_bounds: None };
         let parts = 0..character.parts.len();
         character.rest_bounds = Bounds::around(parts.flat_map(|p| character.rest_positions(p)));
         Ok(character)
@@ -340,6 +394,20 @@ impl Character {
     #[must_use]
     pub fn levels(&self) -> &[Level] {
         &self.levels
+    }
+
+    /// The parts that members can show or not, by their number.
+    #[must_use]
+    pub fn options(&self) -> &[PartOption] {
+        &self.options
+    }
+
+    /// Returns the number of the option that a part belongs to; `None` for a part that is always
+    /// shown.
+    #[must_use]
+    pub fn option_of(&self, part: usize) -> Option<usize> {
+        let of_node = PartOption::of_node(&self.parts.get(part)?.node_name)?;
+        self.options.iter().position(|option| *option == of_node)
     }
 
     /// The box around all vertices at rest in model space; `None` without meshes.

@@ -2,10 +2,13 @@
 //!
 //! [`Character::new`] checks a [`CharacterSource`], as an importer builds it: all indices exist and
 //! all numbers are finite. [`vertex_reach_m`] and [`sole_points`] tell the skeleton how far its
-//! vertices reach and which may touch the ground.
+//! vertices reach and which may touch the ground. [`Region`] and [`PartOption`] are what members of a
+//! crowd can vary: colours of skin, hair and clothes, and parts that are shown or not.
 
 mod character;
 mod error;
+mod options;
+mod regions;
 mod rehang;
 mod sole_points;
 
@@ -14,4 +17,6 @@ pub use character::{
     PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use error::Error;
+pub use options::{MAX_OPTIONS, PartOption};
+pub use regions::{Region, RegionFinder};
 pub use sole_points::sole_points;

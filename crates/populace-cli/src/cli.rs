@@ -8,6 +8,7 @@ use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
+use populace_render::Preset;
 
 use crate::aim::{Point, ReachArg};
 use crate::failure::Failure;
@@ -218,6 +219,13 @@ pub(crate) struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub(crate) camera: View,
+    /// Light and surroundings: a clear afternoon, a low sun, clouds, or a grey backdrop
+    #[arg(
+        long,
+        value_name = "day|evening|overcast|studio",
+        default_value_t = Preset::Day
+    )]
+    pub(crate) sky: Preset,
     /// Scale every character to this height in metres [default: its own height; with several
     /// characters, implausible heights are scaled to plausible ones]
     #[arg(long, value_name = "METRES", value_parser = height)]

@@ -223,7 +223,7 @@ impl DrawJob<'_> {
     }
 
     fn scene(&self) -> Scene {
-        let mut scene = Scene::default();
+        let mut scene = self.args.sky.scene();
         if self.args.full_detail {
             scene.sun.error_texels = 0.0;
         }

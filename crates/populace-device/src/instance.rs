@@ -7,6 +7,7 @@ use populace_character::Character;
 use populace_model::Affine;
 
 use crate::interop::PaletteSource;
+use crate::look::MemberLook;
 use crate::view::Visibility;
 
 /// One instance of a character.
@@ -22,8 +23,8 @@ pub struct Instance<'a> {
     /// The first palette entry: page times [`PAGE_ENTRIES`](crate::layout::PAGE_ENTRIES) plus the
     /// index within the page, as in [`Member`](crate::layout::Member).
     pub palette_first: u32,
-    /// Linear colour by which all materials are multiplied; `[1.0; 3]` changes nothing.
-    pub tint: [f32; 3],
+    /// Its tints, and the options of the character that it does not show.
+    pub look: MemberLook,
     /// Level of detail: 0 for the character's own meshes, else one more than the index of its
     /// [`levels`](Character::levels). The coarsest level stands for all above it.
     pub level: u32,
@@ -38,7 +39,7 @@ impl fmt::Debug for Instance<'_> {
             .field("world_from_model", &self.world_from_model)
             .field("moved", &self.moved)
             .field("palette_first", &self.palette_first)
-            .field("tint", &self.tint)
+            .field("look", &self.look)
             .field("level", &self.level)
             .field("visibility", &self.visibility)
             .finish()

@@ -14,6 +14,7 @@ mod fault;
 mod instance;
 mod interop;
 pub mod layout;
+mod look;
 mod place;
 mod playback;
 mod stage;
@@ -33,6 +34,7 @@ pub use interop::{
     EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
     ReleasedPalettes, SharedPage, TargetMark,
 };
+pub use look::MemberLook;
 pub use place::Place;
 pub use playback::{
     LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS, SampledState, far_row, row_before,

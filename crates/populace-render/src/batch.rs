@@ -6,7 +6,7 @@ use populace_device::{Instance, Visibility};
 use populace_model::Affine;
 
 use crate::Error;
-use crate::layout::InstanceData;
+use crate::layout::{Index32x4, InstanceData};
 
 /// Counts of a drawn picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -76,7 +76,7 @@ struct DrawKey {
 
 impl Batches {
     /// Checks the instances and sorts them by their distance from `eye`. Hidden instances, and
-    /// those with a non-finite transform or tint, are skipped. `models` has the index in `infos` of
+    /// those with a non-finite transform, are skipped. `models` has the index in `infos` of
     /// each instance's model. `page_len` returns the number of palette entries of a page.
     /// `shadow_level` returns the level of an instance in the shadow map; `None` if its shadow is
     /// not in it.
@@ -99,9 +99,7 @@ impl Batches {
             if first + count > available {
                 return Err(Error::NoPalette { instance: index, page, first, count, available });
             }
-            let finite = instance.world_from_model.is_finite()
-                && instance.tint.iter().all(|t| t.is_finite());
-            if finite {
+            if instance.world_from_model.is_finite() {
                 let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
                 keys.push(DrawKey {
                     page,
@@ -146,12 +144,14 @@ impl Batches {
                 }
             }
             let instance = &instances[index];
+            let [look0, look1]: [Index32x4; 2] = bytemuck::cast(instance.look);
             let [world_row0, world_row1, world_row2] = instance.world_from_model.rows;
             self.instances.push(InstanceData {
                 world_row0,
                 world_row1,
                 world_row2,
-                tint: instance.tint,
+                look0,
+                look1,
                 palette_first: instance.palette_first % PAGE_ENTRIES,
             });
         }
@@ -180,6 +180,7 @@ mod tests {
     use std::sync::Arc;
 
     use populace_character::{Character, CharacterSource};
+    use populace_device::MemberLook;
     use populace_model::{JointSource, Skeleton, Trs};
 
     use super::*;
@@ -218,14 +219,14 @@ mod tests {
         let instance = |&(_, palette_first, z): &Placed| {
             let mut world_from_model = Affine::IDENTITY;
             world_from_model.rows[2][3] = z;
-            let (moved, tint) = ([0.0; 3], [1.0; 3]);
+            let (moved, look) = ([0.0; 3], MemberLook::PLAIN);
             let (level, visibility) = (0, Visibility::InView);
             Instance {
                 character: &character,
                 world_from_model,
                 moved,
                 palette_first,
-                tint,
+                look,
                 level,
                 visibility,
             }

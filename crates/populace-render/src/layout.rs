@@ -27,6 +27,10 @@ pub(crate) type Float3 = [f32; 3];
 pub(crate) type Vector4 = [f32; 4];
 /// Four 16-bit indices as one vertex attribute.
 pub(crate) type Index4 = [u16; 4];
+/// Four bytes as one vertex attribute.
+pub(crate) type Bytes4 = [u8; 4];
+/// Four 32-bit numbers as one vertex attribute.
+pub(crate) type Index32x4 = [u32; 4];
 
 /// A uniform block, filled from Rust.
 pub(crate) trait UniformBlock: bytemuck::Pod {
@@ -43,6 +47,7 @@ pub(crate) trait UniformBlock: bytemuck::Pod {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Component {
     F32,
+    U8,
     U16,
     U32,
 }
@@ -117,6 +122,12 @@ macro_rules! attribute_type {
     (Index4) => {
         ("uvec4", Component::U16, 4)
     };
+    (Bytes4) => {
+        ("uvec4", Component::U8, 4)
+    };
+    (Index32x4) => {
+        ("uvec4", Component::U32, 4)
+    };
 }
 
 macro_rules! vertex_struct {
@@ -138,7 +149,7 @@ macro_rules! vertex_struct {
 }
 
 glsl_block! {
-    /// Per-frame constants of all shaders. Colours are linear; unused w components are 1.
+    /// Per-frame constants of all shaders. Colours are linear; unused w components are 0.
     Frame, binding 0 {
         clip_from_world: Mat4,
         /// Inverse of `clip_from_world`, used for view directions only.
@@ -148,16 +159,25 @@ glsl_block! {
         eye: Float4,
         /// xyz: unit vector to the sun. w: size of a shadow texel in metres, 0 without shadows.
         to_sun: Float4,
-        /// rgb: colour of the sun. w: knee of the tone mapping curve, 1 to clip at white.
+        /// rgb: colour of the sun.
         sun_color: Float4,
-        /// rgb: ambient light on surfaces that face up.
-        sky_light: Float4,
-        /// rgb: ambient light on surfaces that face down.
-        ground_light: Float4,
+        /// rgb: the sky's light on upright surfaces. w: fraction of contact shadows.
+        ambient_base: Float4,
+        /// rgb: factor of the height of the normal. w: fraction of reflections.
+        ambient_slope: Float4,
+        /// rgb: factor of the squared height of the normal.
+        ambient_bow: Float4,
+        /// rgb: factor of the component of the normal towards the sun.
+        ambient_glow: Float4,
         /// rgb: colour of the sky overhead.
         zenith_color: Float4,
-        /// rgb: colour of the sky at the horizon, and of the haze.
+        /// rgb: colour of the sky at the horizon, and of the haze. w: binary logarithm by which
+        /// haze weakens contrasts, per metre.
         horizon_color: Float4,
+        /// rgb: colour that the sky has more towards the sun. w: 1 if the sun is drawn, else 0.
+        glow_color: Float4,
+        /// Coefficients of the tone mapping curve.
+        tone: Float4,
         /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0
         /// without ground.
         ground_color: Float4,
@@ -171,9 +191,11 @@ glsl_block! {
     Surface, binding 1 {
         /// Fragments of masked parts with a lower alpha are discarded.
         alpha_cutoff: f32,
-        unused0: f32,
-        unused1: f32,
-        unused2: f32,
+        normal_scale: f32,
+        occlusion_strength: f32,
+        unused: f32,
+        /// rgb: colour of emitted light.
+        emissive: Float4,
     }
 }
 
@@ -185,6 +207,9 @@ vertex_struct! {
         uv: Float2,
         /// Linear rgb and alpha, white for meshes without vertex colours.
         color: Vector4,
+        /// Number of the region; number of the option that hides the vertex plus 1, or 0; metallic
+        /// and roughness in 1/255.
+        marks: Bytes4,
     }
 }
 
@@ -213,8 +238,10 @@ vertex_struct! {
         world_row0: Vector4,
         world_row1: Vector4,
         world_row2: Vector4,
-        /// Linear rgb factor.
-        tint: Float3,
+        /// First half of a [`MemberLook`](populace_device::MemberLook): tints of regions 0 to 3.
+        look0: Index32x4,
+        /// Second half: tints of regions 4 to 6, and the hidden options.
+        look1: Index32x4,
         /// First palette entry, relative to the bound page.
         palette_first: u32,
     }
@@ -239,18 +266,23 @@ mod tests {
         assert_eq!(
             Surface::GLSL,
             "layout(std140, binding = 1) uniform Surface {\n    float alpha_cutoff;\n    float \
-             unused0;\n    float unused1;\n    float unused2;\n};\n"
+             normal_scale;\n    float occlusion_strength;\n    float unused;\n    vec4 \
+             emissive;\n};\n"
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 8) in uint palette_first;"
+            "layout(location = 10) in uint palette_first;"
         );
     }
 
     #[test]
     fn attributes_cover_their_whole_struct() {
         let end = |a: &Attribute| {
-            let width = if a.component == Component::U16 { 2 } else { 4 };
+            let width = match a.component {
+                Component::U8 => 1,
+                Component::U16 => 2,
+                Component::F32 | Component::U32 => 4,
+            };
             a.offset_bytes + width * usize::from(a.component_count)
         };
         assert_eq!(Vertex::ATTRIBUTES.last().map(end), Some(size_of::<Vertex>()));

@@ -44,4 +44,4 @@ pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
 pub use renderer::passes::PassTimes;
-pub use scene::{Ambient, Ground, Highlights, Scene, Sky, Sun};
+pub use scene::{Ambient, Ground, Highlights, Preset, Scene, Sky, Sun};

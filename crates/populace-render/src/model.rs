@@ -1,15 +1,22 @@
 //! A character on the graphics device: its meshes, materials and textures.
 
+mod maps;
+
 use std::rc::Rc;
 
 use glam::Vec3;
-use populace_character::{AlphaMode, Character, Image, Influences, Material, Mesh, Part};
+use populace_character::{
+    AlphaMode, Character, Image, Influences, Material, Mesh, Part, RegionFinder,
+};
+use populace_device::layout::Float4;
 use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{ModelInfo, determinant};
-use crate::gl::{Buffer, BufferUse, Cull, Gl, Sampling, Texture};
-use crate::layout::{Influences4, Influences8, Surface, Vertex};
+use crate::gl::{Buffer, BufferUse, Coding, Cull, Gl, Sampling, Texture};
+use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
+
+pub(crate) use maps::{MapTextures, Maps};
 
 /// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -25,8 +32,8 @@ pub(crate) enum Skin {
     Eight(Buffer<Influences8>),
 }
 
-/// Parts of a character at one level of detail that are drawn together: triangles with one texture
-/// and one way to draw them. Colours of materials are in the vertices.
+/// Parts of a character at one level of detail that are drawn together: triangles with the same
+/// textures and one way to draw them. Factors of materials are in the vertices.
 pub(crate) struct ModelPart {
     pub(crate) vertices: Buffer<Vertex>,
     pub(crate) skin: Skin,
@@ -35,6 +42,9 @@ pub(crate) struct ModelPart {
     pub(crate) indices: Buffer<u32>,
     pub(crate) surface: Buffer<Surface>,
     pub(crate) texture: Option<Rc<Texture>>,
+    pub(crate) maps: MapTextures,
+    /// True if the surface emits light.
+    emits: bool,
     pub(crate) alpha: Alpha,
     pub(crate) double_sided: bool,
     /// True if the rest pose mirrors the mesh, as a node with a negative scale does.
@@ -85,6 +95,7 @@ impl Model {
     ) -> Result<Self, Error> {
         let mut textures = Textures { gl, uploaded: Vec::new() };
         let mirrored = mirrored_entries(character);
+        let regions = RegionFinder::new(character);
         let shown: Vec<usize> =
             (0..character.parts.len()).filter(|part| !hide(&character.parts[*part])).collect();
         let own = shown.iter().map(|part| (*part, &character.parts[*part].mesh)).collect();
@@ -105,14 +116,28 @@ impl Model {
                     drawn.push(DrawnTogether::new(like));
                     drawn.len() - 1
                 });
-                drawn[index].append(mesh, &material);
+                let regions = regions.regions(part, mesh);
+                let option = character.option_of(part).map_or(0, |option| option + 1);
+                let option = u8::try_from(option).unwrap_or(0);
+                let [metallic, roughness] = [material.metallic, material.roughness].map(byte);
+                let marks = regions.iter().map(|r| [r.number(), option, metallic, roughness]);
+                drawn[index].append(mesh, &material, marks);
             }
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
-                let texture = together.like.texture;
-                let texture =
-                    texture.map(|wanted| textures.get(wanted, &character.images)).transpose()?;
-                parts.push(together.upload(gl, texture)?);
+                let mut get = |wanted: Option<populace_character::Texture>, coding| {
+                    wanted.map(|w| textures.get((w, coding), &character.images)).transpose()
+                };
+                let like = &together.like;
+                let texture = get(like.texture, Coding::Srgb)?;
+                let [substance, normal, occlusion, emissive] = like.maps;
+                let maps = [
+                    get(substance, Coding::Linear)?,
+                    get(normal, Coding::Linear)?,
+                    get(occlusion, Coding::Linear)?,
+                    get(emissive, Coding::Srgb)?,
+                ];
+                parts.push(together.upload(gl, texture, maps)?);
             }
             let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
             levels.push(ModelLevel { parts, error_m, is_coarse });
@@ -141,6 +166,11 @@ impl Model {
 #[derive(Clone, Copy, PartialEq)]
 struct Likeness {
     texture: Option<populace_character::Texture>,
+    /// Substance, normal, occlusion and emitted light.
+    maps: [Option<populace_character::Texture>; 4],
+    normal_scale: f32,
+    occlusion_strength: f32,
+    emissive: [f32; 3],
     alpha: AlphaMode,
     double_sided: bool,
     mirrored: bool,
@@ -153,6 +183,15 @@ impl Likeness {
     fn of(part: usize, mesh: &Mesh, material: &Material, mirrored: bool) -> Self {
         Self {
             texture: material.base_color_texture,
+            maps: [
+                material.metallic_roughness_texture,
+                material.normal_texture,
+                material.occlusion_texture,
+                material.emissive_texture,
+            ],
+            normal_scale: material.normal_scale,
+            occlusion_strength: material.occlusion_strength,
+            emissive: material.emissive,
             alpha: material.alpha,
             double_sided: material.double_sided,
             mirrored,
@@ -177,16 +216,17 @@ impl DrawnTogether {
         Self { like, vertices: Vec::new(), influences, indices: Vec::new() }
     }
 
-    fn append(&mut self, mesh: &Mesh, material: &Material) {
+    fn append(&mut self, mesh: &Mesh, material: &Material, marks: impl Iterator<Item = Bytes4>) {
         // Saturation is out of reach: indices of 2^32 vertices are refused on upload.
         let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
-        self.vertices.extend((0..mesh.positions.len()).map(|vertex| {
+        self.vertices.extend((0..mesh.positions.len()).zip(marks).map(|(vertex, marks)| {
             let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
             Vertex {
                 position: mesh.positions[vertex],
                 normal: mesh.normals[vertex],
                 uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
                 color: [0, 1, 2, 3].map(|c: usize| material.base_color[c] * color[c]),
+                marks,
             }
         }));
         self.influences.entries.extend(&mesh.influences.entries);
@@ -194,7 +234,12 @@ impl DrawnTogether {
         self.indices.extend(mesh.indices.iter().map(|index| first.saturating_add(*index)));
     }
 
-    fn upload(&self, gl: &Rc<Gl>, texture: Option<Rc<Texture>>) -> Result<ModelPart, Error> {
+    fn upload(
+        &self,
+        gl: &Rc<Gl>,
+        texture: Option<Rc<Texture>>,
+        maps: MapTextures,
+    ) -> Result<ModelPart, Error> {
         let (size, limit) = (self.indices.len() as u64, u64::from(i32::MAX.unsigned_abs()));
         if size > limit {
             return Err(Error::TooLarge { what: "the number of indices of a mesh", size, limit });
@@ -204,7 +249,14 @@ impl DrawnTogether {
             AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
             AlphaMode::Blend => (Alpha::Blended, 0.0),
         };
-        let surface = Surface { alpha_cutoff, ..Surface::default() };
+        let [red, green, blue] = self.like.emissive;
+        let surface = Surface {
+            alpha_cutoff,
+            normal_scale: self.like.normal_scale,
+            occlusion_strength: self.like.occlusion_strength,
+            unused: 0.0,
+            emissive: Float4([red, green, blue, 0.0]),
+        };
         let (vertices, indices) = (&self.vertices, &self.indices);
         Ok(ModelPart {
             vertices: Buffer::with(gl, BufferUse::Static, vertices, "upload a mesh's vertices")?,
@@ -213,11 +265,24 @@ impl DrawnTogether {
             indices: Buffer::with(gl, BufferUse::Static, indices, "upload a mesh's triangles")?,
             surface: Buffer::with(gl, BufferUse::Static, &[surface], "upload a material")?,
             texture,
+            maps,
+            emits: self.like.emissive != [0.0; 3],
             alpha,
             double_sided: self.like.double_sided,
             mirrored: self.like.mirrored,
         })
     }
+}
+
+/// Returns a factor from 0 to 1 in 1/255.
+fn byte(factor: f32) -> u8 {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a byte; a character's numbers are finite"
+    )]
+    let byte = (factor * 255.0).round().clamp(0.0, 255.0) as u8;
+    byte
 }
 
 /// Returns the most influences of a vertex that have a weight, rounded up to 1, 2, 4 or 8.
@@ -269,20 +334,22 @@ fn normalized_weights(influences: &Influences) -> Vec<f32> {
 /// Cache of one character's textures: each is uploaded once.
 struct Textures<'a> {
     gl: &'a Rc<Gl>,
-    uploaded: Vec<(populace_character::Texture, Rc<Texture>)>,
+    uploaded: Vec<((populace_character::Texture, Coding), Rc<Texture>)>,
 }
 
 impl Textures<'_> {
     fn get(
         &mut self,
-        wanted: populace_character::Texture,
+        wanted: (populace_character::Texture, Coding),
         images: &[Image],
     ) -> Result<Rc<Texture>, Error> {
         if let Some((_, texture)) = self.uploaded.iter().find(|(known, _)| *known == wanted) {
             return Ok(Rc::clone(texture));
         }
-        let sampling = Sampling { wrap: [wanted.wrap_u, wanted.wrap_v], filter: wanted.filter };
-        let texture = Rc::new(Texture::new(self.gl, &images[wanted.image], sampling)?);
+        let (texture, coding) = wanted;
+        let wrap = [texture.wrap_u, texture.wrap_v];
+        let sampling = Sampling { wrap, filter: texture.filter, coding };
+        let texture = Rc::new(Texture::new(self.gl, &images[texture.image], sampling)?);
         self.uploaded.push((wanted, Rc::clone(&texture)));
         Ok(texture)
     }

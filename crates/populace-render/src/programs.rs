@@ -9,7 +9,7 @@ use crate::layout::{
     Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
     VertexStruct as _, glsl_inputs,
 };
-use crate::model::Alpha;
+use crate::model::{Alpha, Maps};
 
 /// A variant of the shaders that draw members into the picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -19,6 +19,7 @@ pub(crate) struct MemberKind {
     pub(crate) textured: bool,
     /// Light is computed once per vertex, for triangles of a few pixels.
     pub(crate) vertex_lit: bool,
+    pub(crate) maps: Maps,
 }
 
 /// A shader variant.
@@ -38,17 +39,21 @@ pub(crate) enum Kind {
 
 const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
+const LOOK: &str = include_str!("shaders/look.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
+const SHADING: &str = include_str!("shaders/shading.glsl");
 
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit }) => {
+        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit, maps }) => {
+            let (light, shading) =
+                if vertex_lit { ("#define VERTEX_LIT\n", "") } else { ("", SHADING) };
             let texture = texture_define(textured);
-            let light = if vertex_lit { "#define VERTEX_LIT\n" } else { "" };
+            let member = include_str!("shaders/member.frag");
             [
                 skinned(influences, &[light, LIGHT, include_str!("shaders/member.vert")]),
-                with_blocks(alpha, &[texture, light, LIGHT, include_str!("shaders/member.frag")]),
+                with_blocks(alpha, &[texture, &maps.defines(), light, LIGHT, shading, member]),
             ]
         }
         Kind::Shadow { influences, alpha, textured } => [
@@ -84,7 +89,7 @@ fn skinned(influences: u32, bodies: &[&str]) -> String {
     let attributes =
         if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
     let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
-    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, &bodies.concat()].concat()
+    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, LOOK, &bodies.concat()].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.
@@ -131,9 +136,9 @@ mod tests {
     fn driver_block_layout_matches_rust_structs() {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
-        let (influences, alpha) = (4, Alpha::Masked);
+        let (influences, alpha, maps) = (4, Alpha::Masked, Maps::default());
         let kind =
-            Kind::Member(MemberKind { influences, alpha, textured: true, vertex_lit: false });
+            Kind::Member(MemberKind { influences, alpha, textured: true, vertex_lit: false, maps });
         let program = programs.get(kind).unwrap();
         for fields in [Frame::FIELDS, Surface::FIELDS] {
             let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();

@@ -192,7 +192,7 @@ impl Renderer {
     /// Draws `instances` from the palettes that were last acquired, for callers who choose, place
     /// or tint instances themselves. Does not wait for the result.
     ///
-    /// Instances with a non-finite transform or tint are skipped.
+    /// Instances with a non-finite transform are skipped.
     ///
     /// # Errors
     ///

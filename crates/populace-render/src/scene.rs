@@ -1,13 +1,17 @@
 //! Lights and surroundings of a picture.
 
+mod presets;
+
 use crate::Error;
+
+pub use presets::Preset;
 
 /// Directional light of the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sun {
     /// Direction to the sun in world space, of any length but zero.
     pub to_sun: [f32; 3],
-    /// Linear colour of a white surface that faces the sun, without other light.
+    /// Linear colour of a white matt surface that faces the sun, without other light.
     pub color: [f32; 3],
     /// True if members cast shadows.
     pub casts_shadows: bool,
@@ -17,13 +21,27 @@ pub struct Sun {
     pub error_texels: f32,
 }
 
-/// Ambient light, interpolated by the height component of the surface normal.
+/// Light of the sky and of what it shines on, by the direction of the surface's normal. It is also
+/// what smooth surfaces reflect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
     /// Linear colour on surfaces that face up.
     pub sky: [f32; 3],
+    /// Linear colour on upright surfaces.
+    pub side: [f32; 3],
     /// Linear colour on surfaces that face down.
     pub ground: [f32; 3],
+    /// Linear colour that surfaces have more if they face the sun, and less if they face away: the
+    /// sky is brighter near the sun.
+    pub glow: [f32; 3],
+}
+
+impl Ambient {
+    /// Returns equal light from everywhere.
+    #[must_use]
+    pub const fn uniform(color: [f32; 3]) -> Self {
+        Self { sky: color, side: color, ground: color, glow: [0.0; 3] }
+    }
 }
 
 /// The plane y = 0, paved: a line every metre, a wider one every five metres.
@@ -35,31 +53,59 @@ pub struct Ground {
     pub line_color: [f32; 3],
 }
 
-/// Background of the picture.
+/// Background of the picture, and the air before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sky {
     /// Linear colour overhead.
     pub zenith: [f32; 3],
     /// Linear colour at the horizon, and of the haze in the distance.
     pub horizon: [f32; 3],
+    /// Linear colour that sky and haze have more in the direction of the sun.
+    pub glow: [f32; 3],
+    /// True if the sun's disc is drawn.
+    pub shows_sun: bool,
+    /// Distance in metres at which haze leaves 5 % of a contrast; infinite for clear air. Whatever
+    /// it is, haze hides the far plane.
+    pub visibility_m: f32,
 }
 
-/// Treatment of colours brighter than white.
+impl Sky {
+    /// Returns a background of one colour in clear air.
+    #[must_use]
+    pub const fn uniform(color: [f32; 3]) -> Self {
+        Self {
+            zenith: color,
+            horizon: color,
+            glow: [0.0; 3],
+            shows_sun: false,
+            visibility_m: f32::INFINITY,
+        }
+    }
+}
+
+/// Mapping of linear light to the range of the picture, before it is encoded as sRGB.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Highlights {
-    /// Tone mapping that is linear up to 75 % of white and approaches white above.
+    /// As film does: shadows gain contrast, and highlights approach white and lose saturation. The
+    /// curve is the fit of Narkowicz ("ACES Filmic Tone Mapping Curve", 2016) to the reference
+    /// curve of ACES, for light times 0.75.
     #[default]
-    Shoulder,
+    Filmic,
     /// Linear up to white, then clipped. For pictures whose colours are measured.
     Clipped,
 }
 
 impl Highlights {
-    /// Returns the value from which the tone mapping curve is no longer linear.
-    pub(crate) const fn knee(self) -> f32 {
+    /// Returns a, b, c and d of the curve `x (a x + b) / (x (c x + d) + 1)`.
+    pub(crate) fn curve(self) -> [f32; 4] {
+        const EXPOSURE: f32 = 0.75;
         match self {
-            Self::Shoulder => 0.75,
-            Self::Clipped => 1.0,
+            Self::Filmic => {
+                let linear = EXPOSURE / 0.14;
+                let square = EXPOSURE * linear;
+                [2.51 * square, 0.03 * linear, 2.43 * square, 0.59 * linear]
+            }
+            Self::Clipped => [0.0, 1.0, 0.0, 0.0],
         }
     }
 }
@@ -69,7 +115,7 @@ impl Highlights {
 pub struct Scene {
     /// Directional light.
     pub sun: Sun,
-    /// Ambient light.
+    /// Light of the sky.
     pub ambient: Ambient,
     /// The ground plane, or `None` to draw only the sky.
     pub ground: Option<Ground>,
@@ -77,47 +123,35 @@ pub struct Scene {
     pub sky: Sky,
     /// Tone mapping.
     pub highlights: Highlights,
+    /// Fraction of the light that surfaces reflect as mirrors do, by their material: 1 in nature, 0
+    /// for matt surfaces, whose colours are the product of light and base colour.
+    pub reflections: f32,
+    /// Fraction of the sky's light that members keep from the ground beneath them, and the ground
+    /// from members near it: 1 in nature, 0 to draw none of it.
+    pub contact_shadows: f32,
 }
 
 impl Default for Scene {
-    /// Returns a clear afternoon on paved ground.
+    /// Returns [`Preset::Day`]: a clear afternoon on paved ground.
     fn default() -> Self {
-        Self {
-            sun: Sun {
-                to_sun: [0.55, 1.0, 0.6],
-                color: [0.86, 0.81, 0.72],
-                casts_shadows: true,
-                error_texels: 0.75,
-            },
-            ambient: Ambient { sky: [0.4, 0.45, 0.54], ground: [0.2, 0.19, 0.18] },
-            ground: Some(Ground { color: [0.4, 0.37, 0.32], line_color: [0.27, 0.25, 0.22] }),
-            sky: Sky { zenith: [0.17, 0.36, 0.7], horizon: [0.66, 0.76, 0.86] },
-            highlights: Highlights::Shoulder,
-        }
+        Preset::Day.scene()
     }
 }
 
 impl Scene {
-    /// Returns the linear colour of the horizon after tone mapping, the same curve as
-    /// `tone_mapped` in `light.glsl`.
-    pub(crate) fn shown_horizon(&self) -> [f32; 3] {
-        let knee = self.highlights.knee();
-        let headroom = 1.0 - knee;
-        self.sky.horizon.map(|color| {
-            let over = (color - knee).max(0.0) / headroom.max(1e-3);
-            color.min(knee) + headroom * (1.0 - (-over).exp())
-        })
-    }
-
-    /// Rejects non-finite colours, and a direction to the sun that cannot be normalised.
+    /// Rejects non-finite colours, fractions that are none, and a direction to the sun that cannot
+    /// be normalised.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let ground = self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3] });
         let finite = [
             ("sun colour", self.sun.color),
             ("sky light", self.ambient.sky),
+            ("side light", self.ambient.side),
             ("ground light", self.ambient.ground),
+            ("glow of the light", self.ambient.glow),
             ("zenith colour", self.sky.zenith),
             ("horizon colour", self.sky.horizon),
+            ("glow of the sky", self.sky.glow),
             ("ground colour", ground.color),
             ("line colour", ground.line_color),
         ];
@@ -126,8 +160,14 @@ impl Scene {
         {
             return Err(Error::BadScene { what });
         }
-        if !(0.0..=1e6).contains(&self.sun.error_texels) {
-            return Err(Error::BadScene { what: "error of the shadow map" });
+        let numbers = [
+            ("error of the shadow map", (0.0..=1e6).contains(&self.sun.error_texels)),
+            ("fraction of reflections", (0.0..=1.0).contains(&self.reflections)),
+            ("fraction of contact shadows", (0.0..=1.0).contains(&self.contact_shadows)),
+            ("visibility", self.sky.visibility_m > 0.0),
+        ];
+        if let Some((what, _)) = numbers.iter().find(|(_, is_good)| !is_good) {
+            return Err(Error::BadScene { what });
         }
         match glam::Vec3::from(self.sun.to_sun).try_normalize() {
             Some(_) => Ok(()),

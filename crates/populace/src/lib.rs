@@ -37,7 +37,7 @@ pub use populace_clip::{LiveSettings, MotionOrigin, MotionSettings, MotionSource
 pub use populace_device::{
     After, BackendError, ConstraintFault, ConstraintPart, Error as TablesError, Feet, Foot,
     GazeLimits, Ground, Instance, JointOverride, LayerMode, LayerSettings, MAX_LAYERS, MAX_SLOTS,
-    Schedule, Space, Stage, StageFault, StageJoint, UserStage,
+    MemberLook, Schedule, Space, Stage, StageFault, StageJoint, UserStage,
 };
 pub use populace_model::{Affine, ErrorKind, JointIndex, Mask, Trs, nearest_names};
 pub use populace_retarget::{BindingMethod, BindingReport};
@@ -81,9 +81,9 @@ pub mod clip {
 /// Characters: skeletons with meshes, materials and clips.
 pub mod character {
     pub use populace_character::{
-        AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Level, Material,
-        Mesh, PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, sole_points,
-        vertex_reach_m,
+        AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Level,
+        MAX_OPTIONS, Material, Mesh, PaletteEntry, Part, PartOption, Region, RegionFinder,
+        SkinInstance, Texture, TextureFilter, Wrap, sole_points, vertex_reach_m,
     };
 }
 

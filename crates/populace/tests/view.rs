@@ -4,11 +4,11 @@
 
 use std::sync::Arc;
 
-use populace::character::{Character, Level};
+use populace::character::{Character, Level, Region};
 use populace::interop::{View, Visibility};
 use populace::{
-    ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, Placement, Schedule, Space,
-    Target, Trs, Weight,
+    ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, MemberLook, Placement,
+    Schedule, Space, Target, Trs, Weight,
 };
 
 /// Joints that are left at the second level.
@@ -220,6 +220,25 @@ fn a_run_from_a_snapshot_repeats_to_the_bit() {
         scene.crowd.restore(&snapshot).unwrap();
         assert!(run(&mut scene, 25..70) == first);
     }
+}
+
+#[test]
+fn looks_are_kept_by_snapshots_and_end_with_the_member() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD]);
+    let (crowd, member) = (&mut scene.crowd, scene.members[0]);
+    let look = MemberLook::PLAIN.tinted(Region::Hair, [0.5; 3]).without_option(3);
+    crowd.member_mut(member).unwrap().set_look(look);
+    crowd.update(0.1).unwrap();
+    let snapshot = crowd.snapshot().unwrap();
+    crowd.member_mut(member).unwrap().set_look(MemberLook::PLAIN);
+    assert_eq!(crowd.instances().next().unwrap().look, MemberLook::PLAIN);
+    crowd.restore(&snapshot).unwrap();
+    assert_eq!(crowd.member(member).unwrap().look(), look);
+    assert_eq!(crowd.instances().next().unwrap().look, look);
+    let character = crowd.member(member).unwrap().character();
+    crowd.despawn(member).unwrap();
+    let next = crowd.spawn(character, Placement::at([0.0; 3])).unwrap();
+    assert_eq!(crowd.member(next).unwrap().look(), MemberLook::PLAIN);
 }
 
 #[test]

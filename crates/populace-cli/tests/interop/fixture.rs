@@ -158,7 +158,7 @@ impl Kept {
             world_from_model,
             moved: [0.0; 3],
             palette_first,
-            tint: [1.0; 3],
+            look: populace::MemberLook::PLAIN,
             level: 0,
             visibility: Visibility::InView,
         };

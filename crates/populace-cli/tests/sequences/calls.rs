@@ -1,5 +1,6 @@
 //! The calls of a sequence.
 
+use populace::character::Region;
 use populace::{
     Affine, ClipPlayback, JointOverride, LayerMode, LayerSettings, Placement, Space, StageUse,
     Target, Trs, Weight,
@@ -39,6 +40,7 @@ calls! {
     Spawn: 14 => spawn,
     Despawn: 10 => despawn,
     Place: 8 => place,
+    SetLook: 2 => set_look,
     ClipPlayback: 14 => play,
     Blend: 4 => blend,
     Queue: 4 => queue,
@@ -149,6 +151,16 @@ fn place(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     Some(Outcome::of(
         world.crowd.member_mut(member).and_then(|mut m| m.set_placement(placement(draw))),
     ))
+}
+
+fn set_look(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
+    let (member, _) = world.member(draw, "member")?;
+    let region = Region::ALL[draw.index("region", Region::COUNT)];
+    let tint = draw.vector("tint", -0.5, 2.5);
+    Some(Outcome::of(world.crowd.member_mut(member).map(|mut m| {
+        let look = m.look().tinted(region, tint);
+        m.set_look(look);
+    })))
 }
 
 /// Draws play settings: mostly looping, on layer 0.

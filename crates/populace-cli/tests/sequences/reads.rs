@@ -1,5 +1,6 @@
 //! Calls that read results.
 
+use populace::character::Region;
 use populace::{Instance, Trs};
 
 use crate::calls::numbers;
@@ -95,7 +96,9 @@ pub(crate) fn page(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
 }
 
 pub(crate) fn instances(world: &mut World, _draw: &mut Draw) -> Option<Outcome> {
-    let numbers = |i: Instance<'_>| i.world_from_model.rows.into_iter().flatten();
+    let tints = |i: &Instance<'_>| Region::ALL.map(|r| i.look.tint(r)).into_iter().flatten();
+    let place = |i: &Instance<'_>| i.world_from_model.rows.into_iter().flatten();
+    let numbers = |i: Instance<'_>| place(&i).chain(tints(&i)).collect::<Vec<_>>();
     let numbers: Vec<f32> = world.crowd.instances().flat_map(numbers).collect();
     Some(Outcome::read(Ok(numbers)))
 }

@@ -206,13 +206,13 @@ impl PictureTarget {
         }
     }
 
-    /// Makes the framebuffer that is read back the current one and clears it to the linear colour
-    /// `background`. Binds the members' samples to texture unit `unit`.
-    pub(crate) fn begin_resolve(&self, [red, green, blue]: [f32; 3], unit: u32) {
+    /// Makes the framebuffer that is read back the current one and clears it. Binds the members'
+    /// samples to texture unit `unit`.
+    pub(crate) fn begin_resolve(&self, unit: u32) {
         self.resolved.bind(glow::FRAMEBUFFER);
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
-            self.resolved.gl.functions.clear_color(red, green, blue, 1.0);
+            self.resolved.gl.functions.clear_color(0.0, 0.0, 0.0, 1.0);
             self.resolved.gl.functions.clear(glow::COLOR_BUFFER_BIT);
         }
         self.drawn.bind_texture(glow::TEXTURE_2D_MULTISAMPLE, unit);

@@ -1,4 +1,4 @@
-//! Base colour textures.
+//! Textures of materials.
 
 use std::rc::Rc;
 
@@ -11,7 +11,7 @@ use crate::Error;
 /// Upper bound of the anisotropy. Higher values make no visible difference on characters.
 const ANISOTROPY: f32 = 8.0;
 
-/// An sRGB texture with all mip levels and its sampling parameters.
+/// A texture with all mip levels and its sampling parameters.
 pub(crate) struct Texture {
     gl: Rc<Gl>,
     raw: glow::Texture,
@@ -23,6 +23,17 @@ pub(crate) struct Sampling {
     /// Wrap mode along u and v.
     pub(crate) wrap: [Wrap; 2],
     pub(crate) filter: TextureFilter,
+    pub(crate) coding: Coding,
+}
+
+/// Meaning of a texture's bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Coding {
+    /// Colours, which are decoded when sampled.
+    #[default]
+    Srgb,
+    /// Numbers from 0 to 1.
+    Linear,
 }
 
 impl Texture {
@@ -34,6 +45,10 @@ impl Texture {
         let (Ok(width), Ok(height), true) = (sizes.0, sizes.1, largest <= limit) else {
             let (size, limit) = (u64::from(largest), u64::from(limit));
             return Err(Error::TooLarge { what: "the side of a texture", size, limit });
+        };
+        let format = match sampling.coding {
+            Coding::Srgb => glow::SRGB8_ALPHA8,
+            Coding::Linear => glow::RGBA8,
         };
         let levels = i32::try_from(u32::BITS - largest.leading_zeros()).unwrap_or(1);
         // SAFETY: the context is current.
@@ -47,7 +62,7 @@ impl Texture {
         unsafe {
             let pixels = glow::PixelUnpackData::Slice(Some(&image.rgba));
             let functions = &gl.functions;
-            functions.tex_storage_2d(glow::TEXTURE_2D, levels, glow::SRGB8_ALPHA8, width, height);
+            functions.tex_storage_2d(glow::TEXTURE_2D, levels, format, width, height);
             functions.tex_sub_image_2d(
                 glow::TEXTURE_2D,
                 0,

@@ -62,26 +62,22 @@ impl VertexArray {
         let functions = &self.gl.functions;
         let count = i32::from(attribute.component_count);
         let offset = u32::try_from(attribute.offset_bytes).unwrap_or(u32::MAX);
-        // SAFETY: the context is current and the vertex array bound. There are at most 13
+        // SAFETY: the context is current and the vertex array bound. There are at most 15
         // attributes; OpenGL 4.3 has at least 16.
         unsafe {
             functions.enable_vertex_attrib_array(location);
             functions.vertex_attrib_binding(location, binding);
-            match attribute.component {
-                Component::F32 => {
+            let integer = match attribute.component {
+                Component::F32 => None,
+                Component::U8 => Some(glow::UNSIGNED_BYTE),
+                Component::U16 => Some(glow::UNSIGNED_SHORT),
+                Component::U32 => Some(glow::UNSIGNED_INT),
+            };
+            match integer {
+                None => {
                     functions.vertex_attrib_format_f32(location, count, glow::FLOAT, false, offset);
                 }
-                Component::U16 => {
-                    functions.vertex_attrib_format_i32(
-                        location,
-                        count,
-                        glow::UNSIGNED_SHORT,
-                        offset,
-                    );
-                }
-                Component::U32 => {
-                    functions.vertex_attrib_format_i32(location, count, glow::UNSIGNED_INT, offset);
-                }
+                Some(kind) => functions.vertex_attrib_format_i32(location, count, kind, offset),
             }
         }
     }

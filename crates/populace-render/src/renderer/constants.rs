@@ -7,7 +7,10 @@ use populace_device::layout::Float4;
 use crate::layout::Frame;
 use crate::model::Model;
 use crate::sun::{Sphere, SunView};
-use crate::{Camera, Scene};
+use crate::{Ambient, Camera, Scene};
+
+/// Binary logarithm of 20: at the distance of visibility, haze leaves 5 % of a contrast.
+const CONTRAST_BITS: f32 = 4.321_928;
 
 /// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
 pub(super) fn bounding_sphere(model: &Model, instance: &Instance<'_>) -> Option<Sphere> {
@@ -27,8 +30,9 @@ pub(super) fn frame(
     sun: Option<SunView>,
     [_, height]: [u32; 2],
 ) -> Frame {
-    let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 1.0]);
+    let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 0.0]);
     let with = |[x, y, z]: [f32; 3], w| Float4([x, y, z, w]);
+    let Ambient { sky: up, side, ground: down, .. } = scene.ambient;
     let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
     #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
     let pixel_m = 2.0 / (clip_from_world.row(1).truncate().length() * height as f32);
@@ -38,11 +42,15 @@ pub(super) fn frame(
         shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
         eye: with(camera.eye, camera.far),
         to_sun: with(to_sun, sun.map_or(0.0, |s| s.texel_m)),
-        sun_color: with(scene.sun.color, scene.highlights.knee()),
-        sky_light: color(scene.ambient.sky),
-        ground_light: color(scene.ambient.ground),
+        sun_color: color(scene.sun.color),
+        ambient_base: with(side, scene.ground.map_or(0.0, |_| scene.contact_shadows)),
+        ambient_slope: with([0, 1, 2].map(|c| 0.5 * (up[c] - down[c])), scene.reflections),
+        ambient_bow: color([0, 1, 2].map(|c| 0.5 * (up[c] + down[c]) - side[c])),
+        ambient_glow: color(scene.ambient.glow),
         zenith_color: color(scene.sky.zenith),
-        horizon_color: color(scene.sky.horizon),
+        horizon_color: with(scene.sky.horizon, CONTRAST_BITS / scene.sky.visibility_m),
+        glow_color: with(scene.sky.glow, f32::from(u8::from(scene.sky.shows_sun))),
+        tone: Float4(scene.highlights.curve()),
         ground_color: scene.ground.map_or(with([0.0; 3], 0.0), |g| with(g.color, pixel_m)),
         line_color: color(scene.ground.map_or([0.0; 3], |g| g.line_color)),
     }

@@ -105,6 +105,7 @@ impl Renderer {
             for part in &level.parts {
                 let (alpha, influences) = (part.alpha, part.influences);
                 let textured = part.texture.is_some();
+                let maps = part.sampled_maps(level.is_coarse && !part.double_sided);
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
                     continue;
                 }
@@ -115,6 +116,7 @@ impl Renderer {
                         alpha,
                         textured,
                         vertex_lit: level.is_coarse && !part.double_sided,
+                        maps,
                     }),
                 };
                 let triangles = part.indices.len() / 3 * run.count as usize;
@@ -128,6 +130,9 @@ impl Renderer {
                 part.surface.bind_uniform();
                 if let Some(texture) = &part.texture {
                     texture.bind(TEXTURE_UNIT);
+                }
+                if pass != Pass::Shadow {
+                    part.bind_maps(maps);
                 }
                 match &part.skin {
                     Skin::Four(influences) => {
@@ -147,7 +152,7 @@ impl Renderer {
     fn draw_surroundings(&mut self, scene: &Scene) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
-        self.picture.begin_resolve(scene.shown_horizon(), MEMBER_UNIT);
+        self.picture.begin_resolve(MEMBER_UNIT);
         self.gl.set_state(surroundings);
         self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
         if scene.ground.is_some() {

@@ -98,7 +98,7 @@ fn acquire_waits_for_draws_from_the_set_written_next() {
         world_from_model: Affine::IDENTITY,
         moved: [0.0; 3],
         palette_first: 0,
-        tint: [1.0; 3],
+        look: populace_device::MemberLook::PLAIN,
         level: 0,
         visibility: populace_device::Visibility::InView,
     };

@@ -1,4 +1,4 @@
-// light.glsl - sun, ambient light, shadow and haze of members and ground. Colours are linear.
+// light.glsl - sun, sky, shadow and haze of members and ground. Colours are linear.
 
 layout(binding = 1) uniform sampler2DShadow shadow_map;
 
@@ -14,27 +14,46 @@ float sunlit(vec3 at) {
     return to_sun.w > 0.0 ? 0.25 * sum : 1.0;
 }
 
-// Light on a surface with unit normal `normal`: Lambert's law for the sun, and ambient light
-// interpolated between sky and ground.
-vec3 light_on(vec3 normal, vec3 shadow_position) {
+// Light of the whole sky on a surface with unit normal `normal`, of which `facing` is the component
+// towards the sun: a parabola of the normal's height, and more from the sun's side.
+vec3 sky_light_on(vec3 normal, float facing) {
+    vec3 by_height = ambient_slope.rgb + normal.y * ambient_bow.rgb;
+    return max(ambient_base.rgb + normal.y * by_height + facing * ambient_glow.rgb, 0.0);
+}
+
+// Light of sun and sky on a matt surface, which Lambert's law gives. `wrap` lets light scatter
+// under the surface, as in skin: it reaches beyond where the sun stands on the surface's horizon.
+vec3 matt_light_on(vec3 normal, vec3 wrap, float sun) {
     float facing = dot(normal, to_sun.xyz);
-    float sun = max(facing, 0.0) * sunlit(shadow_position);
-    return mix(ground_light.rgb, sky_light.rgb, 0.5 + 0.5 * normal.y) + sun * sun_color.rgb;
+    vec3 wrapped = max(facing + wrap, 0.0) / ((1.0 + wrap) * (1.0 + wrap));
+    return sky_light_on(normal, facing) + sun * wrapped * sun_color.rgb;
 }
 
-// Fraction of haze, which hides the edge of the world: none up to a tenth of the far plane's
-// distance, full before the far plane.
-float haze_at(vec3 world_position) {
-    return smoothstep(0.1, 0.95, distance(world_position, eye.xyz) / eye.w);
+// What haze adds, and the fraction that it hides, at a world position: none at the eye, all before
+// the far plane. Its colour is that of the horizon behind.
+vec4 haze_at(vec3 world_position) {
+    vec3 from_eye = world_position - eye.xyz;
+    float far_m = length(from_eye);
+    float air = 1.0 - exp2(-horizon_color.w * far_m);
+    float amount = max(air, smoothstep(0.1, 0.95, far_m / eye.w));
+    float toward = max(dot(from_eye, to_sun.xyz) / max(far_m, 1e-3), 0.0);
+    toward *= toward;
+    return vec4(amount * (horizon_color.rgb + toward * toward * glow_color.rgb), amount);
 }
 
-vec3 hazed(vec3 color, float haze) { return mix(color, horizon_color.rgb, haze); }
+vec3 hazed(vec3 color, vec4 haze) { return color * (1.0 - haze.a) + haze.rgb; }
 
-// Tone mapping: linear up to a knee, then a shoulder that approaches white, so that sunlit white
-// cloth keeps its folds. Value and slope are continuous at the knee. A knee of 1 clips at white.
+// Tone mapping by a ratio of parabolas: see `Highlights` in scene.rs.
 vec3 tone_mapped(vec3 color) {
-    float knee = sun_color.w;
-    float headroom = 1.0 - knee;
-    vec3 over = max(color - knee, 0.0) / max(headroom, 1e-3);
-    return min(color, knee) + headroom * (1.0 - exp(-over));
+    return color * (tone.x * color + tone.y) / (color * (tone.z * color + tone.w) + 1.0);
+}
+
+// How far red, green and blue light scatter in skin, as a cosine beyond the sun's horizon.
+const vec3 SKIN_WRAP = vec3(0.25, 0.1, 0.06);
+
+// Fraction of the sky's light that the ground leaves to a surface near it, such as the underside of
+// a shoe.
+float above_ground(float height_m, float normal_y) {
+    float near = 0.1 / (0.1 + max(height_m, 0.0));
+    return 1.0 - ambient_base.w * near * (0.5 - 0.5 * normal_y);
 }

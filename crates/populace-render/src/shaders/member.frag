@@ -1,25 +1,81 @@
 // member.frag - colours a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
-//               without either the surface is opaque. TEXTURED samples a texture. VERTEX_LIT takes
-//               the light from the vertices.
-// Reads   outputs of member.vert; base colour texture (sRGB, sampled as linear)
+//               without either the surface is opaque. VERTEX_LIT takes the light from the vertices.
+//               TEXTURED samples the base colour; SUBSTANCE_MAP, NORMAL_MAP, OCCLUSION_MAP and
+//               EMISSIVE_MAP sample their textures, and EMISSIVE adds light.
+// Reads   outputs of member.vert; textures
 // Writes  linear colour, which the framebuffer stores as sRGB
 
 #ifdef TEXTURED
 layout(binding = 0) uniform sampler2D base_color_texture;
 #endif
+#ifdef SUBSTANCE_MAP
+layout(binding = 3) uniform sampler2D substance_texture;
+#endif
+#ifdef NORMAL_MAP
+layout(binding = 4) uniform sampler2D normal_texture;
+#endif
+#ifdef OCCLUSION_MAP
+layout(binding = 5) uniform sampler2D occlusion_texture;
+#endif
+#ifdef EMISSIVE_MAP
+layout(binding = 6) uniform sampler2D emissive_texture;
+#endif
 
 #ifdef VERTEX_LIT
 in vec3 light;
-in float haze;
 #else
 in vec3 world_position;
 in vec3 world_normal;
 in vec3 shadow_position;
+in vec3 substance;
 #endif
 in vec2 texture_uv;
 in vec4 surface_color;
+in vec4 haze;
 
 out vec4 color;
+
+#ifdef NORMAL_MAP
+// Returns the normal of the texture in world space. The tangents follow from the change of position
+// and texture coordinates over the picture (Schüler, "Normal Mapping Without Precomputed Tangents",
+// ShaderX5, 2006).
+vec3 mapped_normal(vec3 normal) {
+    vec3 position_x = dFdx(world_position), position_y = dFdy(world_position);
+    vec2 uv_x = dFdx(texture_uv), uv_y = dFdy(texture_uv);
+    vec3 across_y = cross(position_y, normal), across_x = cross(normal, position_x);
+    vec3 along_u = across_y * uv_x.x + across_x * uv_y.x;
+    // v grows downwards in the texture, and green upwards.
+    vec3 along_v = -(across_y * uv_x.y + across_x * uv_y.y);
+    float longest = max(dot(along_u, along_u), dot(along_v, along_v));
+    float scale = longest > 0.0 ? inversesqrt(longest) : 0.0;
+    vec3 at = texture(normal_texture, texture_uv).xyz * 2.0 - 1.0;
+    at.xy *= normal_scale * scale;
+    return normalize(along_u * at.x + along_v * at.y + normal * max(at.z, 1e-3));
+}
+#endif
+
+#ifndef VERTEX_LIT
+vec3 lit_surface(vec3 base) {
+    float squared = dot(world_normal, world_normal);
+    vec3 normal = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
+    // Only double-sided surfaces have back faces that are not culled.
+    if (!gl_FrontFacing) normal = -normal;
+#ifdef NORMAL_MAP
+    normal = mapped_normal(normal);
+#endif
+    float occlusion = above_ground(world_position.y, normal.y);
+#ifdef OCCLUSION_MAP
+    occlusion *= 1.0 + occlusion_strength * (texture(occlusion_texture, texture_uv).r - 1.0);
+#endif
+    vec2 metallic_roughness = substance.xy;
+#ifdef SUBSTANCE_MAP
+    metallic_roughness *= texture(substance_texture, texture_uv).bg;
+#endif
+    Surfel at = Surfel(base, normal, metallic_roughness.x, metallic_roughness.y, occlusion,
+                       substance.z);
+    return shaded(at, normalize(eye.xyz - world_position), sunlit(shadow_position));
+}
+#endif
 
 void main() {
     vec4 base = surface_color;
@@ -29,15 +85,20 @@ void main() {
 #ifdef MASKED
     if (base.a < alpha_cutoff) discard;
 #endif
-#ifndef VERTEX_LIT
-    float squared = dot(world_normal, world_normal);
-    vec3 normal = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
-    // Only double-sided surfaces have back faces that are not culled.
-    if (!gl_FrontFacing) normal = -normal;
-    vec3 light = light_on(normal, shadow_position);
-    float haze = haze_at(world_position);
+#ifdef VERTEX_LIT
+    // What the surface reflects of the sky, as for a rough one that is no metal.
+    vec3 lit = mix(base.rgb, vec3(1.0), 0.05 * ambient_slope.w) * light;
+#else
+    vec3 lit = lit_surface(base.rgb);
 #endif
-    vec3 lit = tone_mapped(hazed(base.rgb * light, haze));
+#ifdef EMISSIVE
+    vec3 emitted = emissive.rgb;
+#ifdef EMISSIVE_MAP
+    emitted *= texture(emissive_texture, texture_uv).rgb;
+#endif
+    lit += emitted;
+#endif
+    lit = tone_mapped(hazed(lit, haze));
 #ifdef BLENDED
     color = vec4(lit, base.a);
 #else

@@ -1,40 +1,43 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  texture coordinates, product of vertex colour and tint, and what light needs: position
-//         and normal in world space and the position in the shadow map, or with VERTEX_LIT the
-//         light itself and the haze
+// Writes  texture coordinates, product of vertex colour and the region's tint, haze, and what light
+//         needs: position and normal in world space, the position in the shadow map and the
+//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself
 
 #ifdef VERTEX_LIT
 out vec3 light;
-out float haze;
 #else
 out vec3 world_position;
 out vec3 world_normal;
 out vec3 shadow_position;
+out vec3 substance;
 #endif
 out vec2 texture_uv;
 out vec4 surface_color;
+out vec4 haze;
 
 void main() {
     mat3x4 model_from_bind = model_from_bind();
     mat3x4 world_from_model = world_from_model();
 #ifdef VERTEX_LIT
-    vec3 world_position, world_normal, shadow_position;
+    vec3 world_position, world_normal, shadow_position, substance;
 #endif
     world_position = vec4(vec4(position, 1.0) * model_from_bind, 1.0) * world_from_model;
     world_normal = transform_normal(world_from_model, transform_normal(model_from_bind, normal));
     // An offset of 1.5 shadow texels along the normal prevents self-shadowing.
     vec3 offset_position = world_position + world_normal * (1.5 * to_sun.w);
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
+    substance = vec3(vec2(marks.zw) * (1.0 / 255.0), marks.x == 0u ? 1.0 : 0.0);
 #ifdef VERTEX_LIT
-    light = light_on(world_normal, shadow_position);
-    haze = haze_at(world_position);
+    light = matt_light_on(world_normal, substance.z * SKIN_WRAP, sunlit(shadow_position));
 #endif
+    haze = haze_at(world_position);
     texture_uv = uv;
-    surface_color = color * vec4(tint, 1.0);
+    surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
     // The ground, which is drawn without depth, hides what lies beyond it. Soles at y = 0 stay
     // visible: members may sink into the ground by the size of a pixel.
     float sunk_m = ground_color.w * gl_Position.w;
     gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world_position.y + sunk_m : 1.0;
+    if (is_hidden()) gl_Position = OUTSIDE;
 }

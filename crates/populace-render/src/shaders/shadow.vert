@@ -10,5 +10,5 @@ void main() {
     vec3 world = vec4(model, 1.0) * world_from_model();
     texture_uv = uv;
     surface_alpha = color.a;
-    gl_Position = shadow_from_world * vec4(world, 1.0);
+    gl_Position = is_hidden() ? OUTSIDE : shadow_from_world * vec4(world, 1.0);
 }

@@ -1,4 +1,4 @@
-// sky.vert - the picture above the horizon.
+// sky.vert - the picture above where the ground ends, or all of it without ground.
 // Reads   gl_VertexID, from which it computes the corner; no attributes
 // Writes  view direction in world space, not normalised
 
@@ -9,5 +9,7 @@ void main() {
     vec4 far = world_from_clip * vec4(corner, 1.0, 1.0);
     view_direction = far.xyz / far.w - eye.xyz;
     gl_Position = vec4(corner, 1.0, 1.0);
-    gl_ClipDistance[0] = view_direction.y;
+    // On the far plane, the ground is as far below the eye as the eye is above the ground.
+    float below_m = 1.05 * max(eye.y, 0.0);
+    gl_ClipDistance[0] = ground_color.w > 0.0 ? view_direction.y + below_m : 1.0;
 }

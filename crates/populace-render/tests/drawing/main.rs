@@ -4,6 +4,7 @@
 
 mod crowds;
 mod fixture;
+mod looks;
 mod palettes;
 mod refusals;
 mod rig;

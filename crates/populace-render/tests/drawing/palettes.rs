@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use populace_character::{Character, Influences};
+use populace_device::MemberLook;
 use populace_device::layout::PAGE_ENTRIES;
 use populace_model::Affine;
 
@@ -60,7 +61,7 @@ fn instances_have_their_own_palette_transform_and_tint() {
     rig.upload(&[Affine::IDENTITY, Affine::IDENTITY, at(0.0, -1.0, 0.0), at(0.0, -3.0, 0.0)]);
     let mut list =
         [instance(&white, at(-1.0, 0.0, 0.0), 0), instance(&white, at(1.0, 0.0, 0.0), 2)];
-    list[1].tint = [0.0, 1.0, 0.0];
+    list[1].look = MemberLook::PLAIN.all_tinted([0.0, 1.0, 0.0]);
     let drawn = rig.draw(&list);
     drawn.expect(-1.0, 1.6, [255; 3]);
     drawn.expect(-1.0, -0.1, NOTHING);

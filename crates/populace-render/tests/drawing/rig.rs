@@ -6,8 +6,8 @@ use std::sync::Arc;
 use populace_character::{Character, Image};
 use populace_device::layout::Float4;
 use populace_device::{
-    BackendError, DrawSource, GlContext, Instance, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, TargetMark, Visibility,
+    BackendError, DrawSource, GlContext, Instance, MemberLook, PaletteSource, PaletteTarget,
+    PaletteTransport, ReleasedPalettes, TargetMark, Visibility,
 };
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Error, Highlights, Renderer, Scene, Sky, Sun};
@@ -114,7 +114,7 @@ fn flat_camera() -> Camera {
     }
 }
 
-/// Returns a scene with uniform ambient light and a black background.
+/// Returns a scene with uniform ambient light, matt surfaces and a black background.
 fn flat_scene() -> Scene {
     Scene {
         sun: Sun {
@@ -123,14 +123,16 @@ fn flat_scene() -> Scene {
             casts_shadows: false,
             error_texels: 0.0,
         },
-        ambient: Ambient { sky: [1.0; 3], ground: [1.0; 3] },
+        ambient: Ambient::uniform([1.0; 3]),
         ground: None,
-        sky: Sky { zenith: [0.0; 3], horizon: [0.0; 3] },
+        sky: Sky::uniform([0.0; 3]),
         highlights: Highlights::Clipped,
+        reflections: 0.0,
+        contact_shadows: 0.0,
     }
 }
 
-/// Returns an instance without tint.
+/// Returns an instance in the character's own colours.
 pub(crate) fn instance(
     character: &Arc<Character>,
     world_from_model: Affine,
@@ -141,7 +143,7 @@ pub(crate) fn instance(
         world_from_model,
         moved: [0.0; 3],
         palette_first,
-        tint: [1.0; 3],
+        look: MemberLook::PLAIN,
         level: 0,
         visibility: Visibility::InView,
     }

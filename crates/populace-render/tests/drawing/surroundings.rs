@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use populace_model::Affine;
-use populace_render::{Camera, Ground, Highlights, Sky};
+use populace_render::{Ambient, Camera, Ground, Highlights, Sky};
 
 use crate::fixture::{at, person};
 use crate::rig::{Rig, instance, srgb};
@@ -13,7 +13,7 @@ use crate::rig::{Rig, instance, srgb};
 fn ground_is_at_the_feet_and_sky_above() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
-    rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
+    rig.scene.sky = Sky::uniform([0.0, 0.0, 1.0]);
     // One metre up, so that the feet are one metre below the centre of the picture.
     rig.camera.eye = [0.0, 1.0, 10.0];
     rig.camera.target = [0.0, 1.0, 0.0];
@@ -57,9 +57,9 @@ fn ground_hides_what_lies_beyond_it() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn horizon_continues_below_the_sky() {
     let mut rig = Rig::new();
-    rig.scene.highlights = Highlights::Shoulder;
+    rig.scene.highlights = Highlights::Filmic;
     // The sky has one colour, part of which is above the knee of the tone mapping curve.
-    rig.scene.sky = Sky { zenith: [1.0, 0.8, 0.3], horizon: [1.0, 0.8, 0.3] };
+    rig.scene.sky = Sky::uniform([1.0, 0.8, 0.3]);
     let drawn = rig.draw(&[]);
     let above = drawn.at(0.5, 1.0);
     assert!(above[0] < 250 && above[0] > above[1], "{above:?}");
@@ -71,7 +71,7 @@ fn horizon_continues_below_the_sky() {
 fn haze_hides_the_distance() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
-    rig.scene.sky = Sky { zenith: [0.0, 0.0, 1.0], horizon: [0.0, 0.0, 1.0] };
+    rig.scene.sky = Sky::uniform([0.0, 0.0, 1.0]);
     rig.camera.eye = [0.0, 1.0, 10.0];
     rig.camera.target = [0.0, 1.0, 0.0];
     rig.camera.far = 30.0;
@@ -109,8 +109,7 @@ fn paving_has_lines_every_metre() {
 fn members_cast_shadows_on_the_ground_and_on_each_other() {
     let mut rig = Rig::new();
     rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
-    rig.scene.ambient.sky = [0.1; 3];
-    rig.scene.ambient.ground = [0.1; 3];
+    rig.scene.ambient = Ambient::uniform([0.1; 3]);
     rig.scene.sun.color = [0.5; 3];
     rig.camera =
         Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
@@ -138,8 +137,7 @@ fn members_cast_shadows_on_the_ground_and_on_each_other() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn lit_surfaces_do_not_shadow_themselves() {
     let mut rig = Rig::new();
-    rig.scene.ambient.sky = [0.0; 3];
-    rig.scene.ambient.ground = [0.0; 3];
+    rig.scene.ambient = Ambient::uniform([0.0; 3]);
     rig.scene.sun.color = [0.9; 3];
     rig.scene.sun.to_sun = [0.0, 1.0, 1.0];
     rig.scene.sun.casts_shadows = true;

@@ -11,7 +11,7 @@ use std::sync::Arc;
 use populace_character::Character;
 use populace_clip::{Clip, FIRST_TICK};
 use populace_device::layout::Slot;
-use populace_device::{BodyIndex, Place, Tables, View, Visibility};
+use populace_device::{BodyIndex, MemberLook, Place, Tables, View, Visibility};
 use populace_model::RoleMap;
 use populace_settings::parts::{Key, Parts};
 
@@ -97,6 +97,7 @@ pub(super) struct MemberState {
     pub(super) character: Option<CharacterId>,
     pub(super) placement: Placement,
     pub(super) user_data: u64,
+    pub(super) look: MemberLook,
     /// The number of updates when the member was spawned.
     pub(super) since: u64,
     /// Whether root motion moves it.
@@ -114,8 +115,16 @@ pub(super) struct Seen {
 impl MemberState {
     /// Returns the state of an index that was never used.
     pub(super) fn free(placement: Placement) -> Self {
-        let (user_data, since, moves, seen) = (0, 0, false, Seen::default());
-        Self { generation: 0, character: None, placement, user_data, since, moves, seen }
+        Self {
+            generation: 0,
+            character: None,
+            placement,
+            user_data: 0,
+            look: MemberLook::PLAIN,
+            since: 0,
+            moves: false,
+            seen: Seen::default(),
+        }
     }
 }
 

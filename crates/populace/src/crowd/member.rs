@@ -7,7 +7,7 @@ mod reading;
 
 use std::borrow::Borrow;
 
-use populace_device::Instance;
+use populace_device::{Instance, MemberLook};
 use populace_model::{JointIndex, Role};
 use populace_settings::parts::Parts;
 
@@ -85,8 +85,8 @@ impl Borrow<State> for &mut Crowd {
 }
 
 impl<'a> MemberRef<'a> {
-    /// Returns what a renderer needs to draw the member, without a tint. The root-motion offset is
-    /// the one that was known when palettes were last acquired.
+    /// Returns what a renderer needs to draw the member. The root-motion offset is the one that was
+    /// known when palettes were last acquired.
     #[must_use]
     pub fn instance(&self) -> Instance<'a> {
         let State { base, .. } = self.crowd;
@@ -97,7 +97,7 @@ impl<'a> MemberRef<'a> {
             world_from_model: self.placement().world_from_model(),
             moved: self.crowd.offset_of(index),
             palette_first: base.tables.members().as_slice()[index as usize].palette_first,
-            tint: [1.0; 3],
+            look: self.member().look,
             level: seen.level,
             visibility: seen.visibility,
         }
@@ -156,7 +156,33 @@ impl<C: Borrow<State>> MemberView<C> {
     }
 }
 
+impl<C: Borrow<State>> MemberView<C> {
+    /// The member's tints and the options of its character that it does not show;
+    /// [`MemberLook::PLAIN`] unless set.
+    #[must_use]
+    pub fn look(&self) -> MemberLook {
+        self.member().look
+    }
+}
+
 impl MemberMut<'_> {
+    /// Sets the member's tints, and the options of its character that it does not show.
+    ///
+    /// ```
+    /// # use populace::{Crowd, Error, MemberId, MemberLook, character::Region};
+    /// fn dress(crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
+    ///     let look = MemberLook::PLAIN
+    ///         .tinted(Region::Top, [0.4, 0.5, 1.2])
+    ///         .tinted(Region::Hair, [0.3, 0.3, 0.3])
+    ///         .without_option(0);
+    ///     crowd.member_mut(member)?.set_look(look);
+    ///     Ok(())
+    /// }
+    /// ```
+    pub fn set_look(&mut self, look: MemberLook) {
+        self.crowd.state.base.members.all[self.id.number() as usize].look = look;
+    }
+
     /// Sets the placement of the member and of all that is attached to it. Root motion continues
     /// from there.
     ///

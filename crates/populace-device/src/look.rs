@@ -1,0 +1,121 @@
+//! The look of one member: what tells it from others with the same character.
+
+use populace_character::{MAX_OPTIONS, Region};
+
+/// Bits of a channel of a tint, and its value for the factor 1.
+const CHANNEL_BITS: u32 = 10;
+const ONE: u32 = 128;
+const CHANNEL_MAX: u32 = (1 << CHANNEL_BITS) - 1;
+
+/// How one member looks: a tint for each region of its character, and the options that it does not
+/// show. 32 bytes, which shaders read as they are.
+///
+/// A tint is three linear factors of 10 bits each, red in the lowest ones: `n` is the factor
+/// `(n / 128)^2`, so 128 changes nothing, and 1,023 multiplies by 63.9.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, bytemuck::Pod, bytemuck::Zeroable)]
+pub struct MemberLook {
+    tints: [u32; Region::COUNT],
+    /// Bit `n` hides option `n` of the character: see
+    /// [`Character::options`](populace_character::Character::options).
+    pub hidden: u32,
+}
+
+impl MemberLook {
+    /// The character's own colours, with all options shown.
+    pub const PLAIN: Self = Self {
+        tints: [ONE | ONE << CHANNEL_BITS | ONE << (2 * CHANNEL_BITS); Region::COUNT],
+        hidden: 0,
+    };
+
+    /// Returns the same look with all regions multiplied by a linear colour, as
+    /// [`tinted`](Self::tinted) does for one.
+    #[must_use]
+    pub fn all_tinted(self, color: [f32; 3]) -> Self {
+        Region::ALL.into_iter().fold(self, |look, region| look.tinted(region, color))
+    }
+
+    /// Returns the same look with a region whose colours are multiplied by a linear colour. Factors
+    /// are clamped to 0 to 63.9, and their square roots rounded to steps of 1 / 128; those that are not
+    /// numbers count as 1.
+    #[must_use]
+    pub fn tinted(mut self, region: Region, color: [f32; 3]) -> Self {
+        let [r, g, b] = color.map(channel);
+        self.tints[usize::from(region.number())] = r | g << CHANNEL_BITS | b << (2 * CHANNEL_BITS);
+        self
+    }
+
+    /// The factors of a region's linear colour.
+    #[must_use]
+    pub fn tint(&self, region: Region) -> [f32; 3] {
+        let packed = self.tints[usize::from(region.number())];
+        [0, 1, 2].map(|c| {
+            let stored = packed >> (c * CHANNEL_BITS) & CHANNEL_MAX;
+            #[expect(clippy::cast_precision_loss, reason = "at most 1,023")]
+            let root = stored as f32 / ONE as f32;
+            root * root
+        })
+    }
+
+    /// Returns the same look without an option of the character. Numbers past the last option
+    /// change nothing.
+    #[must_use]
+    pub const fn without_option(mut self, option: usize) -> Self {
+        if option < MAX_OPTIONS {
+            self.hidden |= 1 << option;
+        }
+        self
+    }
+}
+
+impl Default for MemberLook {
+    fn default() -> Self {
+        Self::PLAIN
+    }
+}
+
+/// Returns the stored value of a factor.
+#[expect(clippy::disallowed_methods, reason = "a square root of the host alone")]
+fn channel(factor: f32) -> u32 {
+    #[expect(clippy::cast_precision_loss, reason = "at most 1,023")]
+    let (one, most) = (ONE as f32, CHANNEL_MAX as f32);
+    let factor = if factor.is_nan() { 1.0 } else { factor };
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to the range of a channel"
+    )]
+    let stored = (factor.max(0.0).sqrt() * one).round().clamp(0.0, most) as u32;
+    stored
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tints_are_kept_within_half_a_step() {
+        let colors = [[0.25, 0.5, 1.75], [0.123, 0.9, 1.33]];
+        let look = MemberLook::PLAIN
+            .tinted(Region::Hair, colors[0])
+            .tinted(Region::Other, colors[1])
+            .without_option(31);
+        for (region, color) in [(Region::Hair, colors[0]), (Region::Other, colors[1])] {
+            let kept = look.tint(region);
+            assert!(
+                (0..3).all(|c| (kept[c] - color[c]).abs() <= color[c].sqrt() / 128.0),
+                "{kept:?}"
+            );
+        }
+        assert_eq!(look.tint(Region::Skin), [1.0; 3]);
+        assert_eq!(look.hidden, 1 << 31);
+        assert_eq!(size_of::<MemberLook>(), 32);
+    }
+
+    #[test]
+    fn factors_out_of_range_are_clamped() {
+        let look = MemberLook::PLAIN.tinted(Region::Top, [-1.0, f32::NAN, f32::INFINITY]);
+        assert_eq!(look.tint(Region::Top), [0.0, 1.0, (1023.0_f32 / 128.0).powi(2)]);
+        assert_eq!(MemberLook::PLAIN.without_option(32), MemberLook::PLAIN);
+    }
+}

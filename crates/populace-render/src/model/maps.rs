@@ -1,0 +1,55 @@
+//! Textures of a part beside its base colour.
+
+use std::rc::Rc;
+
+use super::ModelPart;
+use crate::gl::Texture;
+
+/// Which textures a shader samples, and whether the surface emits light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub(crate) struct Maps {
+    /// Substance (metallic and roughness), normal, occlusion and emitted light.
+    sampled: [bool; MAPS],
+    emits: bool,
+}
+
+/// Number of textures beside the base colour.
+const MAPS: usize = 4;
+/// Their defines, and from `FIRST_UNIT` on their texture units.
+const DEFINES: [&str; MAPS] = ["SUBSTANCE_MAP", "NORMAL_MAP", "OCCLUSION_MAP", "EMISSIVE_MAP"];
+const FIRST_UNIT: u32 = 3;
+/// Index of the texture that surfaces with light from their vertices sample too.
+const EMISSIVE: usize = 3;
+
+/// The textures beside the base colour, in the order of [`Maps`].
+pub(crate) type MapTextures = [Option<Rc<Texture>>; MAPS];
+
+impl Maps {
+    /// Returns the defines of the shader.
+    pub(crate) fn defines(self) -> String {
+        let sampled = DEFINES.iter().zip(self.sampled).filter(|(_, sampled)| *sampled);
+        let maps = sampled.map(|(name, _)| format!("#define {name}\n"));
+        maps.chain(self.emits.then(|| "#define EMISSIVE\n".to_owned())).collect()
+    }
+}
+
+impl ModelPart {
+    /// Returns what a shader samples beside the base colour. With `vertex_lit`, it does not need
+    /// what changes light on the surface.
+    pub(crate) fn sampled_maps(&self, vertex_lit: bool) -> Maps {
+        let mut sampled = [0, 1, 2, 3].map(|map: usize| self.maps[map].is_some());
+        if vertex_lit {
+            sampled = [false, false, false, sampled[EMISSIVE]];
+        }
+        Maps { sampled, emits: self.emits }
+    }
+
+    /// Binds the textures that a shader samples.
+    pub(crate) fn bind_maps(&self, maps: Maps) {
+        for ((texture, sampled), unit) in self.maps.iter().zip(maps.sampled).zip(FIRST_UNIT..) {
+            if let Some(texture) = texture.as_ref().filter(|_| sampled) {
+                texture.bind(unit);
+            }
+        }
+    }
+}
