@@ -54,6 +54,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
     ("populace-lod", &["populace-character", "populace-model"]),
+    ("populace-variety", &["populace-character", "populace-device", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (
         "populace-testkit",
