@@ -102,7 +102,7 @@ fn create(look: &Look, all: bool) -> Result<Character, Error> {
     let reach = vertex_reach_m(&skeleton, &palette, &parts);
     let soles = sole_points(&skeleton, &palette, &parts);
     let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
-    let clips = motion::all(&body, &joints, &wardrobe.touching())
+    let clips = motion::all(&body, &joints, &wardrobe.touching)
         .iter()
         .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
         .collect::<Result<_, _>>()?;

@@ -20,13 +20,8 @@ const HAIRS: [[f32; 3]; 7] = [
     [0.09, 0.045, 0.02],
 ];
 const BROWN_EYES: [f32; 3] = [0.075, 0.032, 0.014];
-const IRISES: [[f32; 3]; 5] = [
-    BROWN_EYES,
-    [0.10, 0.19, 0.30],
-    [0.045, 0.02, 0.010],
-    [0.12, 0.15, 0.06],
-    [0.17, 0.20, 0.22],
-];
+const IRISES: [[f32; 3]; 5] =
+    [BROWN_EYES, [0.10, 0.19, 0.30], [0.045, 0.02, 0.010], [0.12, 0.15, 0.06], [0.17, 0.20, 0.22]];
 
 /// Colours of top, of what shows under a jacket, of trousers, shoes, accessory and bag, each set
 /// in harmony: neutral colours with one accent.
@@ -85,16 +80,18 @@ impl Colors {
 impl Look {
     /// Returns the same build with other clothes, colours, hair and face, and a slightly different
     /// height. Hair, hat, glasses and bag are among those that the look wears or has to spare.
-    /// Number 0 is `self` unchanged. The same number gives builds with names of different lengths
-    /// different outfits.
+    /// Number 0 is `self` unchanged. The same number gives builds of different names different
+    /// outfits.
     #[must_use]
     pub fn in_outfit(&self, number: usize) -> Self {
         let mut look = self.clone();
         if number == 0 {
             return look;
         }
-        let seed = 7 * self.name.len() + number;
-        let pick = |count: usize, stride: usize| (number * stride + self.name.len()) % count;
+        // Different people start elsewhere.
+        let own: usize = self.name.bytes().map(usize::from).sum();
+        let seed = own + number;
+        let pick = |count: usize, stride: usize| (number * stride + own) % count;
         look.name = format!("{} {}", self.name, number + 1);
         look.height_m *= [1.0, 0.97, 1.025, 0.985, 1.015][pick(5, 1)];
         let old = self.stoop_rad > 0.1;
@@ -107,9 +104,9 @@ impl Look {
             look.colors.hair = HAIRS[0];
         }
         look.face.iris = if dark { BROWN_EYES } else { IRISES[pick(IRISES.len(), 2)] };
-        look.colors = look.colors.dressed(5 * number + 3 * self.name.len());
+        look.colors = look.colors.dressed(5 * number + 3 * own);
         look.vary_face(seed);
-        look.swap(number);
+        look.swap(number, own);
         look.change_clothes(seed);
         look
     }
@@ -133,14 +130,14 @@ impl Look {
     }
 
     /// Swaps what is worn for something to spare: hair by turns, the rest now and then.
-    fn swap(&mut self, number: usize) {
+    fn swap(&mut self, number: usize, own: usize) {
         let all: Vec<Extra> = self.worn().into_iter().chain(self.spare.iter().copied()).collect();
         let hairs: Vec<Hair> = all
             .iter()
             .filter_map(|e| if let Extra::Hair(hair) = e { Some(*hair) } else { None })
             .collect();
         self.hair = hairs[number % hairs.len()];
-        let turn = number + self.name.len();
+        let turn = number + own;
         let worn = |of: usize, nth: usize| turn % of == nth;
         let flat = !matches!(self.hair, Hair::Curly | Hair::Bun | Hair::Headscarf);
         (self.hat, self.glasses, self.bag) = (None, None, None);

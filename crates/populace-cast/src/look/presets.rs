@@ -286,7 +286,7 @@ impl Look {
                 Extra::Hair(Hair::Long),
                 Extra::Hat(Hat::SunHat),
                 Extra::Glasses(Glasses::Round),
-                Extra::Bag(Bag::Backpack),
+                Extra::Bag(Bag::Shoulder),
             ],
             top: Top::Blouse,
             bottom: Bottom::Dress,

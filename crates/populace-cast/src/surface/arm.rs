@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::wrist::{self, AROUND, on_arm};
 use super::wardrobe::Covers;
+use super::wrist::{self, AROUND, on_arm};
 use super::{Region, Surface, Weights, chain, hand, mixed};
 use crate::Reach;
 use crate::anatomy::{Body, ELBOW, Limb, Side, WRIST};
@@ -52,8 +52,7 @@ pub(super) fn build(
     let mut last = first;
     for row in 1..RINGS.len() {
         let next = ring(surface, body, side, row);
-        let cover =
-            if row <= hem(body.look.sleeves) { covers.sleeve } else { Region::Skin.into() };
+        let cover = if row <= hem(body.look.sleeves) { covers.sleeve } else { Region::Skin.into() };
         surface.bridge(&last, &next, cover, mirrored);
         last = next;
     }
@@ -114,7 +113,10 @@ fn shoulder_ring(
     (0..AROUND)
         .map(|k| {
             let outside = angle(k).cos();
-            let bulge = 4.0 * t * (1.0 - t) * (0.0095 * outside.max(0.0) + 0.004 * angle(k).sin().powi(2))
+            let bulge = 4.0
+                * t
+                * (1.0 - t)
+                * (0.0095 * outside.max(0.0) + 0.004 * angle(k).sin().powi(2))
                 * body.height
                 * body.look.limbs;
             let round = side.mirror_point(body.outward * outside - DVec3::Z * angle(k).sin());

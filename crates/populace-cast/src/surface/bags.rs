@@ -15,8 +15,19 @@ const STRAP: [(usize, usize); 8] =
     [(5, 6), (6, 5), (8, 3), (9, 3), (10, 4), (11, 6), (10, 8), (8, 9)];
 /// The same of a bag's strap: from the left hip over the chest to the right shoulder, and back.
 const SLING: [(usize, usize); 13] = [
-    (2, 6), (4, 4), (6, 2), (8, 0), (9, 22), (10, 20), (11, 18), (10, 15), (9, 14),
-    (7, 12), (5, 10), (3, 8), (2, 7),
+    (2, 6),
+    (4, 4),
+    (6, 2),
+    (8, 0),
+    (9, 22),
+    (10, 20),
+    (11, 18),
+    (10, 15),
+    (9, 14),
+    (7, 12),
+    (5, 10),
+    (3, 8),
+    (2, 7),
 ];
 /// Distance of a strap from the body as a fraction of its height.
 const OFF: f64 = 0.0125;
@@ -28,9 +39,8 @@ pub(super) fn bag(body: &Body, bag: Bag) -> Surface {
         Bag::Backpack => {
             backpack(&mut surface, body);
             for side in Side::BOTH {
-                let path = STRAP.map(|(row, j)| {
-                    (row, if side == Side::Left { j } else { AROUND - j })
-                });
+                let path =
+                    STRAP.map(|(row, j)| (row, if side == Side::Left { j } else { AROUND - j }));
                 strap(&mut surface, body, &path, 0.0105);
             }
         }
@@ -52,16 +62,33 @@ fn backpack(surface: &mut Surface, body: &Body) {
         vec![(SPINE[3], up), (SPINE[1], 1.0 - up)]
     };
     // Height along the trunk, breadth and depth of each ring.
-    let rows = [(0.10, 0.75, 0.75), (0.14, 1.0, 1.0), (0.42, 1.04, 1.0), (0.68, 0.98, 0.85), (0.84, 0.80, 0.62), (0.89, 0.45, 0.4)];
+    let rows = [
+        (0.10, 0.75, 0.75),
+        (0.14, 1.0, 1.0),
+        (0.42, 1.04, 1.0),
+        (0.68, 0.98, 0.85),
+        (0.84, 0.80, 0.62),
+        (0.89, 0.45, 0.4),
+    ];
     let rear = behind(9).z.min(behind(7).z) - OFF * 0.4 * h;
-    box_of(surface, &rows.map(|(u, b, d)| {
-        let deep = 0.080 * h * d;
-        (DVec3::new(0.0, body.trunk_y(u), rear - 0.5 * deep), wide * b, 0.5 * deep)
-    }), weights, 1.0);
+    box_of(
+        surface,
+        &rows.map(|(u, b, d)| {
+            let deep = 0.080 * h * d;
+            (DVec3::new(0.0, body.trunk_y(u), rear - 0.5 * deep), wide * b, 0.5 * deep)
+        }),
+        weights,
+        1.0,
+    );
     let pocket = [(0.12, 0.7), (0.15, 0.86), (0.38, 0.86), (0.41, 0.7)];
-    box_of(surface, &pocket.map(|(u, b)| {
-        (DVec3::new(0.0, body.trunk_y(u), rear - 0.080 * h), wide * 0.9 * b, 0.018 * h * b)
-    }), weights, 0.8);
+    box_of(
+        surface,
+        &pocket.map(|(u, b)| {
+            (DVec3::new(0.0, body.trunk_y(u), rear - 0.080 * h), wide * 0.9 * b, 0.018 * h * b)
+        }),
+        weights,
+        0.8,
+    );
 }
 
 /// Adds a bag at the left hip.
@@ -70,10 +97,15 @@ fn pouch(surface: &mut Surface, body: &Body) {
     let at = trunk::position(body, 1, 6);
     let weights = |_: f64| -> Weights { vec![(PELVIS, 1.0)] };
     let rows = [(-0.065, 0.7, 0.7), (-0.058, 1.0, 1.0), (0.010, 1.0, 1.0), (0.022, 0.8, 0.7)];
-    box_of(surface, &rows.map(|(up, b, d)| {
-        let center = DVec3::new(at.x + 0.016 * h, at.y + up * h, at.z);
-        (center, 0.022 * h * d, 0.068 * h * b)
-    }), weights, 1.0);
+    box_of(
+        surface,
+        &rows.map(|(up, b, d)| {
+            let center = DVec3::new(at.x + 0.016 * h, at.y + up * h, at.z);
+            (center, 0.022 * h * d, 0.068 * h * b)
+        }),
+        weights,
+        1.0,
+    );
 }
 
 /// Adds a rounded box through level rings, each with its centre, half breadth and half depth.

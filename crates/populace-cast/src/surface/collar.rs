@@ -18,7 +18,8 @@ type Section = Vec<[f64; 2]>;
 pub(super) fn build(surface: &mut Surface, body: &Body, covers: &Covers) {
     match body.look.top {
         Top::Tee | Top::Striped | Top::Blouse => {
-            let rib = |_: f64| vec![[-0.006, -0.004], [0.004, -0.003], [0.003, 0.005], [-0.003, 0.006]];
+            let rib =
+                |_: f64| vec![[-0.006, -0.004], [0.004, -0.003], [0.003, 0.005], [-0.003, 0.006]];
             ring(surface, body, covers.shirt, rib);
         }
         Top::Sweater => ring(surface, body, covers.shirt, |_| {
@@ -34,9 +35,12 @@ pub(super) fn build(surface: &mut Surface, body: &Body, covers: &Covers) {
         }
         Top::Hoodie => open(surface, body, covers.shirt, [14.0, 0.012], |front| {
             let back = 1.0 - front;
-            let section = [[-0.004, 0.0], [0.0, 0.016], [0.014, 0.022], [0.022, 0.010], [0.012, -0.008]];
+            let section =
+                [[-0.004, 0.0], [0.0, 0.016], [0.014, 0.022], [0.022, 0.010], [0.012, -0.008]];
             let size = 0.75 + 0.9 * back;
-            section.map(|[out, up]| [out * size * (1.0 + 0.4 * back), up * size - 0.008 * back]).into()
+            section
+                .map(|[out, up]| [out * size * (1.0 + 0.4 * back), up * size - 0.008 * back])
+                .into()
         }),
     }
 }
@@ -81,7 +85,7 @@ fn front(degrees: f64) -> f64 {
 
 /// Adds a closed ring around the neck.
 fn ring(surface: &mut Surface, body: &Body, cover: Cover, section: impl Fn(f64) -> Section) {
-    let stations = 14;
+    let stations = 12;
     surface.brush = cover.paint;
     let rings: Vec<Vec<usize>> = (0..stations)
         .map(|k| {

@@ -62,19 +62,27 @@ pub(super) fn hat(skull: Skull<'_>, hat: Hat) -> Surface {
     };
     match hat {
         Hat::Cap => {
-            let shape = Shape { edge: flat(0.72, 0.06), thick, hangs: false, smooth: true, rough: 0.0 };
+            let shape =
+                Shape { edge: flat(0.72, 0.06), thick, hangs: false, smooth: true, rough: 0.0 };
             dome(&mut surface, skull, &shape, Region::Accessory);
             visor(&mut surface, skull);
         }
         Hat::Beanie => {
             let edge = flat(0.70, 0.10);
-            let shape = Shape { edge, thick: |_, s| 0.122 - 0.03 * s, hangs: false, smooth: true, rough: 0.004 };
+            let shape = Shape {
+                edge,
+                thick: |_, s| 0.122 - 0.03 * s,
+                hangs: false,
+                smooth: true,
+                rough: 0.004,
+            };
             dome(&mut surface, skull, &shape, Region::Accessory);
             let cuff = [(0.66, 0.07), (0.665, 0.115), (0.79, 0.125), (0.80, 0.06)];
             hoop(&mut surface, skull, &cuff, 0.20, 0.80);
         }
         Hat::SunHat => {
-            let shape = Shape { edge: flat(0.74, 0.03), thick, hangs: false, smooth: true, rough: 0.0 };
+            let shape =
+                Shape { edge: flat(0.74, 0.03), thick, hangs: false, smooth: true, rough: 0.0 };
             dome(&mut surface, skull, &shape, Region::Accessory);
             let brim = [(0.70, 0.04), (0.66, 0.37), (0.755, 0.07)];
             hoop(&mut surface, skull, &brim, 0.06, 1.0);
@@ -121,9 +129,15 @@ fn visor(surface: &mut Surface, skull: Skull<'_>) {
             let root = skull.at_height(0.72, angle.abs());
             let side = if t < 0.0 { -1.0 } else { 1.0 };
             let [x, z] = [(root.x + 0.05 * angle.sin().abs()) * side, root.z + 0.04];
-            let long = 0.27 * (1.0 - t.powi(4)).max(0.0).sqrt();
+            let long = 0.03 + 0.25 * (1.0 - t.powi(4)).max(0.0).sqrt();
             let arch = 0.055 * t * t;
-            let spots = [(0.0, 0.735), (0.55 * long, 0.725), (long, 0.685), (0.5 * long, 0.70), (0.0, 0.70)];
+            let spots = [
+                (0.0, 0.735),
+                (0.55 * long, 0.725),
+                (long, 0.685),
+                (0.5 * long, 0.70),
+                (0.0, 0.70),
+            ];
             spots
                 .into_iter()
                 .map(|(out, y)| {
@@ -149,14 +163,12 @@ pub(super) fn glasses(skull: Skull<'_>, glasses: Glasses) -> Surface {
             // Lenses lean back at their outer side.
             spot(x + u, EYE_Y - 0.004 + v, z - 0.35 * u.max(0.0) + w)
         });
-        rod(&mut surface, skull, [spot(0.225, 0.505, z - 0.03), spot(0.33, 0.51, z - 0.13)], 0.011);
-        rod(&mut surface, skull, [
-            spot(0.328, 0.51, z - 0.12),
-            spot(back.x + 0.022, 0.51, back.z - 0.02),
-        ], 0.010);
+        let hinge = spot(0.33, 0.51, z - 0.12);
+        let end = spot(back.x + 0.022, 0.51, back.z - 0.02);
+        rod(&mut surface, skull, &[spot(0.225, 0.505, z - 0.03), hinge, end], 0.011);
     }
     let bridge = |side: f64| DVec3::new(side * 0.062, EYE_Y + 0.015, z + 0.004);
-    rod(&mut surface, skull, [bridge(-1.0), bridge(1.0)], 0.010);
+    rod(&mut surface, skull, &[bridge(-1.0), bridge(1.0)], 0.010);
     surface
 }
 
@@ -188,15 +200,13 @@ fn lens(
             .collect()
     };
     if glasses == Glasses::Sun {
-        let rings = [ring(surface, 0.97, -0.012), ring(surface, 1.0, 0.006), ring(surface, 0.8, 0.016)];
+        let rings =
+            [ring(surface, 0.97, -0.012), ring(surface, 1.0, 0.006), ring(surface, 0.8, 0.016)];
         surface.tube(&rings, Region::Accessory);
         return;
     }
-    let rings = [
-        ring(surface, 1.07, -0.008),
-        ring(surface, 0.99, 0.014),
-        ring(surface, 0.90, -0.008),
-    ];
+    let rings =
+        [ring(surface, 1.07, -0.008), ring(surface, 0.99, 0.014), ring(surface, 0.90, -0.008)];
     surface.shell(|surface| {
         for at in 0..rings.len() {
             surface.bridge(&rings[at], &rings[(at + 1) % rings.len()], Region::Accessory, false);
@@ -204,14 +214,16 @@ fn lens(
     });
 }
 
-/// Adds a thin rod with four edges.
-fn rod(surface: &mut Surface, skull: Skull<'_>, ends: [DVec3; 2], half: f64) {
-    let along = (ends[1] - ends[0]).normalize();
-    let side = along.cross(DVec3::Y).normalize();
-    let rings = ends.map(|end| {
-        [DVec3::Y, side, DVec3::NEG_Y, -side]
-            .map(|v| surface.point(skull.in_model(end + v * half), vec![(HEAD, 1.0)]))
-            .to_vec()
-    });
+/// Adds a thin rod with four edges along a path.
+fn rod(surface: &mut Surface, skull: Skull<'_>, path: &[DVec3], half: f64) {
+    let last = path.len() - 1;
+    let rings: Vec<Vec<usize>> = (0..path.len())
+        .map(|at| {
+            let along = path[(at + 1).min(last)] - path[at.saturating_sub(1)];
+            let side = along.cross(DVec3::Y).normalize();
+            let corners = [DVec3::Y, side, DVec3::NEG_Y, -side].map(|v| path[at] + v * half);
+            corners.map(|p| surface.point(skull.in_model(p), vec![(HEAD, 1.0)])).to_vec()
+        })
+        .collect();
     surface.tube(&rings, Region::Accessory);
 }

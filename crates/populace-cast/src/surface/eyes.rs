@@ -68,12 +68,8 @@ impl<'a> Eye<'a> {
     fn ball(&self, surface: &mut Surface) {
         let iris = self.skull.body.look.face.iris.map(f64::from);
         let rim = iris.map(|c| 0.45 * c);
-        let rows: [(f64, Paint, Paint); 4] = [
-            (80.0, WHITE, WHITE),
-            (33.0, WHITE, rim),
-            (27.0, iris, iris),
-            (14.0, iris, PUPIL),
-        ];
+        let rows: [(f64, Paint, Paint); 4] =
+            [(80.0, WHITE, WHITE), (33.0, WHITE, rim), (27.0, iris, iris), (14.0, iris, PUPIL)];
         surface.shell(|surface| {
             let mut below: Vec<usize> = Vec::new();
             for (index, (degrees, outer, inner)) in rows.into_iter().enumerate() {
@@ -105,9 +101,8 @@ impl<'a> Eye<'a> {
 
     /// Adds the reflection of the sky on the cornea, on the same side of both eyes.
     fn glint(&self, surface: &mut Surface) {
-        let spot = |out: f64, up: f64, far: f64| {
-            self.around(self.side.sign() * 9.0 + out, 11.0 + up, far)
-        };
+        let spot =
+            |out: f64, up: f64, far: f64| self.around(self.side.sign() * 9.0 + out, 11.0 + up, far);
         let ring: Vec<usize> = [(-5.0, 0.0), (0.0, 5.5), (5.0, 0.0), (0.0, -5.5)]
             .into_iter()
             .map(|(out, up)| self.point(surface, spot(out, up, 1.01), super::PLAIN))

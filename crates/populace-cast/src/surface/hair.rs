@@ -41,8 +41,7 @@ pub(super) fn build(skull: Skull<'_>, hair: Hair) -> Surface {
 
 /// Returns the form of a cut or of a scarf.
 pub(super) fn shape(hair: Hair) -> Shape {
-    let cropped =
-        [0.81, 0.80, 0.79, 0.74, 0.66, 0.54, 0.46, 0.47, 0.26, 0.18, 0.14, 0.12, 0.12];
+    let cropped = [0.81, 0.80, 0.79, 0.74, 0.66, 0.54, 0.46, 0.47, 0.26, 0.18, 0.14, 0.12, 0.12];
     let drawn = [0.83, 0.82, 0.80, 0.75, 0.66, 0.57, 0.50, 0.48, 0.28, 0.20, 0.16, 0.14, 0.14];
     let shape = |edge, hangs, rough, thick| Shape { edge, thick, hangs, rough, smooth: false };
     match hair {
@@ -95,7 +94,7 @@ pub(super) fn shape(hair: Hair) -> Shape {
 /// Adds a shell around the head, which is closed inside the head.
 pub(super) fn dome(surface: &mut Surface, skull: Skull<'_>, shape: &Shape, region: Region) {
     // Smooth hats need fewer rows than locks.
-    let rows: &[f64] = if shape.smooth { &[0.3, 0.6, 0.85, 1.0] } else { &ROWS };
+    let rows: &[f64] = if shape.smooth { &[0.32, 0.68, 1.0] } else { &ROWS };
     let rings: Vec<Vec<usize>> = rows
         .iter()
         .enumerate()
@@ -129,8 +128,7 @@ pub(super) fn dome(surface: &mut Surface, skull: Skull<'_>, shape: &Shape, regio
     surface.brush = super::PLAIN;
     let crown = surface.points.len();
     surface.tube(&all, region);
-    surface.points[crown] =
-        skull.in_model(DVec3::new(0.0, 0.997 + (shape.thick)(0.0, 0.0), -0.01));
+    surface.points[crown] = skull.in_model(DVec3::new(0.0, 0.997 + (shape.thick)(0.0, 0.0), -0.01));
 }
 
 /// Returns the signed angle from the front of point `j` in degrees.
@@ -186,20 +184,22 @@ fn bun(surface: &mut Surface, skull: Skull<'_>) {
     let center = DVec3::new(0.0, 0.80, -0.47);
     let axis = DVec3::new(0.0, 0.45, -0.9).normalize();
     let up = DVec3::X.cross(axis);
-    let rings: Vec<Vec<usize>> = [(150.0, 0.8), (110.0, 1.0), (75.0, 1.0), (45.0, 0.95), (20.0, 1.0)]
-        .into_iter()
-        .map(|(polar, shade): (f64, f64)| {
-            let (sin, cos) = (polar * PI / 180.0).sin_cos();
-            surface.brush = [0.9 * shade; 3];
-            (0..10)
-                .map(|k| {
-                    let (s, c) = (TAU * f64::from(k) / 10.0 + 0.02 * polar).sin_cos();
-                    let p = center + (axis * (0.75 * cos) + (DVec3::X * c + up * s) * sin) * 0.165;
-                    surface.point(skull.in_model(p), skull.weights(DVec3::Y))
-                })
-                .collect()
-        })
-        .collect();
+    let rings: Vec<Vec<usize>> =
+        [(150.0, 0.8), (110.0, 1.0), (75.0, 1.0), (45.0, 0.95), (20.0, 1.0)]
+            .into_iter()
+            .map(|(polar, shade): (f64, f64)| {
+                let (sin, cos) = (polar * PI / 180.0).sin_cos();
+                surface.brush = [0.9 * shade; 3];
+                (0..10)
+                    .map(|k| {
+                        let (s, c) = (TAU * f64::from(k) / 10.0 + 0.02 * polar).sin_cos();
+                        let p =
+                            center + (axis * (0.75 * cos) + (DVec3::X * c + up * s) * sin) * 0.165;
+                        surface.point(skull.in_model(p), skull.weights(DVec3::Y))
+                    })
+                    .collect()
+            })
+            .collect();
     surface.tube(&rings, Region::Hair);
     surface.brush = super::PLAIN;
 }

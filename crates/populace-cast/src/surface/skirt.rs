@@ -13,7 +13,7 @@ const AROUND: usize = 16;
 /// Rows of the trunk that the skirt follows, with its distance as a fraction of the height.
 const UPPER: [(usize, f64); 3] = [(3, 0.002), (2, 0.006), (0, 0.012)];
 /// Rows below the hips: position between hips (0) and hem (1).
-const LOWER: [f64; 4] = [0.27, 0.53, 0.78, 1.0];
+const LOWER: [f64; 3] = [0.34, 0.68, 1.0];
 /// Half breadth and half depth of the hem as fractions of the height.
 const HEM: [f64; 2] = [0.116, 0.100];
 

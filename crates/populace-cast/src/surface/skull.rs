@@ -61,8 +61,7 @@ impl Skull<'_> {
         let (sin, cos) = angle.sin_cos();
         let face = &self.body.look.face;
         // The jaw is broad or slender; the skull and the neck are not.
-        let jaw = 1.0
-            + (face.jaw - 1.0) * smooth(3.0, 5.0, row) * (1.0 - smooth(10.0, 14.0, row));
+        let jaw = 1.0 + (face.jaw - 1.0) * smooth(3.0, 5.0, row) * (1.0 - smooth(10.0, 14.0, row));
         let limbs = self.body.look.limbs;
         let neck = 1.0 + 0.45 * (limbs - 1.0) * (1.0 - smooth(2.0, 4.5, row));
         let y = behind + (before - behind) * (0.5 + 0.5 * cos);
@@ -110,7 +109,8 @@ impl Skull<'_> {
         let near = 1.0 - smooth(0.04, 0.075, off.abs());
         let out = p.x.abs() / MOUTH_X;
         let pull = 0.85 * smooth(0.25, 1.0, out) * (1.0 - 0.8 * smooth(1.0, 1.5, out)) * near;
-        let smile = 0.020 * face.smile * smooth(0.3, 1.0, out) * (1.0 - smooth(1.0, 1.9, out)) * near;
+        let smile =
+            0.020 * face.smile * smooth(0.3, 1.0, out) * (1.0 - smooth(1.0, 1.9, out)) * near;
         DVec3::new(p.x, p.y - pull * off + smile, p.z)
     }
 
@@ -166,10 +166,13 @@ fn nose(face: &Face, x: f64, y: f64) -> f64 {
     // The ridge from the bridge between the eyes to the tip.
     let down = ((0.545 - y) / (0.545 - tip_y)).clamp(0.0, 1.0);
     let below = smooth(tip_y - 0.062, tip_y - 0.006, y);
-    let profile = 0.024 + (0.088 * face.nose_length - 0.012) * down.powf(1.25)
+    let profile = 0.024
+        + (0.088 * face.nose_length - 0.012) * down.powf(1.25)
         + 0.022 * face.nose_hump * (std::f64::consts::PI * down).sin();
     let ridge = if y > 0.60 { 0.0 } else { profile * smooth(0.615, 0.53, y) };
     let half = (0.028 + 0.026 * down * down) * (0.5 + 0.5 * face.nose_width);
-    let wings = 0.040 * bump(x, y, [0.058 * face.nose_width, tip_y - 0.018], [0.026, 0.026]);
+    let wings = 0.036
+        * face.nose_length
+        * bump(x, y, [0.058 * face.nose_width, tip_y - 0.018], [0.026, 0.026]);
     ridge * below * (-(x / half).powi(2)).exp() + wings
 }

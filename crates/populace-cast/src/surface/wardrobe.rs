@@ -27,6 +27,9 @@ pub(crate) struct Item {
 pub(crate) struct Wardrobe {
     /// What the person always wears.
     pub(crate) body: Surface,
+    /// The surface that touches the ground when the person lies: body and hair, without what gives
+    /// way.
+    pub(crate) touching: Surface,
     /// Worn options, and others after them if they were asked for.
     pub(crate) items: Vec<Item>,
 }
@@ -37,16 +40,15 @@ impl Wardrobe {
         let look = &body.look;
         let spare = if all { look.spare.as_slice() } else { &[] };
         let extras = look.worn().into_iter().chain(spare.iter().copied());
-        Self { body: dressed(body), items: extras.map(|extra| item(body, extra)).collect() }
-    }
-
-    /// Returns the surface that touches the ground when the person lies: the body and its hair.
-    pub(crate) fn touching(&self) -> Surface {
-        let mut surface = self.body.clone();
-        for item in self.items.iter().filter(|item| item.group == "hair").take(1) {
-            surface.append(&item.surface);
+        let items: Vec<Item> = extras.map(|extra| item(body, extra)).collect();
+        let mut touching = dressed(body);
+        let mut dressed = touching.clone();
+        collar::build(&mut dressed, body, &Covers::of(look, body.height));
+        skirt::build(&mut dressed, body);
+        for hair in items.iter().filter(|item| item.group == "hair").take(1) {
+            touching.append(&hair.surface);
         }
-        surface
+        Self { body: dressed, touching, items }
     }
 }
 
@@ -69,7 +71,7 @@ fn item(body: &Body, extra: Extra) -> Item {
     Item { group, name, region, color, surface }
 }
 
-/// Returns the body with its clothes.
+/// Returns the body in close-fitting clothes.
 fn dressed(body: &Body) -> Surface {
     let covers = Covers::of(&body.look, body.height);
     let mut base = Surface::default();
@@ -82,8 +84,6 @@ fn dressed(body: &Body) -> Surface {
     }
     let mut surface = layers::lifted(&base);
     head::build(&mut surface, body);
-    collar::build(&mut surface, body, &covers);
-    skirt::build(&mut surface, body);
     surface
 }
 
