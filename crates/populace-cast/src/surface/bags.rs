@@ -52,7 +52,7 @@ pub(super) fn bag(body: &Body, bag: Bag) -> Surface {
     surface
 }
 
-/// Adds the sack on the back, with a pocket.
+/// Adds the sack on the back.
 fn backpack(surface: &mut Surface, body: &Body) {
     let h = body.height;
     let behind = |row: usize| trunk::position(body, row, AROUND / 2);
@@ -79,15 +79,6 @@ fn backpack(surface: &mut Surface, body: &Body) {
         }),
         weights,
         1.0,
-    );
-    let pocket = [(0.12, 0.7), (0.15, 0.86), (0.38, 0.86), (0.41, 0.7)];
-    box_of(
-        surface,
-        &pocket.map(|(u, b)| {
-            (DVec3::new(0.0, body.trunk_y(u), rear - 0.080 * h), wide * 0.9 * b, 0.018 * h * b)
-        }),
-        weights,
-        0.8,
     );
 }
 

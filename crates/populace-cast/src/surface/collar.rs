@@ -29,7 +29,7 @@ pub(super) fn build(surface: &mut Surface, body: &Body, covers: &Covers) {
         Top::Jacket => {
             open(surface, body, covers.sleeve, [26.0, 0.055], |front| {
                 let mut section = folded(front);
-                section.iter_mut().for_each(|p| p[0] += 0.004);
+                section.iter_mut().for_each(|p| p[0] += 0.006);
                 section
             });
         }
@@ -110,7 +110,7 @@ fn open(
     [gap, drop]: [f64; 2],
     section: impl Fn(f64) -> Section,
 ) {
-    let stations = 11;
+    let stations = 10;
     surface.brush = cover.paint.map(|c| 0.92 * c);
     let rings: Vec<Vec<usize>> = (0..=stations)
         .map(|k| {
@@ -121,7 +121,7 @@ fn open(
                 // The outer edge of the ends comes to a point on the chest.
                 let low = if at >= 3 { 1.0 } else { 0.35 };
                 let down = end * drop * low * body.height;
-                surface.points[point] += DVec3::new(0.0, -down, 0.42 * down);
+                surface.points[point] += DVec3::new(0.0, -down, 0.54 * down);
             }
             ring
         })

@@ -82,26 +82,31 @@ pub(super) fn shape(hair: Hair) -> Shape {
             let fringe = smooth(40.0, 20.0, (angle - 20.0).abs());
             0.022 + 0.016 * smooth(0.9, 0.3, s) + 0.02 * fringe
         }),
-        Hair::Headscarf => shape(
-            [0.76, 0.755, 0.73, 0.64, 0.30, 0.02, -0.06, -0.08, -0.08, -0.08, -0.08, -0.08, -0.08],
-            true,
-            0.004,
-            |angle, s| 0.045 + 0.025 * s * smooth(40.0, 90.0, angle.abs()),
-        ),
+        Hair::Headscarf => Shape {
+            edge: [
+                0.76, 0.755, 0.73, 0.66, 0.42, 0.08, -0.06, -0.08, -0.08, -0.08, -0.08, -0.08,
+                -0.08,
+            ],
+            thick: |angle, s| 0.045 + 0.022 * s * smooth(40.0, 90.0, angle.abs()),
+            hangs: true,
+            smooth: true,
+            rough: 0.003,
+        },
     }
 }
 
 /// Adds a shell around the head, which is closed inside the head.
 pub(super) fn dome(surface: &mut Surface, skull: Skull<'_>, shape: &Shape, region: Region) {
     // Smooth hats need fewer rows than locks.
-    let rows: &[f64] = if shape.smooth { &[0.32, 0.68, 1.0] } else { &ROWS };
+    let rows: &[f64] = if shape.smooth && !shape.hangs { &[0.32, 0.68, 1.0] } else { &ROWS };
     let rings: Vec<Vec<usize>> = rows
         .iter()
         .enumerate()
         .map(|(row, &s)| {
             let ring = (0..AROUND).map(|j| {
                 let p = outside(skull, shape, row, s, j);
-                let shade = 0.80 + 0.22 * (1.0 - s) + 0.30 * (noise(j, 91) - 0.5);
+                let streak = if shape.smooth { 0.0 } else { 0.30 * (noise(j, 91) - 0.5) };
+                let shade = 0.80 + 0.22 * (1.0 - s) + streak;
                 surface.brush = [shade; 3];
                 surface.point(skull.in_model(p), skull.weights(p))
             });

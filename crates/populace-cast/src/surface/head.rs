@@ -62,7 +62,7 @@ fn paint(skull: Skull<'_>, row: f64, column: usize, [x, y]: [f64; 2]) -> Paint {
     let face = &skull.body.look.face;
     let off = |limit: f64, of: f64| (row - of).abs() < limit;
     if column <= LIP_END && off(1e-9, LINE) {
-        return [0.50, 0.26, 0.27];
+        return [0.64, 0.37, 0.37];
     }
     if column < LIP_END && (off(1e-9, UPPER) || off(1e-9, LOWER)) {
         return face.lip_paint();

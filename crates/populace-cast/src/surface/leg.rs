@@ -63,7 +63,7 @@ pub(super) fn build(
         Bottom::Skirt | Bottom::Dress => 0,
     };
     // Skirts hide the thighs.
-    let hidden = if hem == 0 { 1..2 } else { 0..0 };
+    let hidden = if hem == 0 { 1..3 } else { 0..0 };
     for row in (0..RINGS.len()).filter(|row| !hidden.contains(row)) {
         let next = ring(surface, body, side, row);
         let cover = if row <= hem { covers.legs } else { Region::Skin.into() };

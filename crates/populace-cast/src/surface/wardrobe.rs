@@ -8,7 +8,7 @@ use crate::{Bottom, Extra, Look, Top};
 /// Distance of cloth from the body, as fractions of the body's height.
 const TROUSERS_LIFT: f64 = 0.0016;
 const SHIRT_LIFT: f64 = 0.0034;
-const JACKET_LIFT: f64 = 0.0090;
+const JACKET_LIFT: f64 = 0.0072;
 
 /// A part that can be hidden or swapped: hair, hats, glasses and bags.
 #[derive(Clone, Debug)]
