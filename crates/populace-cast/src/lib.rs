@@ -34,7 +34,7 @@ use populace_character::Error;
 use populace_character::{Character, CharacterSource, SkinInstance, sole_points, vertex_reach_m};
 use populace_clip::Clip;
 
-pub use look::{Colors, Hair, Look, Reach, Rig};
+pub use look::{Bag, Bottom, Colors, Extra, Face, Glasses, Hair, Hat, Look, Reach, Rig, Top};
 
 /// Returns one character for each preset, in the order of [`Look::presets`].
 ///
@@ -57,23 +57,52 @@ pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
         .collect()
 }
 
-/// Returns one person with clips. The result is deterministic: equal looks give equal data.
+/// Returns one person with clips, in what the look wears. The result is deterministic: equal looks
+/// give equal data.
 ///
 /// # Errors
 ///
 /// An [`Error`] of [`populace_character`] if a number of the look is not finite, or if it gives an
 /// invalid body.
 pub fn person(look: &Look) -> Result<Character, Error> {
+    create(look, false)
+}
+
+/// Returns one person with clips and with all options of the look as parts: what it wears, and then
+/// what it has to spare. Skeleton and clips are those of [`person`].
+///
+/// Options are the parts that [`option_of`] knows. At most one of a group may be shown on a body,
+/// and always one of the group `hair`. [`Look::worn_parts`] names those to show by default.
+///
+/// # Errors
+///
+/// The errors of [`person`].
+pub fn person_with_options(look: &Look) -> Result<Character, Error> {
+    create(look, true)
+}
+
+/// Returns the group and the name of an option, by the name of its part
+/// ([`Part::node_name`](populace_character::Part::node_name)): `Option:hair:bob` is the option
+/// `bob` of the group `hair`. `None` for parts that are always shown.
+#[must_use]
+pub fn option_of(part: &str) -> Option<(&str, &str)> {
+    part.strip_prefix(OPTION)?.split_once(':')
+}
+
+/// Start of the names of parts that can be hidden.
+const OPTION: &str = "Option:";
+
+fn create(look: &Look, all: bool) -> Result<Character, Error> {
     let body = anatomy::Body::new(look);
     let joints = rig::Joints::new(&body);
     let skeleton = joints.skeleton()?;
     let palette = joints.palette(&skeleton);
-    let surface = surface::Surface::of(&body);
-    let (parts, materials) = surface::parts(&surface, &joints, &look.colors);
+    let wardrobe = surface::Wardrobe::of(&body, all);
+    let (parts, materials) = surface::parts(&wardrobe, &joints, &look.colors);
     let reach = vertex_reach_m(&skeleton, &palette, &parts);
     let soles = sole_points(&skeleton, &palette, &parts);
     let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
-    let clips = motion::all(&body, &joints, &surface)
+    let clips = motion::all(&body, &joints, &wardrobe.touching)
         .iter()
         .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
         .collect::<Result<_, _>>()?;

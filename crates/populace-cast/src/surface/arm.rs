@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::wardrobe::Covers;
 use super::wrist::{self, AROUND, on_arm};
 use super::{Region, Surface, Weights, chain, hand, mixed};
 use crate::Reach;
@@ -11,11 +12,10 @@ use crate::anatomy::{Body, ELBOW, Limb, Side, WRIST};
 
 /// Distance from the shoulder, half breadth from front to back, and half depth of each ring, as
 /// fractions of the body's height.
-const RINGS: [[f64; 3]; 11] = [
+const RINGS: [[f64; 3]; 10] = [
     [0.052, 0.0300, 0.0295],
     [0.078, 0.0283, 0.0278],
     [0.105, 0.0260, 0.0255],
-    [0.113, 0.0250, 0.0245],
     [0.159, 0.0232, 0.0230],
     [0.172, 0.0228, 0.0225],
     [0.185, 0.0232, 0.0228],
@@ -29,21 +29,31 @@ const RINGS: [[f64; 3]; 11] = [
 const fn hem(sleeves: Reach) -> usize {
     match sleeves {
         Reach::Short => 2,
-        Reach::Long => 9,
+        Reach::Long => 8,
     }
 }
 
-pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, opening: &[usize]) {
+pub(super) fn build(
+    surface: &mut Surface,
+    body: &Body,
+    covers: &Covers,
+    side: Side,
+    opening: &[usize],
+) {
     let mirrored = side == Side::Left;
     let first = ring(surface, body, side, 0);
-    let shoulder = shoulder_ring(surface, body, side, opening, &first);
-    surface.bridge(opening, &shoulder, Region::Shirt, mirrored);
-    surface.bridge(&shoulder, &first, Region::Shirt, mirrored);
+    let mut inner = opening.to_vec();
+    for t in SHOULDER {
+        let shoulder = shoulder_ring(surface, body, side, [opening, &first], t);
+        surface.bridge(&inner, &shoulder, covers.sleeve, mirrored);
+        inner = shoulder;
+    }
+    surface.bridge(&inner, &first, covers.sleeve, mirrored);
     let mut last = first;
     for row in 1..RINGS.len() {
         let next = ring(surface, body, side, row);
-        let region = if row <= hem(body.look.sleeves) { Region::Shirt } else { Region::Skin };
-        surface.bridge(&last, &next, region, mirrored);
+        let cover = if row <= hem(body.look.sleeves) { covers.sleeve } else { Region::Skin.into() };
+        surface.bridge(&last, &next, cover, mirrored);
         last = next;
     }
     hand::build(surface, body, side, &last);
@@ -87,29 +97,35 @@ fn weights(side: Side, at: f64) -> Weights {
     chain(at, &segments, &[(0.0, 0.075), (ELBOW, 0.032), (WRIST, wrist::BLEND)])
 }
 
-/// Adds the ring between the trunk's opening and the arm's first ring, with the bulge of the
+/// Positions of the shoulder's rings between the trunk's opening (0) and the arm's first ring (1).
+const SHOULDER: [f64; 2] = [0.33, 0.70];
+
+/// Adds the ring at `t` between the trunk's opening and the arm's first ring, with the bulge of the
 /// deltoid.
 fn shoulder_ring(
     surface: &mut Surface,
     body: &Body,
     side: Side,
-    opening: &[usize],
-    first: &[usize],
+    [opening, first]: [&[usize]; 2],
+    t: f64,
 ) -> Vec<usize> {
     let up = side.mirror_point(DVec3::new(0.55, 0.83, 0.0));
     (0..AROUND)
         .map(|k| {
             let outside = angle(k).cos();
-            let bulge = (0.007 * outside.max(0.0) + 0.004 * angle(k).sin().powi(2))
+            let bulge = 4.0
+                * t
+                * (1.0 - t)
+                * (0.0095 * outside.max(0.0) + 0.004 * angle(k).sin().powi(2))
                 * body.height
                 * body.look.limbs;
             let round = side.mirror_point(body.outward * outside - DVec3::Z * angle(k).sin());
             let dir = if outside > 0.0 { up.lerp(round, 0.4).normalize() } else { round };
             let position =
-                surface.points[opening[k]].lerp(surface.points[first[k]], 0.5) + dir * bulge;
+                surface.points[opening[k]].lerp(surface.points[first[k]], t) + dir * bulge;
             let inner = surface.weights[opening[k]].clone();
             let outer = surface.weights[first[k]].clone();
-            surface.point(position, mixed(inner, &outer, 0.55))
+            surface.point(position, mixed(inner, &outer, t))
         })
         .collect()
 }

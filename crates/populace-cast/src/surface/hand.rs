@@ -17,7 +17,7 @@ const THUMB: [usize; 3] = [10, 11, 0];
 const HEXAGON: [[f64; 2]; 6] =
     [[0.55, 0.85], [-0.55, 0.85], [-1.0, 0.0], [-0.55, -0.85], [0.55, -0.85], [1.0, 0.0]];
 /// Radius of a finger at its root, as a fraction of the body's height.
-const FINGER_RADIUS: f64 = 0.0051;
+const FINGER_RADIUS: f64 = 0.0047;
 
 pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, wrist: &[usize]) {
     let mirrored = side == Side::Left;
@@ -122,7 +122,7 @@ fn fingers(surface: &mut Surface, body: &Body, side: Side, palm: &[usize]) {
         let mut last =
             vec![palm[finger], palm[finger + 1], webs[finger + 1], inside, back, webs[finger]];
         let length = FINGERS[finger];
-        for (at, radius) in [(0.36, 1.0), (0.70, 0.9), (0.94, 0.66)] {
+        for (at, radius) in [(0.45, 0.98), (0.88, 0.72)] {
             let next: Vec<usize> = HEXAGON
                 .iter()
                 .map(|&[across, out]| {

@@ -5,8 +5,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Region, Surface, Weights, chain, mixed};
-use crate::Reach;
+use super::wardrobe::Covers;
+use super::{Cover, Region, Surface, Weights, chain, mixed};
+use crate::Bottom;
 use crate::anatomy::{Body, Limb, PELVIS, Side, TOE_JOINT, TOE_TIP};
 
 /// Points around a leg: thirteen on the outside, from front to back, and three on the inside.
@@ -14,58 +15,87 @@ const AROUND: usize = 16;
 /// Ring at which short trousers end.
 const KNEE_HEM: usize = 3;
 /// Ring at which long trousers end.
-const ANKLE_HEM: usize = 10;
+const ANKLE_HEM: usize = 8;
 
 /// Position of a ring between crotch (0) and ankle (1); half breadth, half depth, forward offset of
 /// its centre and distance of cloth from the skin, as fractions of the body's height.
-const RINGS: [[f64; 5]; 12] = [
+const RINGS: [[f64; 5]; 9] = [
     [0.050, 0.0470, 0.0560, -0.004, 0.002],
     [0.210, 0.0430, 0.0500, 0.003, 0.002],
     [0.365, 0.0370, 0.0410, 0.006, 0.003],
     [0.395, 0.0360, 0.0395, 0.006, 0.005],
-    [0.412, 0.0352, 0.0385, 0.006, 0.003],
-    [0.445, 0.0345, 0.0375, 0.005, 0.003],
-    [0.478, 0.0335, 0.0370, 0.002, 0.003],
+    [0.468, 0.0338, 0.0372, 0.003, 0.003],
     [0.600, 0.0330, 0.0370, -0.006, 0.003],
     [0.720, 0.0285, 0.0315, -0.007, 0.006],
     [0.940, 0.0200, 0.0230, -0.010, 0.013],
     [0.985, 0.0195, 0.0235, -0.011, 0.015],
-    [0.990, 0.0195, 0.0235, -0.012, 0.000],
 ];
 
 /// Height and distance before the ankle of a ring's upper edge, the same of its lower edge, and its
-/// half breadth, in metres for a foot of scale 1. From the third ring on, the lower edge is the
+/// half breadth, in metres for a foot of scale 1. From the second ring on, the lower edge is the
 /// sole.
-const FOOT: [[f64; 5]; 8] = [
-    [0.086, 0.052, 0.064, -0.052, 0.0345],
-    [0.078, 0.066, 0.020, -0.056, 0.0355],
-    [0.072, 0.078, 0.000, -0.040, 0.0360],
+const FOOT: [[f64; 5]; 6] = [
+    [0.084, 0.056, 0.058, -0.054, 0.0350],
+    [0.074, 0.074, 0.000, -0.050, 0.0360],
     [0.058, 0.104, 0.000, 0.055, 0.0400],
-    [0.044, 0.140, 0.000, 0.130, 0.0480],
-    [0.039, 0.160, 0.000, 0.157, 0.0470],
+    [0.042, 0.146, 0.000, 0.140, 0.0485],
     [0.033, 0.183, 0.000, 0.183, 0.0400],
     [0.024, 0.200, 0.002, 0.198, 0.0260],
 ];
 
-pub(super) fn build(surface: &mut Surface, body: &Body, side: Side, opening: &[usize]) {
+/// Points of a foot's ring that belong to the sole; the first and the last are its upper edge.
+const SOLE: std::ops::RangeInclusive<usize> = 8..=13;
+/// Height of a sole's upper edge, and how far it stands out, in metres for a foot of scale 1.
+const SOLE_EDGE: [f64; 2] = [0.017, 0.0035];
+
+pub(super) fn build(
+    surface: &mut Surface,
+    body: &Body,
+    covers: &Covers,
+    side: Side,
+    opening: &[usize],
+) {
     let mirrored = side == Side::Left;
     let mut last = opening.to_vec();
-    let hem = if body.look.trouser_legs == Reach::Short { KNEE_HEM } else { ANKLE_HEM };
-    for row in 0..RINGS.len() {
+    let hem = match body.look.bottom {
+        Bottom::Trousers => ANKLE_HEM,
+        Bottom::Shorts => KNEE_HEM,
+        Bottom::Skirt | Bottom::Dress => 0,
+    };
+    // Skirts hide the thighs.
+    let hidden = if hem == 0 { 1..3 } else { 0..0 };
+    for row in (0..RINGS.len()).filter(|row| !hidden.contains(row)) {
         let next = ring(surface, body, side, row);
-        let region = if row <= hem { Region::Trousers } else { Region::Skin };
-        surface.bridge(&last, &next, region, mirrored);
+        let cover = if row <= hem { covers.legs } else { Region::Skin.into() };
+        surface.bridge(&last, &next, cover, mirrored);
         last = next;
     }
     for row in 0..FOOT.len() {
         let next = foot_ring(surface, body, side, row);
-        surface.bridge(&last, &next, Region::Shoes, mirrored);
+        for k in 0..AROUND {
+            let next_k = (k + 1) % AROUND;
+            let [a, b, c, d] = [last[k], last[next_k], next[next_k], next[k]];
+            let corners = if mirrored { [b, a, d, c] } else { [a, b, c, d] };
+            surface.quad(corners, shoe(body, row, k), mirrored);
+        }
         last = next;
     }
     let ankle = body.joint(Limb::Foot, side);
     let tip = DVec3::new(ankle.x, 0.012 * body.foot, ankle.z + TOE_TIP * body.foot);
     let end = surface.point(tip, foot_weights(side, TOE_TIP, 0.0));
-    surface.cap(&last, end, Region::Shoes, mirrored);
+    for k in 0..AROUND {
+        let [a, b] = [last[k], last[(k + 1) % AROUND]];
+        let corners = if mirrored { [b, a, end] } else { [a, b, end] };
+        surface.triangles.push((corners, shoe(body, FOOT.len(), k)));
+    }
+}
+
+/// Returns the cover between the points `k` and `k + 1` below ring `row` of the foot: leather, or
+/// the sole.
+fn shoe(body: &Body, row: usize, k: usize) -> Cover {
+    let sole = row > 1 && SOLE.contains(&k) && SOLE.contains(&(k + 1));
+    let paint = if sole { body.look.sole_paint() } else { super::PLAIN };
+    Cover { region: Region::Shoes, lift: 0.0, paint }
 }
 
 /// Returns the angle of point `k` of a ring in radians: 0 in front, a quarter turn on the outside.
@@ -84,18 +114,24 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
     let crotch = body.trunk_y(-0.150);
     let y = crotch + q * (ankle.y - crotch);
     let x = 0.052 * h * body.look.hips * (1.0 - q) + ankle.x * q;
-    let short = body.look.trouser_legs == Reach::Short;
-    let ease = match (short, row) {
-        (true, r) if r > KNEE_HEM => 0.0,
-        (true, _) => 0.004,
-        (false, _) => ease,
+    let ease = match body.look.bottom {
+        Bottom::Trousers => ease,
+        Bottom::Shorts if row <= KNEE_HEM => 0.004,
+        Bottom::Shorts | Bottom::Skirt | Bottom::Dress => 0.0,
     };
-    let girth = body.look.limbs + (1.0 - body.look.limbs) * 0.6 * q;
+    let mut girth = body.look.limbs + (1.0 - body.look.limbs) * 0.6 * q;
+    if matches!(body.look.bottom, Bottom::Skirt | Bottom::Dress) && row < KNEE_HEM {
+        // Under a skirt.
+        girth *= 0.85;
+    }
     // The breadth of thighs is limited, so that they do not pass through each other.
     let breadth = (breadth * girth).min(0.98 * x / h - ease + 0.012 * q);
+    // On the outside they start no broader than the hips.
+    let outer = breadth.min(0.0455 * body.look.hips + 0.05 * q);
     (0..AROUND)
         .map(|k| {
             let (sin, cos) = angle(k).sin_cos();
+            let breadth = if sin > 0.0 { outer } else { breadth };
             let position = DVec3::new(
                 x + (breadth + ease) * sin * h,
                 y,
@@ -125,9 +161,15 @@ fn foot_ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<
         .map(|k| {
             let (sin, cos) = angle(k).sin_cos();
             // The section is flat below, so that the sole is level, and has steep sides.
-            let up = 0.5 + 0.5 * (1.3 * cos).clamp(-1.0, if row < 2 { 1.0 } else { 0.97 });
+            let up = 0.5 + 0.5 * (1.3 * cos).clamp(-1.0, if row < 1 { 1.0 } else { 0.97 });
             let x = breadth * sin.signum() * sin.abs().powf(0.75);
-            let (y, z) = (sole_y + up * (top_y - sole_y), sole_z + up * (top_z - sole_z));
+            let (mut y, z) = (sole_y + up * (top_y - sole_y), sole_z + up * (top_z - sole_z));
+            let mut x = x;
+            if row >= 1 && SOLE.contains(&k) {
+                let edge = k == *SOLE.start() || k == *SOLE.end();
+                y = if edge { SOLE_EDGE[0].min(0.5 * top_y) } else { sole_y };
+                x += SOLE_EDGE[1] * sin.signum();
+            }
             let position = DVec3::new(ankle.x, 0.0, ankle.z) + DVec3::new(x, y, z) * body.foot;
             surface.point(side.mirror_point(position), foot_weights(side, z, y))
         })

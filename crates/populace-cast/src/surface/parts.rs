@@ -1,4 +1,5 @@
-//! Conversion of a surface to drawable parts, one for each region, with identical borders.
+//! Conversion of surfaces to drawable parts: one for each region of the body, with identical
+//! borders, and one for each option.
 
 use std::collections::BTreeMap;
 
@@ -6,91 +7,96 @@ use glam::DVec3;
 use populace_character::{Influences, Material, Mesh, Part};
 use populace_model::convert::single;
 
-use super::{Region, Surface};
+use super::{Item, Region, Surface, Wardrobe};
 use crate::{Colors, rig::Joints};
 
 /// Influences per vertex.
 const WIDTH: usize = 4;
 
-/// Returns the parts of a surface and their materials. Palette entries are the indices of joints in
-/// source order.
+/// Returns the parts of a dressed body and their materials. Palette entries are the indices of
+/// joints in source order.
 pub(crate) fn parts(
-    surface: &Surface,
+    wardrobe: &Wardrobe,
     joints: &Joints,
     colors: &Colors,
 ) -> (Vec<Part>, Vec<Material>) {
-    let normals = normals(surface);
-    let mut parts = Vec::new();
-    let mut materials = Vec::new();
-    for region in Region::ALL {
-        let mut mesh = Mesh {
-            positions: Vec::new(),
-            normals: Vec::new(),
-            uvs: Vec::new(),
-            colors: Vec::new(),
-            influences: Influences { per_vertex: WIDTH, entries: Vec::new(), weights: Vec::new() },
-            indices: Vec::new(),
-        };
-        let mut vertices = BTreeMap::new();
-        for (corners, _) in surface.triangles.iter().filter(|(_, r)| *r == region) {
-            for &corner in corners {
-                let index = *vertices.entry(corner).or_insert_with(|| {
-                    mesh.positions.push(narrow(surface.points[corner]));
-                    mesh.normals.push(narrow(normals[corner]));
-                    for (entry, weight) in influences(surface, joints, corner) {
-                        mesh.influences.entries.push(entry);
-                        mesh.influences.weights.push(weight);
-                    }
-                    mesh.positions.len() - 1
-                });
-                mesh.indices.push(u32::try_from(index).unwrap_or(u32::MAX));
-            }
-        }
-        if mesh.indices.is_empty() {
-            continue;
-        }
-        let (name, base_color) = look(region, colors);
+    let (mut parts, mut materials) = (Vec::new(), Vec::new());
+    let mut add = |node_name: String, name: String, [r, g, b]: [f32; 3], mesh: Mesh| {
         let at = parts.len();
-        parts.push(Part {
-            node: 0,
-            node_name: "body".into(),
-            primitive: at,
-            material: Some(at),
-            mesh,
-        });
-        materials.push(Material { name: name.into(), base_color, ..Material::default() });
+        let material = Some(at);
+        parts.push(Part { node: 0, node_name, primitive: at, material, mesh });
+        materials.push(Material { name, base_color: [r, g, b, 1.0], ..Material::default() });
+    };
+    let normals = wardrobe.body.normals();
+    for region in Region::ALL {
+        let mesh = mesh(&wardrobe.body, &normals, region, joints);
+        if !mesh.indices.is_empty() {
+            add("body".into(), name(region).into(), color(region, colors), mesh);
+        }
+    }
+    for Item { group, name: item, region, color, surface } in &wardrobe.items {
+        let mesh = mesh(surface, &surface.normals(), *region, joints);
+        let material = format!("{} {item}", name(*region));
+        add(format!("Option:{group}:{item}"), material, *color, mesh);
     }
     (parts, materials)
 }
 
-/// Returns the name and the linear base colour of a region's material.
-fn look(region: Region, colors: &Colors) -> (&'static str, [f32; 4]) {
-    let opaque = |[r, g, b]: [f32; 3]| [r, g, b, 1.0];
-    let [r, g, b] = colors.skin;
+/// Returns the name of a region's material.
+fn name(region: Region) -> &'static str {
     match region {
-        Region::Skin => ("skin", opaque(colors.skin)),
-        Region::Hair => ("hair", opaque(colors.hair)),
-        Region::Brow => ("eyebrows", opaque(colors.hair)),
-        Region::Lips => ("lips", opaque([0.80 * r, 0.5 * g, 0.52 * b])),
-        Region::EyeWhite => ("eye white", [0.62, 0.60, 0.57, 1.0]),
-        Region::Iris => ("iris", [0.03, 0.018, 0.012, 1.0]),
-        Region::Shirt => ("shirt", opaque(colors.shirt)),
-        Region::Trousers => ("trousers", opaque(colors.trousers)),
-        Region::Shoes => ("shoes", opaque(colors.shoes)),
+        Region::Skin => "Skin",
+        Region::Eyes => "Eyes",
+        Region::Hair => "Hair",
+        Region::Top => "Top",
+        Region::Trousers => "Trousers",
+        Region::Shoes => "Shoes",
+        Region::Accessory => "Accessory",
     }
 }
 
-/// Returns unit vertex normals: area-weighted sums of the triangles' normals, across regions.
-fn normals(surface: &Surface) -> Vec<DVec3> {
-    let mut normals = vec![DVec3::ZERO; surface.points.len()];
-    for (corners, _) in &surface.triangles {
-        let [a, b, c] = corners.map(|corner| surface.points[corner]);
-        let normal = (b - a).cross(c - a);
+/// Returns the linear base colour of a region of the body. Eyes are painted in full.
+fn color(region: Region, colors: &Colors) -> [f32; 3] {
+    match region {
+        Region::Skin => colors.skin,
+        Region::Eyes => [1.0; 3],
+        Region::Hair => colors.hair,
+        Region::Top => colors.shirt,
+        Region::Trousers => colors.trousers,
+        Region::Shoes => colors.shoes,
+        Region::Accessory => colors.accessory,
+    }
+}
+
+/// Returns the triangles of one region.
+fn mesh(surface: &Surface, normals: &[DVec3], region: Region, joints: &Joints) -> Mesh {
+    let influences_of = |corner| influences(surface, joints, corner);
+    let mut mesh = Mesh {
+        positions: Vec::new(),
+        normals: Vec::new(),
+        uvs: Vec::new(),
+        colors: Vec::new(),
+        influences: Influences { per_vertex: WIDTH, entries: Vec::new(), weights: Vec::new() },
+        indices: Vec::new(),
+    };
+    let mut vertices = BTreeMap::new();
+    for (corners, _) in surface.triangles.iter().filter(|(_, cover)| cover.region == region) {
         for &corner in corners {
-            normals[corner] += normal;
+            let index = *vertices.entry(corner).or_insert_with(|| {
+                mesh.positions.push(narrow(surface.points[corner]));
+                mesh.normals.push(narrow(normals[corner]));
+                let [r, g, b] = surface.paints[corner].map(single);
+                mesh.colors.push([r, g, b, 1.0]);
+                for (entry, weight) in influences_of(corner) {
+                    mesh.influences.entries.push(entry);
+                    mesh.influences.weights.push(weight);
+                }
+                mesh.positions.len() - 1
+            });
+            mesh.indices.push(u32::try_from(index).unwrap_or(u32::MAX));
         }
     }
-    normals.into_iter().map(|n| n.normalize_or(DVec3::Y)).collect()
+    mesh
 }
 
 /// Returns the four joints with the largest weights at a vertex, and weights that sum to 1.

@@ -4,10 +4,11 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::{Region, Surface, Weights, chain, mixed, smooth};
+use super::wardrobe::Covers;
+use super::{Surface, Weights, chain, mixed, smooth};
 use crate::anatomy::{Body, Limb, NECK, PELVIS, SPINE, SPINE_AT, Side};
 
-/// Points around the trunk and the head: point 0 is in front, 6 on the left, 12 behind, 18 on the
+/// Points around the trunk: point 0 is in front, 6 on the left, 12 behind, 18 on the
 /// right.
 pub(super) const AROUND: usize = 24;
 /// Lowest, middle and highest row of the arms' openings.
@@ -16,12 +17,11 @@ const ARM_ROWS: [usize; 3] = [8, 9, 10];
 const ARM_FROM: usize = 4;
 /// Last point of the arms' openings in a half ring.
 const ARM_TO: usize = 8;
-/// Row of the border between trousers and shirt.
-const HEM: usize = 2;
+/// Row of the base of the neck.
+pub(super) const COLLAR: usize = 12;
 
 /// Border rings of the trunk's openings.
 pub(super) struct Ends {
-    pub(super) neck: Vec<usize>,
     /// Twelve points: five above from front to back, one behind, five below, one in front.
     pub(super) arms: [Vec<usize>; 2],
     /// Sixteen points: thirteen on the outside from front to back, three on the inside.
@@ -30,7 +30,7 @@ pub(super) struct Ends {
 
 /// Height between the hip joints (0) and the base of the neck (1); half breadth, depth in front and
 /// behind, and half of the front's drop below the back, as fractions of the body's height.
-const ROWS: [[f64; 5]; 13] = [
+pub(super) const ROWS: [[f64; 5]; 13] = [
     [-0.150, 0.094, 0.054, 0.064, 0.0],
     [-0.060, 0.098, 0.059, 0.073, 0.0],
     [-0.010, 0.101, 0.064, 0.076, 0.0],
@@ -41,19 +41,18 @@ const ROWS: [[f64; 5]; 13] = [
     [0.630, 0.096, 0.068, 0.069, 0.0],
     [0.700, 0.098, 0.067, 0.071, 0.0],
     [0.800, 0.103, 0.058, 0.068, 0.0],
-    [0.890, 0.096, 0.042, 0.058, 0.004],
-    [0.950, 0.064, 0.031, 0.044, 0.012],
-    [1.000, 0.038, 0.024, 0.035, 0.020],
+    [0.890, 0.096, 0.045, 0.058, 0.004],
+    [0.950, 0.062, 0.039, 0.044, 0.012],
+    [1.000, 0.0345, 0.036, 0.033, 0.020],
 ];
 
-pub(super) fn build(surface: &mut Surface, body: &Body) -> Ends {
+pub(super) fn build(surface: &mut Surface, body: &Body, covers: &Covers) -> Ends {
     let rings: Vec<Vec<usize>> = (0..ROWS.len())
         .map(|row| {
             (0..AROUND).map(|j| surface.point(position(body, row, j), weights(row, j))).collect()
         })
         .collect();
     for (row, pair) in rings.windows(2).enumerate() {
-        let region = if row < HEM { Region::Trousers } else { Region::Shirt };
         for j in 0..AROUND {
             let side = if j < AROUND / 2 { j } else { AROUND - 1 - j };
             let open =
@@ -61,13 +60,28 @@ pub(super) fn build(surface: &mut Surface, body: &Body) -> Ends {
             if !open {
                 let next = (j + 1) % AROUND;
                 let corners = [pair[0][j], pair[0][next], pair[1][next], pair[1][j]];
-                surface.quad(corners, region, j >= AROUND / 2);
+                surface.quad(corners, covers.trunk(row, side), j >= AROUND / 2);
             }
         }
     }
     let arms = Side::BOTH.map(|side| arm_ring(&rings, side));
     let legs = leg_rings(surface, body, &rings[0]);
-    Ends { neck: rings[ROWS.len() - 1].clone(), arms, legs }
+    close_neck(surface, body, covers, &rings[COLLAR]);
+    Ends { arms, legs }
+}
+
+/// Folds the neckline inwards and closes it inside the neck.
+fn close_neck(surface: &mut Surface, body: &Body, covers: &Covers, ring: &[usize]) {
+    let inner: Vec<usize> = (0..AROUND)
+        .map(|j| {
+            let p = position(body, COLLAR, j);
+            let inside = DVec3::new(0.72 * p.x, p.y - 0.016 * body.height, 0.62 * p.z);
+            surface.point(inside, weights(COLLAR, j))
+        })
+        .collect();
+    let cover = covers.trunk(COLLAR - 1, 0);
+    surface.bridge(ring, &inner, cover, false);
+    surface.close(&inner, cover, false);
 }
 
 /// Returns the border of an arm's opening.
@@ -106,7 +120,7 @@ fn between_legs(pull: f64) -> Weights {
 }
 
 /// Returns the position of point `j` of a ring.
-fn position(body: &Body, row: usize, j: usize) -> DVec3 {
+pub(super) fn position(body: &Body, row: usize, j: usize) -> DVec3 {
     let [u, breadth, front, back, tilt] = ROWS[row];
     let look = &body.look;
     let angle = 2.0 * PI * j as f64 / AROUND as f64;
@@ -140,7 +154,7 @@ fn position(body: &Body, row: usize, j: usize) -> DVec3 {
 }
 
 /// Returns the weights of point `j` of a ring.
-fn weights(row: usize, j: usize) -> Weights {
+pub(super) fn weights(row: usize, j: usize) -> Weights {
     let u = ROWS[row][0];
     let column = j.min(AROUND - j);
     let side = if j <= AROUND / 2 { Side::Left } else { Side::Right };

@@ -7,6 +7,7 @@ mod bodies;
 mod gaits;
 mod get_ups;
 mod motions;
+mod options;
 mod skinning;
 
 use std::sync::OnceLock;

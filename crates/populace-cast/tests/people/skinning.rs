@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::{DAffine3, DMat3, DQuat, DVec3};
-use populace_character::Character;
+use populace_character::{Character, Part};
 use populace_clip::Clip;
 use populace_model::{Affine, Property, Track};
 
@@ -20,9 +20,22 @@ impl<'a> Surface<'a> {
     /// Welds the vertices of a character. Panics if vertices of equal position differ in normal or
     /// influences, since a seam or a gap would be visible.
     pub(crate) fn welded(character: &'a Character) -> Self {
+        Self::of_parts(character, |_| true)
+    }
+
+    /// Welds the vertices of body and hair: without hats, glasses and bags.
+    pub(crate) fn bare(character: &'a Character) -> Self {
+        Self::of_parts(character, |part| {
+            populace_cast::option_of(&part.node_name).is_none_or(|(group, _)| group == "hair")
+        })
+    }
+
+    /// Welds the vertices of some parts, as [`Self::welded`].
+    pub(crate) fn of_parts(character: &'a Character, wanted: impl Fn(&Part) -> bool) -> Self {
         let mut surface = Self { character, rest: vec![], influences: vec![], triangles: vec![] };
         let mut welded: HashMap<[u32; 3], (usize, [f32; 3])> = HashMap::new();
-        for mesh in character.parts.iter().map(|part| &part.mesh) {
+        for part in character.parts.iter().filter(|part| wanted(part)) {
+            let mesh = &part.mesh;
             let own: Vec<usize> = (0..mesh.positions.len())
                 .map(|v| {
                     let influences = std::array::from_fn(|i| {
