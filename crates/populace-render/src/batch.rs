@@ -19,7 +19,7 @@ pub struct Drawn {
     pub shadow_instances: usize,
     /// Number of their triangles.
     pub shadow_triangles: usize,
-    /// Number of draw calls for instances in both.
+    /// Number of draw calls for instances in both, and for their contact shadows.
     pub draw_calls: usize,
 }
 

@@ -232,6 +232,21 @@ vertex_struct! {
 }
 
 vertex_struct! {
+    /// A corner of a rectangle on the ground around the contact shadow of a capsule.
+    Contact {
+        /// xyz: first end of the capsule's axis in bind space. w: its radius there.
+        from: Vector4,
+        /// The other end.
+        to: Vector4,
+        /// Which end, and which side: -1 or 1.
+        corner: Float2,
+        /// Palette entry that moves it, relative to the instance's first, and three that are not
+        /// used.
+        entries0: Index4,
+    }
+}
+
+vertex_struct! {
     /// Per-instance vertex attributes.
     InstanceData {
         /// First of the three rows of `world_from_model`.

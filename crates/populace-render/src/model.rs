@@ -1,5 +1,6 @@
 //! A character on the graphics device: its meshes, materials and textures.
 
+mod contacts;
 mod maps;
 
 use std::rc::Rc;
@@ -16,6 +17,7 @@ use crate::batch::{ModelInfo, determinant};
 use crate::gl::{Buffer, BufferUse, Coding, Cull, Gl, Sampling, Texture};
 use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
 
+pub(crate) use contacts::Contacts;
 pub(crate) use maps::{MapTextures, Maps};
 
 /// Alpha mode of a material, without its parameters.
@@ -81,6 +83,7 @@ const COARSE: f32 = 0.005;
 pub(crate) struct Model {
     /// Levels of detail, finest first; at least one.
     pub(crate) levels: Vec<ModelLevel>,
+    pub(crate) contacts: Contacts,
     pub(crate) info: ModelInfo,
     /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
     pub(crate) sphere: (Vec3, f32),
@@ -152,7 +155,8 @@ impl Model {
             level_count: u32::try_from(levels.len()).unwrap_or(u32::MAX),
             blended,
         };
-        Ok(Self { levels, info, sphere })
+        let contacts = Contacts::new(gl, character, hide)?;
+        Ok(Self { levels, contacts, info, sphere })
     }
 
     /// Returns the coarsest level with an error of at most `error_m`.

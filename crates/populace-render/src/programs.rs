@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::Error;
 use crate::gl::{Gl, Program};
 use crate::layout::{
-    Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
+    Contact, Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
     VertexStruct as _, glsl_inputs,
 };
 use crate::model::{Alpha, Maps};
@@ -31,6 +31,8 @@ pub(crate) enum Kind {
     Shadow { influences: u32, alpha: Alpha, textured: bool },
     /// The ground plane.
     Ground,
+    /// Contact shadows of members on the ground.
+    Contact,
     /// The background.
     Sky,
     /// The members' samples, over ground and sky.
@@ -64,6 +66,10 @@ fn sources(kind: Kind) -> [String; 2] {
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
             with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/ground.frag")]),
         ],
+        Kind::Contact => [
+            contact(&[LIGHT, include_str!("shaders/contact.vert")]),
+            with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/contact.frag")]),
+        ],
         Kind::Sky => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
             with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
@@ -90,6 +96,13 @@ fn skinned(influences: u32, bodies: &[&str]) -> String {
         if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
     let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
     [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, LOOK, &bodies.concat()].concat()
+}
+
+/// Returns the text of a vertex shader of contact shadows, with its inputs and uniform blocks.
+fn contact(bodies: &[&str]) -> String {
+    let inputs = glsl_inputs(&[Contact::ATTRIBUTES, InstanceData::ATTRIBUTES]);
+    let define = "#define INFLUENCES 1\n";
+    [VERSION, define, Frame::GLSL, &inputs, SKIN, &bodies.concat()].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.

@@ -6,7 +6,7 @@ use glow::HasContext as _;
 
 use super::{Buffer, Gl};
 use crate::Error;
-use crate::layout::{Attribute, Component, InstanceData, Vertex, VertexStruct};
+use crate::layout::{Attribute, Component, Contact, InstanceData, Vertex, VertexStruct};
 
 /// Vertex buffer binding points.
 const VERTICES: u32 = 0;
@@ -40,13 +40,25 @@ impl VertexArray {
 
     /// Creates the vertex array of skinned meshes with influences of type `I`.
     pub(crate) fn skinned<I: VertexStruct>(gl: &Rc<Gl>) -> Result<Self, Error> {
+        Self::with(
+            gl,
+            &[
+                (VERTICES, Vertex::ATTRIBUTES),
+                (INFLUENCES, I::ATTRIBUTES),
+                (INSTANCES, InstanceData::ATTRIBUTES),
+            ],
+        )
+    }
+
+    /// Creates the vertex array of contact shadows.
+    pub(crate) fn contacts(gl: &Rc<Gl>) -> Result<Self, Error> {
+        let instances = (INSTANCES, InstanceData::ATTRIBUTES);
+        Self::with(gl, &[(VERTICES, Contact::ATTRIBUTES), instances])
+    }
+
+    fn with(gl: &Rc<Gl>, bindings: &[(u32, &'static [Attribute])]) -> Result<Self, Error> {
         let array = Self::empty(gl)?;
         array.bind();
-        let bindings = [
-            (VERTICES, Vertex::ATTRIBUTES),
-            (INFLUENCES, I::ATTRIBUTES),
-            (INSTANCES, InstanceData::ATTRIBUTES),
-        ];
         let attributes =
             bindings.iter().flat_map(|(binding, list)| list.iter().map(move |a| (*binding, a)));
         for (location, (binding, attribute)) in (0..).zip(attributes) {
@@ -90,50 +102,69 @@ impl VertexArray {
     /// Draws with the bound program, blocks and textures. Draws nothing if the range ends past the
     /// instances, or if vertices and influences differ in length.
     pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
-        let end = range.first_instance as usize + range.instance_count as usize;
-        let counts = (i32::try_from(range.indices.len()), i32::try_from(range.instance_count));
-        let (Ok(index_count), Ok(instance_count)) = counts else {
-            return;
-        };
-        if end > range.instances.len() || range.vertices.len() != range.influences.len() {
+        if range.vertices.len() != range.influences.len() {
             return;
         }
+        self.bind_buffer(VERTICES, range.vertices);
+        self.bind_buffer(INFLUENCES, range.influences);
+        let instances = (range.first_instance, range.instance_count);
+        self.draw_indexed((range.indices, range.indices.len()), range.instances, instances);
+    }
+
+    /// Draws the rectangles of contact shadows whose indices are the first `indices.1`, as
+    /// [`draw`](Self::draw) does.
+    pub(crate) fn draw_contacts(
+        &self,
+        vertices: &Buffer<Contact>,
+        indices: (&Buffer<u32>, usize),
+        instances: &Buffer<InstanceData>,
+        range: (u32, u32),
+    ) {
+        self.bind_buffer(VERTICES, vertices);
+        self.draw_indexed(indices, instances, range);
+    }
+
+    /// Makes a buffer the source of the attributes of a binding point.
+    fn bind_buffer<V: VertexStruct>(&self, binding: u32, buffer: &Buffer<V>) {
         self.bind();
-        let stride = |bytes: usize| i32::try_from(bytes).unwrap_or(0);
-        let functions = &self.gl.functions;
-        // SAFETY: the context is current. Indices are less than the number of vertices:
-        // `populace_character::Character::new` checks them, and `model.rs` uploads them unchanged.
-        // The instance range was checked above. Palette reads lie within the bound page, since
-        // `batch.rs` checks each instance against it.
+        let stride = i32::try_from(size_of::<V>()).unwrap_or(0);
+        // SAFETY: the context is current and the vertex array bound.
         unsafe {
-            functions.bind_vertex_buffer(
-                VERTICES,
-                Some(range.vertices.raw()),
-                0,
-                stride(size_of::<Vertex>()),
-            );
-            functions.bind_vertex_buffer(
-                INFLUENCES,
-                Some(range.influences.raw()),
-                0,
-                stride(size_of::<I>()),
-            );
-            let instances = Some(range.instances.raw());
-            functions.bind_vertex_buffer(
-                INSTANCES,
-                instances,
-                0,
-                stride(size_of::<InstanceData>()),
-            );
-            functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(range.indices.raw()));
+            self.gl.functions.bind_vertex_buffer(binding, Some(buffer.raw()), 0, stride);
+        }
+    }
+
+    fn draw_indexed(
+        &self,
+        (indices, index_count): (&Buffer<u32>, usize),
+        instances: &Buffer<InstanceData>,
+        (first_instance, instance_count): (u32, u32),
+    ) {
+        let end = first_instance as usize + instance_count as usize;
+        let counts = (i32::try_from(index_count), i32::try_from(instance_count));
+        let (Ok(count), Ok(instance_count)) = counts else {
+            return;
+        };
+        if end > instances.len() || index_count > indices.len() {
+            return;
+        }
+        self.bind_buffer(INSTANCES, instances);
+        // SAFETY: the context is current. Indices are less than the number of vertices:
+        // `populace_character::Character::new` checks them, and `model.rs` uploads them unchanged;
+        // those of contact shadows are made with their vertices. The ranges of indices and
+        // instances were checked above. Palette reads lie within the bound page, since `batch.rs`
+        // checks each instance against it.
+        unsafe {
+            let functions = &self.gl.functions;
+            functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(indices.raw()));
             functions.draw_elements_instanced_base_vertex_base_instance(
                 glow::TRIANGLES,
-                index_count,
+                count,
                 glow::UNSIGNED_INT,
                 0,
                 instance_count,
                 0,
-                range.first_instance,
+                first_instance,
             );
         }
     }

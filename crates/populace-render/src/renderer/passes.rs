@@ -81,7 +81,9 @@ impl Renderer {
             renderer.draw_runs(&batches.opaque, Pass::Opaque, drawn)?;
             renderer.draw_runs(&batches.blended, Pass::Blended, drawn)
         })?;
-        self.timed(SURROUNDINGS_PASS, |renderer| renderer.draw_surroundings(scene))?;
+        self.timed(SURROUNDINGS_PASS, |renderer| {
+            renderer.draw_surroundings(&batches.opaque, scene, drawn)
+        })?;
         Ok(())
     }
 
@@ -149,7 +151,12 @@ impl Renderer {
 
     /// Draws sky and ground, and blends the members over them. Ground and sky have no edges that
     /// several samples per pixel would smooth, and one sample takes a fraction of the time.
-    fn draw_surroundings(&mut self, scene: &Scene) -> Result<(), Error> {
+    fn draw_surroundings(
+        &mut self,
+        runs: &[Run],
+        scene: &Scene,
+        drawn: &mut Drawn,
+    ) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
         self.picture.begin_resolve(MEMBER_UNIT);
@@ -159,8 +166,31 @@ impl Renderer {
             self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
+        if scene.ground.is_some() && scene.contact_shadows > 0.0 {
+            self.draw_contacts(runs, drawn)?;
+        }
         let resolve = Kind::Resolve { samples: self.picture.samples() };
         self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
+        Ok(())
+    }
+}
+
+impl Renderer {
+    /// Draws the contact shadows of instances on the ground.
+    fn draw_contacts(&mut self, runs: &[Run], drawn: &mut Drawn) -> Result<(), Error> {
+        self.programs.get(Kind::Contact)?.bind();
+        for run in runs {
+            self.palettes.bind(run.page, PALETTE_BINDING);
+            let model = &self.models.as_slice()[run.model];
+            let contacts = &model.contacts;
+            let index_count = contacts.index_count(model.levels[run.level as usize].is_coarse);
+            if index_count > 0 {
+                let indices = (&contacts.indices, index_count);
+                let range = (run.first, run.count);
+                self.contacts.draw_contacts(&contacts.vertices, indices, &self.instances, range);
+                drawn.draw_calls += 1;
+            }
+        }
         Ok(())
     }
 }

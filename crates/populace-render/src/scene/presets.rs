@@ -68,17 +68,17 @@ const fn day() -> Scene {
     Scene {
         sun: Sun {
             to_sun: [0.55, 1.0, 0.6],
-            color: [1.75, 1.6, 1.35],
+            color: [1.5, 1.37, 1.15],
             casts_shadows: true,
             error_texels: 0.75,
         },
         ambient: Ambient {
-            sky: [0.5, 0.6, 0.8],
-            side: [0.42, 0.46, 0.54],
-            ground: [0.3, 0.28, 0.25],
+            sky: [0.44, 0.53, 0.72],
+            side: [0.36, 0.4, 0.47],
+            ground: [0.26, 0.24, 0.21],
             glow: [0.08, 0.07, 0.05],
         },
-        ground: Some(Ground { color: [0.38, 0.35, 0.31], line_color: [0.26, 0.24, 0.21] }),
+        ground: Some(Ground { color: [0.3, 0.275, 0.24], line_color: [0.2, 0.185, 0.16] }),
         sky: Sky {
             zenith: [0.14, 0.34, 0.82],
             horizon: [0.72, 0.86, 1.02],
@@ -129,18 +129,18 @@ const fn overcast() -> Scene {
             error_texels: 0.75,
         },
         ambient: Ambient {
-            sky: [0.98, 1.02, 1.08],
-            side: [0.62, 0.65, 0.69],
-            ground: [0.3, 0.29, 0.28],
+            sky: [1.15, 1.2, 1.27],
+            side: [0.58, 0.61, 0.65],
+            ground: [0.2, 0.195, 0.19],
             glow: [0.0; 3],
         },
-        ground: Some(Ground { color: [0.3, 0.29, 0.28], line_color: [0.21, 0.2, 0.195] }),
+        ground: Some(Ground { color: [0.22, 0.215, 0.21], line_color: [0.15, 0.147, 0.145] }),
         sky: Sky {
             zenith: [0.66, 0.7, 0.76],
             horizon: [0.9, 0.92, 0.94],
             glow: [0.0; 3],
             shows_sun: false,
-            visibility_m: 250.0,
+            visibility_m: 400.0,
         },
         highlights: Highlights::Filmic,
         reflections: 1.0,
@@ -153,7 +153,7 @@ const fn studio() -> Scene {
     Scene {
         sun: Sun {
             to_sun: [-0.6, 1.1, 0.9],
-            color: [1.3, 1.27, 1.22],
+            color: [1.15, 1.12, 1.08],
             casts_shadows: true,
             error_texels: 0.75,
         },
