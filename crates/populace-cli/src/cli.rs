@@ -158,8 +158,11 @@ pub(crate) struct RenderArgs {
     /// Characters: glTF 2.0 files (.gltf, .glb), - for standard input, @people for all built-in
     /// people, or one of them, such as @woman or @child. The clips of files without meshes are
     /// added to all characters
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(required_unless_present = "cast", value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
+    /// More characters: files, folders with glTF files, or built-in people
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub(crate) cast: Vec<PathBuf>,
     /// Number of members of the crowd
     #[arg(
         long,
@@ -185,6 +188,10 @@ pub(crate) struct DemoArgs {
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
     pub(crate) members: u32,
+    /// Characters of the crowd: files, folders with glTF files, or built-in people [default:
+    /// @people]
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub(crate) cast: Vec<PathBuf>,
     /// PNG file to write; with --frames, a number is added to the name of each frame
     #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
     pub(crate) out: PathBuf,
@@ -250,6 +257,9 @@ pub(crate) struct PictureArgs {
     /// Draw and evaluate all members in full detail, also those out of view
     #[arg(long)]
     pub(crate) full_detail: bool,
+    /// Give all members the colours, clothes and height of their character, rather than their own
+    #[arg(long)]
+    pub(crate) plain: bool,
     /// Hide the meshes of the node with this name; can be repeated
     #[arg(long, value_name = "NODE")]
     pub(crate) hide: Vec<String>,

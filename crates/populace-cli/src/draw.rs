@@ -26,8 +26,6 @@ pub(crate) struct DrawJob<'a> {
     pub(crate) inputs: &'a [PathBuf],
     pub(crate) members: u32,
     pub(crate) out: &'a Path,
-    /// Percentage of members that face away from the camera.
-    pub(crate) away_percent: usize,
     /// Number of frames evaluated and timed before the first picture.
     pub(crate) lead_in: u32,
     pub(crate) args: &'a PictureArgs,
@@ -102,15 +100,13 @@ impl DrawJob<'_> {
             choice,
             args.height,
             !args.full_detail,
+            !(args.plain || self.members == 1),
         )?;
         check_inputs(pictures.paths(), &loaded.files)?;
         check_hidden(&loaded.roles, &args.hide)?;
-        let settings = PopulationSettings {
-            members: self.members,
-            seed: args.seed,
-            hide: &args.hide,
-            away_percent: self.away_percent,
-        };
+        let plain = args.plain || self.members == 1;
+        let settings =
+            PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
         let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
         let camera = self.camera(&population);
         let scene = self.scene();

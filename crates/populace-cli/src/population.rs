@@ -1,13 +1,15 @@
 //! Spawns a crowd's members on the ground, and tracks their positions for the camera.
 
+use populace::character::Character;
 use populace::clip::RootMotion;
 use populace::{ClipPlayback, Crowd, Placement};
 use populace_testkit::Rng;
+use populace_variety::{Appearance, Variety};
 
 use crate::failure::Failure;
-use crate::placement::positions;
+use crate::placement::{Place, places};
 use crate::progress::Progress;
-use crate::roles::CrowdRole;
+use crate::roles::{CrowdRole, RoleClip};
 use crate::skin::skinned;
 
 /// Distance between members in units of their width.
@@ -18,13 +20,15 @@ struct PlacedMember {
     placement: Placement,
     /// Root motion of its clip, the factor that scales it, and the starting phase in the clip.
     motion: Option<(RootMotion, f32, f32)>,
+    /// Speed at which its clip plays.
+    pace: f32,
 }
 
 impl PlacedMember {
     /// Returns the member's position at a time.
     fn position_at(&self, secs: f32) -> [f32; 3] {
         let offset = self.motion.as_ref().map_or([0.0; 3], |(motion, scale, phase)| {
-            motion.looped(*phase, secs).0.map(|metres| metres * scale)
+            motion.looped(*phase, secs * self.pace).0.map(|metres| metres * scale)
         });
         self.placement.world_from_model().transform_point(offset)
     }
@@ -43,12 +47,12 @@ pub(crate) struct PopulationSettings<'a> {
     pub(crate) seed: u64,
     /// Names of nodes with hidden parts.
     pub(crate) hide: &'a [String],
-    /// Percentage of members that face away from the camera.
-    pub(crate) away_percent: usize,
+    /// Whether all members of a character look like it.
+    pub(crate) plain: bool,
 }
 
 impl Population {
-    /// Spawns members apart from each other, each with a random clip of its role at a random phase.
+    /// Spawns members in groups, each with a random clip that fits at a random phase.
     pub(crate) fn new(
         crowd: &mut Crowd,
         roles: &[CrowdRole],
@@ -60,29 +64,22 @@ impl Population {
         for role in roles {
             spacing = spacing.max(footprint_m(crowd, role, settings.hide)? * SPACING_FACTOR);
         }
-        let positions = positions(settings.members as usize, spacing, &mut random);
-        let mut members = Vec::with_capacity(positions.len());
-        let mut progress = Progress::new("members", positions.len());
-        for (index, &position) in positions.iter().enumerate() {
-            // Each role once, then at random, so that no pattern shows.
-            let role = &roles[if index < roles.len() { index } else { random.below(roles.len()) }];
-            let away =
-                if random.below(100) < settings.away_percent { std::f32::consts::PI } else { 0.0 };
-            let yaw_rad = away + random.signed() * 0.5;
-            let placement = Placement::at(position).facing(yaw_rad).scaled(role.scale);
-            let member = crowd.spawn(role.id, placement)?;
-            let phase = random.unit();
-            let mut motion = None;
-            if !role.clips.is_empty() {
-                let clip = &role.clips[random.below(role.clips.len())];
-                let mut view = crowd.member_mut(member)?;
-                view.play(clip.id, ClipPlayback::looping().phase(phase))?;
-                if clip.motion.is_some() {
-                    view.start_root_motion()?;
-                }
-                motion = clip.motion.clone().map(|(motion, scale)| (motion, scale, phase));
-            }
-            members.push(PlacedMember { placement, motion });
+        let mut places = places(settings.members as usize, spacing, &mut random);
+        // From front to back, so that the first members are those that a close picture shows.
+        places.sort_by(|a, b| b.position[2].total_cmp(&a.position[2]));
+        // Each role once, then at random, so that no pattern shows.
+        let chosen = |index: usize, random: &mut Rng| {
+            if index < roles.len() { index } else { random.below(roles.len()) }
+        };
+        let chosen: Vec<usize> =
+            (0..places.len()).map(|index| chosen(index, &mut random)).collect();
+        let appearances = appearances(roles, &chosen, &places, settings);
+        let mut members = Vec::with_capacity(places.len());
+        let mut progress = Progress::new("members", places.len());
+        for (index, place) in places.iter().enumerate() {
+            let role = &roles[chosen[index]];
+            let appearance = appearances.get(index);
+            members.push(spawn(crowd, role, place, appearance, &mut random)?);
             progress.step();
         }
         Ok(Self { members, height, spacing })
@@ -93,12 +90,14 @@ impl Population {
         self.members.iter().flat_map(|member| self.around(member, secs)).collect()
     }
 
-    /// Returns bounding points of the member in the middle of the first row.
+    /// Returns bounding points of one of the nearest members, the one that is nearest to the middle.
     pub(crate) fn closest_bounding_points(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
-        let first_row = self.members.iter().take(6);
-        let middle = first_row.min_by(|a, b| {
-            a.placement.position()[0].abs().total_cmp(&b.placement.position()[0].abs())
-        });
+        let front = self.members.first().map_or(0.0, |member| member.placement.position()[2]);
+        let distance = |member: &PlacedMember| {
+            let [x, _, z] = member.placement.position();
+            x.abs() + 2.0 * (front - z)
+        };
+        let middle = self.members.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         middle.into_iter().flat_map(|member| self.around(member, secs)).collect()
     }
 
@@ -112,6 +111,55 @@ impl Population {
             [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
         })
     }
+}
+
+/// Returns the appearances of members by their roles; none for members that look as their roles do.
+fn appearances(
+    roles: &[CrowdRole],
+    chosen: &[usize],
+    places: &[Place],
+    settings: &PopulationSettings,
+) -> Vec<Appearance> {
+    if settings.plain {
+        return Vec::new();
+    }
+    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
+    let members: Vec<_> =
+        chosen.iter().zip(places).map(|(role, place)| (*role, place.position)).collect();
+    Variety { seed: settings.seed, ..Variety::default() }.appearances(&characters, &members)
+}
+
+/// Spawns a member that plays one of its role's clips: of those that walk or of those that stand,
+/// as its place says, if there are both.
+fn spawn(
+    crowd: &mut Crowd,
+    role: &CrowdRole,
+    place: &Place,
+    appearance: Option<&Appearance>,
+    random: &mut Rng,
+) -> Result<PlacedMember, Failure> {
+    let (height, pace) = appearance.map_or((1.0, 1.0), |a| (a.height, a.pace));
+    let placement = Placement::at(place.position).facing(place.yaw_rad).scaled(role.scale * height);
+    let member = crowd.spawn(role.id, placement)?;
+    let mut view = crowd.member_mut(member)?;
+    if let Some(appearance) = appearance {
+        view.set_look(appearance.look);
+    }
+    let phase = random.unit();
+    let fitting: Vec<&RoleClip> =
+        role.clips.iter().filter(|clip| clip.motion.is_some() == place.walks).collect();
+    let all: Vec<&RoleClip> = role.clips.iter().collect();
+    let clips = if fitting.is_empty() { all } else { fitting };
+    let mut motion = None;
+    if !clips.is_empty() {
+        let clip = clips[random.below(clips.len())];
+        view.play(clip.id, ClipPlayback::looping().phase(phase).speed(pace))?;
+        if clip.motion.is_some() {
+            view.start_root_motion()?;
+        }
+        motion = clip.motion.clone().map(|(motion, scale)| (motion, scale, phase));
+    }
+    Ok(PlacedMember { placement, motion, pace })
 }
 
 /// Returns the larger horizontal side of a member's visible parts at the start of its first clip.

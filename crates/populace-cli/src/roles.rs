@@ -10,7 +10,7 @@ use populace::retarget::Binding;
 use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
-use populace_cast::{Look, person};
+use populace_cast::{Look, person, person_with_options};
 use populace_lod::with_levels;
 
 use crate::failure::Failure;
@@ -84,7 +84,8 @@ impl<'a> Loader<'a> {
 
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
-/// added to all characters. With `levels`, characters get levels of detail.
+/// added to all characters. With `levels`, characters get levels of detail. With `options`, built-in
+/// people have what they could wear besides what they wear.
 pub(crate) fn load(
     crowd: &mut Crowd,
     input: &InputArgs,
@@ -93,16 +94,18 @@ pub(crate) fn load(
     choice: ClipChoice,
     height_m: Option<f32>,
     levels: bool,
+    options: bool,
 ) -> Result<LoadedRoles, Failure> {
+    let inputs = in_folders(inputs)?;
     let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
     let mut progress = Progress::new("files", inputs.len() + clip_files.len());
     for file in clip_files {
         clips.extend(load_clips(&mut loader, file)?);
         progress.step();
     }
-    for input in inputs {
+    for input in &inputs {
         match built_in_name(input) {
-            Some(name) => drawn.extend(built_in(name)?),
+            Some(name) => drawn.extend(built_in(name, options)?),
             None => {
                 let character = loader.load(input)?;
                 if character.parts.is_empty() {
@@ -137,7 +140,7 @@ pub(crate) fn built_in_name(input: &Path) -> Option<&str> {
 }
 
 /// Number of outfits of each person among `@people`.
-const OUTFITS: usize = 5;
+const OUTFITS: usize = 3;
 
 /// Returns the looks of built-in people: all of them in several outfits for `people`, otherwise the
 /// one with this name.
@@ -169,8 +172,40 @@ pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
 }
 
-fn built_in(name: &str) -> Result<Vec<Character>, Failure> {
-    looks(name)?.iter().map(create_person).collect()
+fn built_in(name: &str, options: bool) -> Result<Vec<Character>, Failure> {
+    let make = |look| match options {
+        true => person_with_options(look).map_err(|e| Failure::Run(e.into())),
+        false => create_person(look),
+    };
+    looks(name)?.iter().map(make).collect()
+}
+
+/// Returns the inputs with folders replaced by the glTF files in them, by name.
+fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = Vec::new();
+    for input in inputs {
+        if built_in_name(input).is_some() || !input.is_dir() {
+            files.push(input.clone());
+            continue;
+        }
+        let unreadable = |e| anyhow::anyhow!("the folder {} cannot be read: {e}", input.display());
+        let entries = std::fs::read_dir(input).map_err(|e| Failure::Input(unreadable(e)))?;
+        let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        let is_gltf = |path: &Path| {
+            let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+            ["glb", "gltf", "vrm"].contains(&extension.to_ascii_lowercase().as_str())
+        };
+        found.retain(|path| is_gltf(path));
+        if found.is_empty() {
+            return Err(Failure::Input(anyhow::anyhow!(
+                "the folder {} holds no glTF file (.glb, .gltf, .vrm)",
+                input.display()
+            )));
+        }
+        found.sort();
+        files.extend(found);
+    }
+    Ok(files)
 }
 
 /// Loads the clips of a file or of a built-in person; `@people` stands for the first of them.

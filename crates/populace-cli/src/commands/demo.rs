@@ -10,11 +10,11 @@ use crate::failure::Failure;
 const TIMED_FRAMES: u32 = 20;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
+    let people = [PathBuf::from("@people")];
     let job = DrawJob {
-        inputs: &[PathBuf::from("@people")],
+        inputs: if args.cast.is_empty() { &people } else { &args.cast },
         members: args.members,
         out: &args.out,
-        away_percent: 15,
         lead_in: TIMED_FRAMES,
         args: &args.picture,
     };

@@ -5,11 +5,11 @@ use crate::draw::DrawJob;
 use crate::failure::Failure;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
     let job = DrawJob {
-        inputs: &args.inputs,
+        inputs: &inputs,
         members: args.members,
         out: &args.out,
-        away_percent: 0,
         lead_in: 0,
         args: &args.picture,
     };
