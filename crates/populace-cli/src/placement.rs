@@ -11,11 +11,11 @@ const WIDENING: f32 = 0.6;
 /// Distance of the nearest groups from the apex, in spacings.
 const FIRST: f32 = 3.5;
 /// Ground per member in squared spacings, groups and what lies between them.
-const AREA: f32 = 2.6;
+const AREA: f32 = 1.7;
 /// Distance between members of a group in spacings, from middle to middle.
 const CLOSE: f32 = 0.9;
 /// Gap between groups, in spacings.
-const GAP: f32 = 0.55;
+const GAP: f32 = 0.35;
 /// Places that are tried for a group before the crowd grows deeper.
 const TRIES: usize = 30;
 /// Share of groups that stand, in percent.
