@@ -81,8 +81,13 @@ pub(super) fn hat(skull: Skull<'_>, hat: Hat) -> Surface {
             hoop(&mut surface, skull, &cuff, 0.20, 0.80);
         }
         Hat::SunHat => {
-            let shape =
-                Shape { edge: flat(0.74, 0.03), thick, hangs: false, smooth: true, rough: 0.0 };
+            let shape = Shape {
+                edge: flat(0.74, 0.03),
+                thick: |_, s| 0.128 - 0.012 * s,
+                hangs: false,
+                smooth: true,
+                rough: 0.0,
+            };
             dome(&mut surface, skull, &shape, Region::Accessory);
             let brim = [(0.70, 0.04), (0.66, 0.37), (0.755, 0.07)];
             hoop(&mut surface, skull, &brim, 0.06, 1.0);
