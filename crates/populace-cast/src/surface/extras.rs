@@ -77,7 +77,7 @@ pub(super) fn hat(skull: Skull<'_>, hat: Hat) -> Surface {
                 rough: 0.004,
             };
             dome(&mut surface, skull, &shape, Region::Accessory);
-            let cuff = [(0.66, 0.07), (0.67, 0.108), (0.80, 0.112)];
+            let cuff = [(0.67, 0.05), (0.675, 0.098), (0.79, 0.108)];
             hoop(&mut surface, skull, &cuff, 0.20, 0.80);
         }
         Hat::SunHat => {

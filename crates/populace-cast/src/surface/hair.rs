@@ -175,8 +175,8 @@ fn outwards(p: DVec3) -> DVec3 {
 
 fn outside(skull: Skull<'_>, shape: &Shape, row: usize, s: f64, j: usize) -> DVec3 {
     let p = on_head(skull, shape, s, j);
-    let hanging = shape.hangs && p.y < 0.3;
-    let edge = 1.0 - if hanging { 0.15 } else { 0.5 } * s.powi(7);
+    let thick = shape.smooth || shape.hangs && p.y < 0.3;
+    let edge = 1.0 - if thick { 0.15 } else { 0.5 } * s.powi(7);
     // Locks run from the crown to the edge.
     let uneven = shape.rough * (noise(j, 3) + noise(j, row) - 1.0);
     p + outwards(p) * ((shape.thick)(degrees(j), s) * edge + uneven)
