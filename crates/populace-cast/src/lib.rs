@@ -1,4 +1,4 @@
-//! Procedural people: bodies of one closed surface on two kinds of skeleton, with clips for
+//! Procedural people: dressed bodies of closed surfaces on two kinds of skeleton, with clips for
 //! standing, walking, running and getting up. A crowd of them needs no asset files.
 //!
 //! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
@@ -17,6 +17,10 @@
 //! assert!(person(&broken).is_err());
 //! # Ok::<(), populace_character::Error>(())
 //! ```
+//!
+//! The names of materials start with their region: `Skin`, `Hair`, `Eyes`, `Top`, `Trousers`,
+//! `Shoes` or `Accessory`. Hair, hats, glasses and bags are parts of their own, which members can swap:
+//! see [`person_with_options`].
 //!
 //! Surfaces and motions are defined for one set of 54 body segments, and a rig maps segments to
 //! joints. Both skeletons therefore share all bodies and motions, while each has its own joint

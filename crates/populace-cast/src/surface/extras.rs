@@ -77,12 +77,17 @@ pub(super) fn hat(skull: Skull<'_>, hat: Hat) -> Surface {
                 rough: 0.004,
             };
             dome(&mut surface, skull, &shape, Region::Accessory);
-            let cuff = [(0.66, 0.08), (0.665, 0.118), (0.80, 0.115)];
+            let cuff = [(0.67, 0.05), (0.675, 0.098), (0.79, 0.108)];
             hoop(&mut surface, skull, &cuff, 0.20, 0.80);
         }
         Hat::SunHat => {
-            let shape =
-                Shape { edge: flat(0.74, 0.03), thick, hangs: false, smooth: true, rough: 0.0 };
+            let shape = Shape {
+                edge: flat(0.74, 0.03),
+                thick: |_, s| 0.128 - 0.012 * s,
+                hangs: false,
+                smooth: true,
+                rough: 0.0,
+            };
             dome(&mut surface, skull, &shape, Region::Accessory);
             let brim = [(0.70, 0.04), (0.66, 0.37), (0.755, 0.07)];
             hoop(&mut surface, skull, &brim, 0.06, 1.0);

@@ -175,7 +175,7 @@ impl<'a> Eye<'a> {
     fn brow(&self, surface: &mut Surface) {
         let face = &self.skull.body.look.face;
         let arch = [
-            (0.052, 0.604, 0.55),
+            (0.054, 0.608, 0.50),
             (0.090, 0.614, 1.0),
             (0.145, 0.624, 1.0),
             (0.200, 0.617, 0.75),

@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
+use populace_model::convert::u32_from;
 
 use super::skull::Skull;
 use super::{Region, Surface, smooth};
@@ -66,7 +67,7 @@ pub(super) fn shape(hair: Hair) -> Shape {
             [0.71, 0.70, 0.69, 0.62, 0.18, 0.05, 0.04, 0.03, 0.03, 0.03, 0.04, 0.04, 0.04],
             true,
             0.008,
-            |angle, s| 0.050 + 0.045 * smooth(0.25, 0.7, s) * smooth(30.0, 62.0, angle.abs()),
+            |angle, s| 0.050 + 0.045 * smooth(0.1, 0.9, s) * smooth(30.0, 62.0, angle.abs()),
         ),
         Hair::Long => shape(
             [0.83, 0.80, 0.76, 0.64, 0.10, -0.13, -0.17, -0.20, -0.30, -0.42, -0.48, -0.50, -0.50],
@@ -74,13 +75,17 @@ pub(super) fn shape(hair: Hair) -> Shape {
             0.010,
             |angle, s| {
                 let part = 1.0 - 0.6 * smooth(12.0, 2.0, angle.abs()) * smooth(0.0, 0.3, s);
-                (0.045 + 0.045 * smooth(0.25, 0.6, s) * smooth(20.0, 62.0, angle.abs())) * part
+                (0.045 + 0.045 * smooth(0.1, 0.85, s) * smooth(20.0, 62.0, angle.abs())) * part
             },
         ),
-        Hair::Bun => shape(drawn, false, 0.004, |_, s| 0.022 + 0.014 * smooth(0.9, 0.3, s)),
+        Hair::Bun => shape(drawn, false, 0.004, |angle, s| {
+            let ears = smooth(40.0, 10.0, (angle.abs() - 105.0).abs());
+            0.022 + 0.014 * smooth(0.9, 0.3, s) + 0.018 * ears
+        }),
         Hair::Ponytail => shape(drawn, false, 0.004, |angle, s| {
             let fringe = smooth(40.0, 20.0, (angle - 20.0).abs());
-            0.022 + 0.016 * smooth(0.9, 0.3, s) + 0.02 * fringe
+            let ears = smooth(40.0, 10.0, (angle.abs() - 105.0).abs());
+            0.022 + 0.016 * smooth(0.9, 0.3, s) + 0.02 * fringe + 0.018 * ears
         }),
         Hair::Headscarf => Shape {
             edge: [
@@ -133,7 +138,8 @@ pub(super) fn dome(surface: &mut Surface, skull: Skull<'_>, shape: &Shape, regio
     surface.brush = super::PLAIN;
     let crown = surface.points.len();
     surface.tube(&all, region);
-    surface.points[crown] = skull.in_model(DVec3::new(0.0, 0.997 + (shape.thick)(0.0, 0.0), -0.01));
+    surface.points[crown] =
+        skull.in_model(DVec3::new(0.0, 0.997 + 0.85 * (shape.thick)(0.0, 0.0), -0.01));
 }
 
 /// Returns the signed angle from the front of point `j` in degrees.
@@ -169,8 +175,8 @@ fn outwards(p: DVec3) -> DVec3 {
 
 fn outside(skull: Skull<'_>, shape: &Shape, row: usize, s: f64, j: usize) -> DVec3 {
     let p = on_head(skull, shape, s, j);
-    let hanging = shape.hangs && p.y < 0.3;
-    let edge = 1.0 - if hanging { 0.15 } else { 0.5 } * s.powi(7);
+    let thick = shape.smooth || shape.hangs && p.y < 0.3;
+    let edge = 1.0 - if thick { 0.15 } else { 0.5 } * s.powi(7);
     // Locks run from the crown to the edge.
     let uneven = shape.rough * (noise(j, 3) + noise(j, row) - 1.0);
     p + outwards(p) * ((shape.thick)(degrees(j), s) * edge + uneven)
@@ -178,7 +184,7 @@ fn outside(skull: Skull<'_>, shape: &Shape, row: usize, s: f64, j: usize) -> DVe
 
 /// Returns a number from 0 to 1 that depends on two integers only.
 fn noise(a: usize, b: usize) -> f64 {
-    let mut x = (a as u32).wrapping_mul(0x9E37_79B9) ^ (b as u32).wrapping_mul(0x85EB_CA6B);
+    let mut x = u32_from(a).wrapping_mul(0x9E37_79B9) ^ u32_from(b).wrapping_mul(0x85EB_CA6B);
     x = (x ^ (x >> 15)).wrapping_mul(0x2C1B_3C6D);
     x = (x ^ (x >> 12)).wrapping_mul(0x297A_2D39);
     f64::from(x ^ (x >> 15)) / f64::from(u32::MAX)

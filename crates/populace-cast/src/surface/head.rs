@@ -15,13 +15,13 @@ const ANGLES_DEG: [f64; 12] =
 
 /// Rows of the skull's profile; dense at mouth, nose and eyes.
 const ROWS: [f64; 24] = [
-    0.0, 1.0, 2.2, 3.4, 4.8, 5.8, 6.8, LOWER, LINE, UPPER, 9.35, 9.85, NOSTRIL, 10.95, 11.5, 12.0,
+    0.0, 1.0, 2.2, 3.4, 4.8, 6.0, 7.4, LOWER, LINE, UPPER, 9.35, 9.85, NOSTRIL, 10.95, 11.5, 12.0,
     12.6, 13.2, 14.1, 14.9, 15.8, 17.0, 18.5, 20.0,
 ];
 /// Rows of the line between the lips, of the upper lip and of the nostrils.
 const LINE: f64 = 8.53;
 const UPPER: f64 = 8.97;
-const LOWER: f64 = 8.0;
+const LOWER: f64 = 8.05;
 const NOSTRIL: f64 = 10.35;
 /// Last point of the lips in a half ring.
 const LIP_END: usize = 3;

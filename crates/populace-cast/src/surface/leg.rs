@@ -120,7 +120,7 @@ fn ring(surface: &mut Surface, body: &Body, side: Side, row: usize) -> Vec<usize
         Bottom::Shorts | Bottom::Skirt | Bottom::Dress => 0.0,
     };
     let mut girth = body.look.limbs + (1.0 - body.look.limbs) * 0.6 * q;
-    if matches!(body.look.bottom, Bottom::Skirt | Bottom::Dress) && row < KNEE_HEM {
+    if matches!(body.look.bottom, Bottom::Skirt | Bottom::Dress) && row <= KNEE_HEM {
         // Under a skirt.
         girth *= 0.85;
     }

@@ -109,7 +109,10 @@ fn influences(surface: &Surface, joints: &Joints, corner: usize) -> [(u16, f32);
     strongest.sort_by(|a, b| b.1.total_cmp(&a.1));
     strongest.truncate(WIDTH);
     let sum: f64 = strongest.iter().map(|(_, w)| w).sum();
-    let mut four = [(strongest[0].0, 0.0); WIDTH];
+    // Without a weight, which only numbers that are not finite give rise to, the sum is 0 and the
+    // weights are refused.
+    let first = strongest.first().map_or(0, |(joint, _)| *joint);
+    let mut four = [(first, if sum > 0.0 { 0.0 } else { f32::NAN }); WIDTH];
     for (slot, (joint, weight)) in four.iter_mut().zip(strongest) {
         *slot = (joint, single(weight / sum));
     }

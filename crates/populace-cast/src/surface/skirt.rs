@@ -15,7 +15,7 @@ const UPPER: [(usize, f64); 3] = [(3, 0.002), (2, 0.006), (0, 0.012)];
 /// Rows below the hips: position between hips (0) and hem (1).
 const LOWER: [f64; 3] = [0.34, 0.68, 1.0];
 /// Half breadth and half depth of the hem as fractions of the height.
-const HEM: [f64; 2] = [0.116, 0.100];
+const HEM: [f64; 2] = [0.117, 0.108];
 
 /// Adds the skirt of a person who wears one.
 pub(super) fn build(surface: &mut Surface, body: &Body) {
@@ -83,7 +83,7 @@ fn weights(body: &Body, p: DVec3) -> Weights {
     let down = smooth(body.hip_y + 0.06 * h, 0.45 * body.hip_y + 0.55 * knee, p.y);
     let legs = 0.20 + 0.78 * down;
     let legs = legs * smooth(body.trunk_y(0.15), body.hip_y - 0.02 * h, p.y);
-    let left = smooth(-0.10 * h, 0.10 * h, p.x);
+    let left = smooth(-0.065 * h, 0.065 * h, p.x);
     let weights = vec![(PELVIS, 1.0 - legs)];
     let thigh = |side| Limb::Thigh.of(side);
     mixed_in(weights, &[(thigh(Side::Left), left), (thigh(Side::Right), 1.0 - left)], legs)

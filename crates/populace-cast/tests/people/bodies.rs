@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use populace_cast::{Bottom, Look, Rig, cast};
+use populace_cast::{Bottom, Look, Rig, cast, person};
 
 use crate::people;
 use crate::skinning::{Surface, models};
@@ -123,6 +123,27 @@ fn rigs_differ_in_spine_names_rest_rotations_and_fingers() {
     };
     assert_eq!((named(lean, "spine"), named(full, "spine")), (1, 4));
     assert_eq!((named(lean, "index"), named(full, "index")), (0, 6));
+}
+
+#[test]
+fn looks_with_numbers_that_are_not_finite_are_refused() {
+    let spoil: [fn(&mut Look); 10] = [
+        |look| look.height_m = f64::NAN,
+        |look| look.head = f64::INFINITY,
+        |look| look.limbs = f64::NAN,
+        |look| look.belly = f64::NAN,
+        |look| look.face.nose_length = f64::NAN,
+        |look| look.face.jaw = f64::INFINITY,
+        |look| look.face.eyes = f64::NAN,
+        |look| look.face.brow = f64::NAN,
+        |look| look.colors.under[0] = f32::NAN,
+        |look| look.face.iris[1] = f32::INFINITY,
+    ];
+    for (at, spoil) in spoil.into_iter().enumerate() {
+        let mut look = Look::man();
+        spoil(&mut look);
+        assert!(person(&look).is_err(), "number {at} is accepted");
+    }
 }
 
 #[test]

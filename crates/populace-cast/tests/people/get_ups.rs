@@ -16,7 +16,7 @@ const CLIPS: [(&str, [DVec3; 2]); 4] = [
     ("GetUp_Right", [DVec3::Z, DVec3::X]),
 ];
 /// Deepest sinking into the ground in metres, of bodies in trousers and in skirts, which give way.
-const SUNK_M: [f64; 2] = [0.025, 0.06];
+const SUNK_M: [f64; 2] = [0.025, 0.07];
 /// Largest gap between body and ground in metres.
 const GAP_M: f64 = 0.01;
 
