@@ -4,7 +4,8 @@ use crate::json::Cursor;
 use crate::log::Checked;
 
 /// Supported extensions.
-const SUPPORTED: [&str; 3] = ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp"];
+const SUPPORTED: [&str; 4] =
+    ["KHR_mesh_quantization", "KHR_texture_transform", "EXT_texture_webp", "MSFT_lod"];
 
 /// Extensions that can be ignored even if a file requires them: they change the appearance of a
 /// character or its surroundings, not its motion. Material extensions of all vendors are harmless

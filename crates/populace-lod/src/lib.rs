@@ -10,7 +10,7 @@
 mod groups;
 mod mesh;
 
-use populace_character::{Character, Error, Level, Mesh};
+use populace_character::{Character, CharacterSource, Error, Level, Mesh};
 
 use crate::groups::JointGroups;
 use crate::mesh::Simplifier;
@@ -19,6 +19,10 @@ use crate::mesh::Simplifier;
 /// vertex.
 const LEVELS: [(f32, usize); 7] =
     [(0.001, 4), (0.0018, 4), (0.0032, 4), (0.0056, 2), (0.01, 2), (0.018, 1), (0.032, 1)];
+/// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
+/// than the one before.
+const FIRST_REDUCTION: f32 = 0.0001;
+const REDUCTION_STEP: f32 = 1.3;
 /// A level must save at least this part of the triangles of the level before it.
 const LEAST_SAVED: f32 = 0.2;
 
@@ -61,4 +65,28 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         levels.push(Level { error_m, meshes });
     }
     levels
+}
+
+/// Returns the character with its meshes simplified as little as needed to have at most `triangles`
+/// triangles, but by no more than `error_m` metres. It has no levels of detail.
+///
+/// # Errors
+///
+/// [`Error::BadCharacter`] if the character is invalid, which no character gives rise to.
+pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<Character, Error> {
+    let groups = JointGroups::of(character);
+    let mut source = CharacterSource::clone(character);
+    let mut simplifiers: Vec<Simplifier> =
+        (0..source.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let mut next_m = FIRST_REDUCTION * character.height_m();
+    while next_m <= error_m
+        && simplifiers.iter().map(Simplifier::triangle_count).sum::<usize>() > triangles
+    {
+        simplifiers.iter_mut().for_each(|s| s.simplify(next_m));
+        next_m *= REDUCTION_STEP;
+    }
+    for (part, simplifier) in source.parts.iter_mut().zip(&simplifiers) {
+        part.mesh = simplifier.mesh(part.mesh.influences.per_vertex);
+    }
+    Character::new(source)
 }
