@@ -16,6 +16,9 @@ use crate::surface::{Surface, Vertex};
 /// Metres of a unit of the base mesh.
 pub(crate) const METRES: f32 = 0.1;
 
+/// Rounds of smoothing of the weights around the hips.
+const HIP_ROUNDS: usize = 10;
+
 /// A body system that was opened: a base mesh, a rig and targets. Targets are read when a body
 /// first needs them.
 pub struct BodySystem {
@@ -75,7 +78,12 @@ impl BodySystem {
         let shaped = shape::positions(base, who, &self.rules, &mut self.targets, &mut self.source)?;
         let positions: Vec<Vec3> = shaped.into_iter().map(|place| place * METRES).collect();
         let places = self.rig.places(&positions);
-        let skin = self.surface(&positions, &self.seen);
+        let mut skin = self.surface(&positions, &self.seen);
+        // Clothes pass over the hips more evenly than skin does.
+        let hips = self.marks.crotch_y - 0.8..self.marks.waist_y + 0.4;
+        skin.smooth_weights(HIP_ROUNDS, |v| {
+            hips.contains(&v.base.y) && self.marks.arm_share(v) < 0.1
+        });
         let (low, high) = skin
             .vertices
             .iter()

@@ -11,6 +11,9 @@ use crate::surface::{Surface, Vertex, grid, smoothstep};
 /// Columns and rows of a skirt.
 const SKIRT: [usize; 2] = [36, 10];
 
+/// How close smoothed cloth may come to the body, as a part of how far it was pushed out.
+const LEAST_PUSH: f32 = 0.6;
+
 /// Regions of the body that clothes cover, as fields over the base mesh: about the distance in
 /// decimetres from the edge of the garment, positive under it.
 pub(crate) struct Cover<'a> {
@@ -27,19 +30,27 @@ impl Cover<'_> {
             Sleeves::Long => whole - 0.12,
         };
         let sleeve = sleeve - self.marks.along_arm(v);
-        let from_neck = v.base - self.marks.neck_at;
+        sleeve.min(self.below_neck(v)).min(v.base.y - self.top_hem())
+    }
+
+    /// Outside the opening for the neck: below a plane that leans forward, or away from the neck.
+    fn below_neck(&self, v: &Vertex) -> f32 {
+        let from = v.base - self.marks.neck_at;
+        let away = Vec2::new(from.x, from.z).length();
+        let front = smoothstep(0.2, 0.9, from.z / away.max(1e-3));
         let notch = match self.outfit.neckline {
-            Neckline::Vee if from_neck.z > 0.2 => 0.9 * (1.0 - v.base.x.abs() / 0.55).max(0.0),
-            _ => 0.0,
+            Neckline::Vee => 0.9 * front * (1.0 - v.base.x.abs() / 0.5).max(0.0),
+            Neckline::Round => 0.0,
         };
-        let neck = -0.14 - 0.5 * from_neck.z - notch - from_neck.y;
-        sleeve.min(neck).min(v.base.y - self.top_hem())
+        let plane = -0.14 - 0.5 * from.z - notch - from.y;
+        let ring = away - 0.66 - 0.35 * front - 1.4 * notch;
+        plane.max(ring).min(0.1 - from.y)
     }
 
     fn top_hem(&self) -> f32 {
         match self.outfit.bottom {
             Bottom::Skirt => self.marks.hip_y + 0.1,
-            _ => self.marks.crotch_y + 0.35,
+            _ => self.marks.hip_y - 0.1,
         }
     }
 
@@ -68,11 +79,6 @@ impl Cover<'_> {
     pub(crate) fn shoe_top(&self) -> f32 {
         self.marks.ankle_y + 0.12
     }
-
-    /// Under any of them.
-    pub(crate) fn any(&self, v: &Vertex) -> f32 {
-        self.top(v).max(self.bottom(v)).max(self.shoe(v))
-    }
 }
 
 /// Returns the top: pushed out 9 mm, and further at the hem, where it lies over what is below.
@@ -84,11 +90,16 @@ pub(crate) fn top(body: &Body, cover: &Cover) -> Surface {
         Sleeves::Long => 0.001,
     };
     let push = |v: &Vertex| {
+        let over = if cover.outfit.bottom == Bottom::Skirt { 0.0 } else { 0.008 };
         let hem = smoothstep(marks.waist_y + 1.0, marks.hip_y, v.base.y);
         let sleeve = smoothstep(0.2 * upper, 0.6 * upper, marks.along_arm(v));
-        0.008 + 0.008 * hem + cuff * sleeve
+        0.008 + over * hem + cuff * sleeve
     };
-    let part = body.skin.kept(|v| cover.top(v));
+    // A skirt is worn over it.
+    let part = body.skin.kept(|v| match cover.outfit.bottom {
+        Bottom::Skirt => cover.top(v).min(0.45 - cover.bottom(v)),
+        _ => cover.top(v),
+    });
     garment(
         part,
         10,
@@ -101,37 +112,43 @@ pub(crate) fn top(body: &Body, cover: &Cover) -> Surface {
 pub(crate) fn bottom(body: &Body, cover: &Cover) -> Surface {
     let marks = cover.marks;
     if cover.outfit.bottom == Bottom::Skirt {
-        return skirt(body, cover);
+        let tube = marks.hip_y - 0.6;
+        let part = body.skin.kept(|v| cover.bottom(v).min(v.base.y - tube));
+        let mut skirt = garment(part, 20, |_| 0.013 * body.size.max(0.8), |_| 0.5);
+        skirt.add(&hanging(body, cover));
+        return skirt;
     }
-    let wide = if cover.outfit.bottom == Bottom::Shorts { 0.014 } else { 0.010 };
     let push = |v: &Vertex| {
-        let leg = smoothstep(marks.crotch_y + 0.2, marks.crotch_y - 1.6, v.base.y);
-        0.007 + wide * leg
+        let thigh = smoothstep(marks.crotch_y + 0.2, marks.crotch_y - 1.2, v.base.y);
+        let shin = smoothstep(marks.knee_y + 0.3, marks.ankle_y + 0.6, v.base.y);
+        let wide = if cover.outfit.bottom == Bottom::Shorts { 0.013 } else { 0.008 };
+        0.007 + wide * thigh + 0.016 * shin
     };
     // What lies well under the top cannot be seen.
     let part = body.skin.kept(|v| cover.bottom(v).min(0.45 - cover.top(v)));
-    garment(part, 8, |v| push(v) * body.size.max(0.8), |_| 0.4)
+    garment(part, 16, |v| push(v) * body.size.max(0.8), |_| 0.4)
 }
 
-/// Pushes a part of the body out by at least `push` metres, and smooths it.
+/// Pushes a part of the body out by `push` metres, and smooths it, by which it may come closer.
 fn garment(
     mut part: Surface,
     rounds: usize,
     push: impl Fn(&Vertex) -> f32,
     soft: impl Fn(&Vertex) -> f32,
 ) -> Surface {
-    let outside = |part: &mut Surface| {
+    let outside = |part: &mut Surface, least: f32| {
         for v in &mut part.vertices {
-            let short = push(v) - (v.at - v.body).dot(v.normal);
+            let short = push(v) * least - (v.at - v.body).dot(v.normal);
             v.at += v.normal * short.max(0.0);
         }
     };
-    outside(&mut part);
+    outside(&mut part, 1.0);
     for _ in 0..rounds {
         part.smooth(1, &soft);
-        outside(&mut part);
+        outside(&mut part, LEAST_PUSH);
     }
-    part.close_border(|v| v.body + v.normal * 0.001);
+    // The edge has depth, down to just over the skin.
+    part.close_border(|v| v.at - v.normal * ((v.at - v.body).dot(v.normal) - 0.001));
     part.set_normals();
     part
 }
@@ -143,10 +160,10 @@ struct Ring {
     reach: Vec<f32>,
 }
 
-/// Returns a skirt: a tube around the hips and both thighs.
-fn skirt(body: &Body, cover: &Cover) -> Surface {
+/// Returns what hangs from the hips: a tube around both thighs.
+fn hanging(body: &Body, cover: &Cover) -> Surface {
     let [columns, rows] = SKIRT;
-    let (high, low) = (cover.marks.waist_y + 0.1, cover.bottom_hem());
+    let (high, low) = (cover.marks.hip_y + 0.25, cover.bottom_hem());
     let directions: Vec<Vec2> = (0..columns)
         .map(|c| Vec2::from(((c as f32 / columns as f32) * std::f32::consts::TAU).sin_cos()))
         .collect();
@@ -154,17 +171,16 @@ fn skirt(body: &Body, cover: &Cover) -> Surface {
     for row in 0..rows {
         let down = row as f32 / (rows - 1) as f32;
         let base_y = high + (low - high) * down;
-        let near = |v: &&Vertex| (v.base.y - base_y).abs() < 0.4 && cover.marks.arm_share(v) < 0.5;
+        let near = |v: &&Vertex| (v.base.y - base_y).abs() < 0.25 && cover.marks.arm_share(v) < 0.5;
         let near: Vec<&Vertex> = body.skin.vertices.iter().filter(near).collect();
         let Some(center) = row_center(&near, base_y) else { continue };
-        let slack = (0.010 + 0.035 * down) * body.size;
-        let reach = directions.iter().enumerate().map(|(column, d)| {
-            let out = |v: &&Vertex| Vec2::new(v.body.x - center.x, v.body.z - center.z).dot(*d);
-            let reach = near.iter().map(out).fold(0.0, f32::max) + slack;
+        let slack = (0.008 + 0.012 * smoothstep(0.0, 0.2, down) + 0.026 * down) * body.size;
+        let mut reach = hull_reach(&near, center, &directions);
+        for (column, reach) in reach.iter_mut().enumerate() {
             // It hangs from where the body is widest.
-            reach.max(rings.last().map_or(0.0, |above: &Ring| above.reach[column]))
-        });
-        let reach = reach.collect();
+            let above = rings.last().map_or(0.0, |above: &Ring| above.reach[column]);
+            *reach = (*reach + slack).max(above);
+        }
         rings.push(Ring { base_y, center, reach });
     }
     let row = |ring: &Ring| {
@@ -185,6 +201,21 @@ fn skirt(body: &Body, cover: &Cover) -> Surface {
     let mut skirt = grid(&rows, true);
     skirt.set_normals();
     skirt
+}
+
+/// Returns how far the convex hull of vertices reaches from a point in each direction.
+fn hull_reach(near: &[&Vertex], center: Vec3, directions: &[Vec2]) -> Vec<f32> {
+    let offset = |v: &&Vertex| Vec2::new(v.body.x - center.x, v.body.z - center.z);
+    let support: Vec<f32> = directions
+        .iter()
+        .map(|d| near.iter().map(|v| offset(v).dot(*d)).fold(0.0, f32::max))
+        .collect();
+    let reach = |d: &Vec2| {
+        let tangents = directions.iter().zip(&support);
+        let along = tangents.filter(|(e, _)| e.dot(*d) > 0.1).map(|(e, h)| h / e.dot(*d));
+        along.fold(f32::MAX, f32::min)
+    };
+    directions.iter().map(reach).collect()
 }
 
 /// Returns the middle of the body at a height of the base mesh; `None` if nothing is there.

@@ -19,8 +19,7 @@ pub(crate) fn painted(skin: &Surface, marks: &Marks, features: &Features) -> Sur
     let field = |v: &Vertex| {
         if marks.head_share(v) > 0.5 { lip_field(marks.in_head(v), 1.0) } else { -1.0 }
     };
-    let mut painted = skin.kept(|v| -field(v) - 1e-4);
-    let mut mouth = skin.kept(field);
+    let (mut mouth, mut painted) = skin.split(field);
     mouth.tint(|_| lips);
     painted.add(&mouth);
     painted.tint(|v| {
@@ -53,8 +52,9 @@ pub(crate) fn brows(body: &Body, system: &BodySystem) -> Surface {
     let brow = |v: &Vertex| {
         let at = marks.in_head(v);
         let t = (at.x.abs() - 0.11) / 0.46;
-        let middle = 0.225 + 0.085 * (t * 1.7).sin() - 0.055 * t * t;
-        let thick = 0.034 * (1.0 - 0.6 * t.clamp(0.0, 1.0)) * smoothstep(1.0, 0.8, t).max(0.05);
+        let middle = 0.25 + 0.055 * (t * 2.2).sin() - 0.05 * t * t;
+        let ends = smoothstep(0.0, 0.3, t) * smoothstep(1.0, 0.6, t);
+        let thick = 0.009 + 0.015 * ends;
         (thick - (at.y - middle).abs()).min(t * 0.2).min((1.0 - t) * 0.2)
     };
     let patch = body.skin.kept(around).subdivided().subdivided();

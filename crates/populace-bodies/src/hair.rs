@@ -12,17 +12,18 @@ use crate::surface::{Surface, Vertex, grid, smoothstep};
 /// Height of the hairline over the eyes by the angle from the front, in units of the head
 /// ([`Marks::in_head`]) and degrees: over the forehead, down to the sideburn, over the ear, and
 /// down to the nape.
-const HAIRLINE: [(f32, f32); 11] = [
+const HAIRLINE: [(f32, f32); 12] = [
     (0.0, 0.70),
-    (28.0, 0.72),
-    (46.0, 0.60),
-    (60.0, 0.34),
-    (76.0, 0.20),
-    (82.0, -0.12),
-    (90.0, -0.10),
-    (96.0, 0.22),
-    (120.0, 0.20),
-    (136.0, -0.42),
+    (22.0, 0.72),
+    (38.0, 0.67),
+    (52.0, 0.50),
+    (62.0, 0.34),
+    (74.0, 0.25),
+    (80.0, 0.02),
+    (87.0, 0.00),
+    (93.0, 0.24),
+    (122.0, 0.22),
+    (138.0, -0.42),
     (180.0, -0.62),
 ];
 /// The axis of the head behind the eyes, in units of the head.
@@ -42,7 +43,8 @@ impl Hair<'_> {
     pub(crate) fn scalp(&self, v: &Vertex) -> f32 {
         let at = self.marks.in_head(v);
         let angle = at.x.abs().atan2(at.z - AXIS_Z).to_degrees();
-        (at.y - hairline(angle)).min((self.marks.head_share(v) - 0.2) * 4.0)
+        let ragged = 0.05 * (noise(at.x * 9.0 + 50.0, self.seed ^ 11) - 0.5);
+        (at.y - hairline(angle) + ragged).min((self.marks.head_share(v) - 0.2) * 4.0)
     }
 
     /// Returns the hair, the brows and the beard.
@@ -71,7 +73,10 @@ impl Hair<'_> {
         let front = smoothstep(-0.9, 0.1, at.z);
         let angle = at.x.atan2(at.z - AXIS_Z);
         let lock = noise(angle * 6.0 + at.y * 3.0 + 40.0, self.seed) - 0.5;
-        match self.features.haircut {
+        // Thin in front of the ears.
+        let side = smoothstep(0.1, 0.4, at.y).max(smoothstep(-0.9, -1.2, at.z));
+        let thin = side.max(0.25);
+        let full = match self.features.haircut {
             Haircut::Cropped => 0.006,
             Haircut::Short => 0.009 + (0.016 + 0.010 * front + 0.010 * lock) * up,
             Haircut::Full => 0.018 + 0.014 * up + 0.008 * lock,
@@ -82,7 +87,8 @@ impl Hair<'_> {
                     + noise(at.y * 11.0 - angle * 7.0 + at.z * 5.0 + 160.0, self.seed);
                 0.042 + 0.014 * (curl - 1.0)
             }
-        }
+        };
+        full * thin
     }
 
     fn cap(&self, body: &Body) -> Surface {

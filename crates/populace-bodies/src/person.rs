@@ -184,8 +184,8 @@ impl Person {
         let features = random_features(female, &body, &mut random);
         let outfit = random_outfit(female, &mut random);
         let kind = match (body.age, female) {
-            (..0.4, true) => "girl",
-            (..0.4, false) => "boy",
+            (..0.36, true) => "girl",
+            (..0.36, false) => "boy",
             (_, true) => "woman",
             (_, false) => "man",
         };
@@ -215,7 +215,7 @@ fn random_body(female: bool, random: &mut Random) -> Phenotype {
         age,
         muscle: spread(random, 0.4) + if female { -0.03 } else { 0.06 },
         weight: spread(random, 0.45) + 0.02,
-        height: spread(random, 0.4),
+        height: spread(random, 0.2) - if female { 0.03 } else { 0.0 },
         proportions: random.between(0.45, 0.95),
         ancestry,
         details: (0..7).map(|_| detail(random)).collect(),

@@ -42,6 +42,7 @@ impl Phenotype {
             "weight" => self.weight,
             "height" => self.height,
             "proportions" => self.proportions,
+            "cupsize" => 0.5 * ((self.age - 0.3) / 0.2).clamp(0.0, 1.0),
             _ => 0.5,
         }
     }

@@ -60,7 +60,7 @@ fn shoe(body: &Body, cover: &Cover, foot: &Surface) -> Option<Surface> {
             let turn = column as f32 / COLUMNS as f32 * std::f32::consts::TAU;
             let d = Vec2::from(turn.sin_cos());
             let reach = ankle.iter().map(|p| plan(*p - center).dot(d)).fold(0.0, f32::max);
-            let start = plan(center) + d * (reach + leather);
+            let start = plan(center) + d * (reach + leather * 0.6);
             spoke([start, *end], [center.y, ground + 0.012 * body.size], &points, leather)
         })
         .collect();
@@ -87,7 +87,7 @@ fn shoe(body: &Body, cover: &Cover, foot: &Surface) -> Option<Surface> {
         let [a, b, c] = t.map(|corner| shoe.vertices[corner as usize].at);
         (b - a).cross(c - a).length() > 1e-9
     });
-    shoe.smooth_weights(1);
+    shoe.smooth_weights(1, |_| true);
     shoe.set_normals();
     Some(shoe)
 }

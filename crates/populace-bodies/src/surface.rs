@@ -56,12 +56,20 @@ impl Surface {
 
     /// Returns the part where a field is not negative, cut along the line where it is zero.
     pub(crate) fn kept(&self, field: impl Fn(&Vertex) -> f32) -> Self {
+        self.split(field).0
+    }
+
+    /// Returns the part where a field is not negative, and the other one. Both have the same
+    /// vertices along the line where the field is zero.
+    pub(crate) fn split(&self, field: impl Fn(&Vertex) -> f32) -> (Self, Self) {
         let values: Vec<f32> = self.vertices.iter().map(field).collect();
-        let mut part = Cut { from: self, values, part: Self::default(), new: HashMap::new() };
-        for triangle in &self.triangles {
-            part.triangle(*triangle);
-        }
-        part.part
+        let part = |wanted: bool| {
+            let (part, new) = (Self::default(), HashMap::new());
+            let mut cut = Cut { from: self, values: &values, wanted, part, new };
+            self.triangles.iter().for_each(|triangle| cut.triangle(*triangle));
+            cut.part
+        };
+        (part(true), part(false))
     }
 
     /// Returns the triangles that meet a condition on their corners.
@@ -163,14 +171,15 @@ impl Surface {
         }
     }
 
-    /// Smooths the weights of all vertices over their neighbours.
-    pub(crate) fn smooth_weights(&mut self, rounds: usize) {
+    /// Smooths the weights of some vertices over their neighbours.
+    pub(crate) fn smooth_weights(&mut self, rounds: usize, chosen: impl Fn(&Vertex) -> bool) {
         let around = self.neighbours();
         for _ in 0..rounds {
             let before: Vec<Weights> = self.vertices.iter().map(|v| v.weights).collect();
-            for (vertex, near) in self.vertices.iter_mut().zip(&around) {
-                let each = 0.5 / near.len().max(1) as f32;
-                let mut all = vec![(vertex.weights, 0.5)];
+            let all = self.vertices.iter_mut().zip(&around);
+            for (vertex, near) in all.filter(|(vertex, _)| chosen(vertex)) {
+                let each = 0.6 / near.len().max(1) as f32;
+                let mut all = vec![(vertex.weights, 0.4)];
                 all.extend(near.iter().map(|n| (before[*n as usize], each)));
                 vertex.weights = Weights::mix(&all);
             }
@@ -216,7 +225,9 @@ impl Surface {
 /// The part of a surface that is being cut.
 struct Cut<'a> {
     from: &'a Surface,
-    values: Vec<f32>,
+    values: &'a [f32],
+    /// Whether the part is the one where values are not negative.
+    wanted: bool,
     part: Surface,
     /// New vertices by the one or two old ones that they lie at.
     new: HashMap<(u32, u32), u32>,
@@ -225,6 +236,10 @@ struct Cut<'a> {
 impl Cut<'_> {
     fn value(&self, corner: u32) -> f32 {
         self.values[corner as usize]
+    }
+
+    fn is_inside(&self, corner: u32) -> bool {
+        (self.value(corner) >= 0.0) == self.wanted
     }
 
     fn vertex(&mut self, a: u32, b: u32) -> u32 {
@@ -249,11 +264,11 @@ impl Cut<'_> {
         let mut polygon: Vec<u32> = Vec::with_capacity(4);
         for at in 0..3 {
             let (from, to) = (corners[at], corners[(at + 1) % 3]);
-            let inside = self.value(from) >= 0.0;
+            let inside = self.is_inside(from);
             if inside {
                 polygon.push(self.vertex(from, from));
             }
-            if inside != (self.value(to) >= 0.0) {
+            if inside != self.is_inside(to) {
                 polygon.push(self.vertex(from, to));
             }
         }

@@ -23,6 +23,8 @@ const LEVELS: [(f32, usize); 7] =
 /// than the one before.
 const FIRST_REDUCTION: f32 = 0.0001;
 const REDUCTION_STEP: f32 = 1.3;
+/// [`reduced`] leaves parts as they are that have less than this fraction of the triangles allowed.
+const SMALL_PART: usize = 16;
 /// A level must save at least this part of the triangles of the level before it.
 const LEAST_SAVED: f32 = 0.2;
 
@@ -68,7 +70,8 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
 }
 
 /// Returns the character with its meshes simplified as little as needed to have at most `triangles`
-/// triangles, but by no more than `error_m` metres. It has no levels of detail.
+/// triangles, but by no more than `error_m` metres. Small parts, such as eyes, stay as they are. It
+/// has no levels of detail.
 ///
 /// # Errors
 ///
@@ -78,11 +81,13 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
     let mut source = CharacterSource::clone(character);
     let mut simplifiers: Vec<Simplifier> =
         (0..source.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let small = triangles / SMALL_PART;
     let mut next_m = FIRST_REDUCTION * character.height_m();
     while next_m <= error_m
         && simplifiers.iter().map(Simplifier::triangle_count).sum::<usize>() > triangles
     {
-        simplifiers.iter_mut().for_each(|s| s.simplify(next_m));
+        let large = simplifiers.iter_mut().filter(|s| s.triangle_count() > small);
+        large.for_each(|s| s.simplify(next_m));
         next_m *= REDUCTION_STEP;
     }
     for (part, simplifier) in source.parts.iter_mut().zip(&simplifiers) {
