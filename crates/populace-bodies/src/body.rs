@@ -11,13 +11,13 @@ use crate::mesh_file::BaseMesh;
 use crate::rig_file::{Rig, Weights};
 use crate::shape::{self, Phenotype, Rules, Targets};
 use crate::source::Source;
-use crate::surface::{Surface, Vertex};
+use crate::surface::{Surface, Vertex, smoothstep};
 
 /// Metres of a unit of the base mesh.
 pub(crate) const METRES: f32 = 0.1;
 
 /// Rounds of smoothing of the weights around the hips.
-const HIP_ROUNDS: usize = 10;
+const HIP_ROUNDS: usize = 6;
 
 /// A body system that was opened: a base mesh, a rig and targets. Targets are read when a body
 /// first needs them.
@@ -59,10 +59,20 @@ impl BodySystem {
         let mesh = BaseMesh::parse(&text)?;
         let rig = source.text("rigs/standard/rig.mixamo.json")?;
         let weights = source.text("rigs/standard/weights.mixamo.json")?;
-        let rig = Rig::parse(&rig, &weights, &mesh)?;
+        let mut rig = Rig::parse(&rig, &weights, &mesh)?;
         let marks = Marks::new(&mesh, &rig)?;
         let rules = Rules::parse(&source.text("targets/macrodetails/macro.json")?)?;
         let seen = hidden::seen_triangles(&mesh);
+        // Clothes pass over the hips more evenly than skin does.
+        let mut skin = all_vertices(&mesh, &rig, &mesh.positions, &seen);
+        for v in &mut skin.vertices {
+            let thigh = smoothstep(marks.hip_y + 0.35, marks.crotch_y - 0.4, v.base.y);
+            v.weights = marks.with_less_thigh(v.weights, thigh);
+        }
+        let hips = marks.crotch_y - 0.8..marks.waist_y + 0.4;
+        let near_hips = |v: &Vertex| hips.contains(&v.base.y) && marks.arm_share(v) < 0.1;
+        skin.smooth_weights(HIP_ROUNDS, near_hips);
+        rig.weights = skin.vertices.iter().map(|v| v.weights).collect();
         Ok(Self { source, mesh, rig, marks, rules, targets: Targets::default(), seen })
     }
 
@@ -78,12 +88,7 @@ impl BodySystem {
         let shaped = shape::positions(base, who, &self.rules, &mut self.targets, &mut self.source)?;
         let positions: Vec<Vec3> = shaped.into_iter().map(|place| place * METRES).collect();
         let places = self.rig.places(&positions);
-        let mut skin = self.surface(&positions, &self.seen);
-        // Clothes pass over the hips more evenly than skin does.
-        let hips = self.marks.crotch_y - 0.8..self.marks.waist_y + 0.4;
-        skin.smooth_weights(HIP_ROUNDS, |v| {
-            hips.contains(&v.base.y) && self.marks.arm_share(v) < 0.1
-        });
+        let skin = self.surface(&positions, &self.seen);
         let (low, high) = skin
             .vertices
             .iter()
@@ -94,18 +99,7 @@ impl BodySystem {
 
     /// Returns triangles of the base mesh as a surface.
     pub(crate) fn surface(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Surface {
-        let vertex = |index: usize| Vertex {
-            base: self.mesh.positions[index],
-            body: positions[index],
-            at: positions[index],
-            normal: Vec3::Y,
-            color: Vec3::ONE,
-            weights: self.rig.weights[index],
-        };
-        let all = Surface {
-            vertices: (0..positions.len()).map(vertex).collect(),
-            triangles: triangles.to_vec(),
-        };
+        let all = all_vertices(&self.mesh, &self.rig, positions, triangles);
         let mut surface = all.chosen(|_| true);
         surface.set_normals();
         surface
@@ -115,6 +109,19 @@ impl BodySystem {
     pub(crate) fn group(&self, name: &str) -> Vec<[u32; 3]> {
         fans(self.mesh.faces(name))
     }
+}
+
+/// Returns a surface with all vertices of the base mesh in their order, used or not.
+fn all_vertices(mesh: &BaseMesh, rig: &Rig, positions: &[Vec3], triangles: &[[u32; 3]]) -> Surface {
+    let vertex = |index: usize| Vertex {
+        base: mesh.positions[index],
+        body: positions[index],
+        at: positions[index],
+        normal: Vec3::Y,
+        color: Vec3::ONE,
+        weights: rig.weights[index],
+    };
+    Surface { vertices: (0..positions.len()).map(vertex).collect(), triangles: triangles.to_vec() }
 }
 
 /// Splits faces into triangles.

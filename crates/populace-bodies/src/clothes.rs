@@ -50,7 +50,7 @@ impl Cover<'_> {
     fn top_hem(&self) -> f32 {
         match self.outfit.bottom {
             Bottom::Skirt => self.marks.hip_y + 0.1,
-            _ => self.marks.hip_y - 0.1,
+            _ => self.marks.hip_y + 0.05,
         }
     }
 
@@ -97,7 +97,7 @@ pub(crate) fn top(body: &Body, cover: &Cover) -> Surface {
     };
     // A skirt is worn over it.
     let part = body.skin.kept(|v| match cover.outfit.bottom {
-        Bottom::Skirt => cover.top(v).min(0.45 - cover.bottom(v)),
+        Bottom::Skirt => cover.top(v).min(0.2 - cover.bottom(v)),
         _ => cover.top(v),
     });
     garment(

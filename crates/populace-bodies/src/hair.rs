@@ -225,7 +225,7 @@ impl Hair<'_> {
         let ring = |row: usize| {
             let t = row as f32 / (rows - 1) as f32;
             let middle = tied + Vec3::new(0.0, 0.12 - 1.75 * t * t, -0.42 * (t * 2.6).sin()) * unit;
-            let radius = [0.10, 0.20, 0.25][row.min(2)] * (1.0 - 0.9 * t.powi(3)) * unit;
+            let radius = [0.03, 0.22, 0.30][row.min(2)] * (1.0 - 0.8 * t.powi(3)) * unit;
             let vertex = |column: usize| {
                 let turn = column as f32 / columns as f32 * std::f32::consts::TAU;
                 let d = Vec2::from(turn.sin_cos());

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::Error;
 use crate::mesh_file::BaseMesh;
-use crate::rig_file::Rig;
+use crate::rig_file::{Rig, Weights};
 use crate::surface::Vertex;
 
 /// Height of the top of the head above the eyes on the base mesh for which the measures of the head
@@ -14,15 +14,11 @@ const TOP_OVER_EYES: f32 = 1.21;
 /// Joints and landmarks of the base mesh, in its units (decimetres).
 pub(crate) struct Marks {
     pub(crate) hips: u16,
-    pub(crate) spine: u16,
     pub(crate) chest: u16,
     pub(crate) neck: u16,
     pub(crate) head: u16,
     /// Left and right.
     pub(crate) thighs: [u16; 2],
-    pub(crate) shins: [u16; 2],
-    pub(crate) feet: [u16; 2],
-    pub(crate) toes: [u16; 2],
     /// Whether each joint is at or below an upper arm, or below a shin.
     in_arm: Vec<bool>,
     in_head: Vec<bool>,
@@ -68,14 +64,10 @@ impl Marks {
         let middle = body.iter().filter(|v| v.x.abs() < 0.06 && v.y < hip_y);
         Ok(Self {
             hips: joint("Hips")?,
-            spine: joint("Spine")?,
             chest: joint("Spine2")?,
             neck: joint("Neck")?,
             head: joint("Head")?,
             thighs: both("UpLeg")?,
-            shins: both("Leg")?,
-            feet: both("Foot")?,
-            toes: both("ToeBase")?,
             in_arm,
             in_head: under(joint("Head")?),
             arm: [place("LeftArm")?, place("LeftForeArm")?, place("LeftHand")?],
@@ -103,6 +95,14 @@ impl Marks {
     /// How much of a vertex follows the head, from 0 to 1.
     pub(crate) fn head_share(&self, vertex: &Vertex) -> f32 {
         Self::share(&self.in_head, vertex)
+    }
+
+    /// Returns weights with only a part of what the thighs have; the hips get the rest.
+    pub(crate) fn with_less_thigh(&self, weights: Weights, kept: f32) -> Weights {
+        Weights::strongest(weights.pairs().flat_map(|(joint, share)| {
+            let kept = if self.thighs.contains(&joint) { kept } else { 1.0 };
+            [(joint, share * kept), (self.hips, share * (1.0 - kept))]
+        }))
     }
 
     /// Distance of a vertex along its arm from the shoulder in decimetres; not positive elsewhere.
