@@ -31,7 +31,8 @@ pub struct WriteOptions<'a> {
 /// node with a mesh of one primitive. Clips are not written.
 ///
 /// Reading the file gives the same skeleton, parts, materials and levels. Parts that moved rigidly
-/// with a joint have a skin of that joint.
+/// with a joint have a skin of that joint. Joints that are neither above nor below one that moves
+/// vertices are not read again.
 ///
 /// # Errors
 ///
