@@ -53,6 +53,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-physics", &["populace"]),
     ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
+    ("populace-bodies", &["populace-character", "populace-model"]),
     ("populace-lod", &["populace-character", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (
@@ -85,6 +86,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace",
             "populace-assets",
             "populace-bench",
+            "populace-bodies",
             "populace-cast",
             "populace-locomotion",
             "populace-lod",
