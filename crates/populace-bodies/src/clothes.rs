@@ -90,10 +90,13 @@ pub(crate) fn top(body: &Body, cover: &Cover) -> Surface {
         Sleeves::Long => 0.001,
     };
     let push = |v: &Vertex| {
-        let over = if cover.outfit.bottom == Bottom::Skirt { 0.0 } else { 0.008 };
-        let hem = smoothstep(marks.waist_y + 1.0, marks.hip_y, v.base.y);
+        let hem = match cover.outfit.bottom {
+            // Tucked in.
+            Bottom::Skirt => -0.005 * smoothstep(-0.3, 0.0, cover.bottom(v)),
+            _ => 0.008 * smoothstep(marks.waist_y + 1.0, marks.hip_y, v.base.y),
+        };
         let sleeve = smoothstep(0.2 * upper, 0.6 * upper, marks.along_arm(v));
-        0.008 + over * hem + cuff * sleeve
+        0.008 + hem + cuff * sleeve
     };
     // A skirt is worn over it.
     let part = body.skin.kept(|v| match cover.outfit.bottom {

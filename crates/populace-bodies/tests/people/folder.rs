@@ -203,7 +203,14 @@ impl Builder {
 
 /// Two ranges with a middle, as the rules list them.
 fn range(names: [&str; 3]) -> Value {
-    let part = |lowest: f32, highest: f32, [low, high]: [&str; 2]| json!({ "lowest": lowest, "highest": highest, "low": low, "high": high });
+    let part = |lowest: f32, highest: f32, [low, high]: [&str; 2]| {
+        json!({
+            "lowest": lowest,
+            "highest": highest,
+            "low": low,
+            "high": high,
+        })
+    };
     json!({ "parts": [
         part(0.0, 0.4999, [names[0], names[1]]),
         part(0.5, 1.0, [names[1], names[2]]),

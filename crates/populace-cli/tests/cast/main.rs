@@ -51,10 +51,10 @@ fn main() -> ExitCode {
 }
 
 /// Returns some people of a seed, as they are before simplification.
-fn people(wheel: &Path, count: u32) -> Result<Vec<Character>, Failed> {
+fn people(wheel: &Path, indices: &[u32]) -> Result<Vec<Character>, Failed> {
     let mut bodies = BodySystem::open(wheel)?;
-    let person = |index| Ok(bodies.character(&Person::random(1, index))?);
-    (0..count).map(person).collect()
+    let person = |index: &u32| Ok(bodies.character(&Person::random(1, *index))?);
+    indices.iter().map(person).collect()
 }
 
 fn cast(wheel: &Path) -> Result<(), Failed> {
