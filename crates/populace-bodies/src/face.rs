@@ -52,7 +52,7 @@ pub(crate) fn brows(body: &Body, system: &BodySystem) -> Surface {
     let brow = |v: &Vertex| {
         let at = marks.in_head(v);
         let t = (at.x.abs() - 0.11) / 0.46;
-        let middle = 0.25 + 0.055 * (t * 2.2).sin() - 0.05 * t * t;
+        let middle = 0.25 + 0.055 * (t * 2.2).sin_cos().0 - 0.05 * t * t;
         let ends = smoothstep(0.0, 0.3, t) * smoothstep(1.0, 0.6, t);
         let thick = 0.009 + 0.015 * ends;
         (thick - (at.y - middle).abs()).min(t * 0.2).min((1.0 - t) * 0.2)

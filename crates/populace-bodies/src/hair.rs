@@ -97,7 +97,8 @@ impl Hair<'_> {
         let rounded = |v: &Vertex| {
             let (edge, full) = (0.0012, self.thickness(v) * body.size.powf(0.5));
             let wide = (full * 14.0).clamp(0.1, 0.4);
-            edge + (full - edge).max(0.0) * smoothstep(-0.02, wide, self.scalp(v)).sqrt()
+            let rise = smoothstep(-0.02, wide, self.scalp(v));
+            edge + (full - edge).max(0.0) * rise * (2.0 - rise)
         };
         for v in &mut cap.vertices {
             v.at = v.body + v.normal * rounded(v);
@@ -224,7 +225,8 @@ impl Hair<'_> {
         let (rows, columns) = (10, 12);
         let ring = |row: usize| {
             let t = row as f32 / (rows - 1) as f32;
-            let middle = tied + Vec3::new(0.0, 0.12 - 1.75 * t * t, -0.42 * (t * 2.6).sin()) * unit;
+            let middle =
+                tied + Vec3::new(0.0, 0.12 - 1.75 * t * t, -0.42 * (t * 2.6).sin_cos().0) * unit;
             let radius = [0.03, 0.22, 0.30][row.min(2)] * (1.0 - 0.8 * t.powi(3)) * unit;
             let vertex = |column: usize| {
                 let turn = column as f32 / columns as f32 * std::f32::consts::TAU;
@@ -307,8 +309,8 @@ impl Hair<'_> {
 pub(crate) fn lip_field(at: Vec3, size: f32) -> f32 {
     let (x, y) = (at.x / (0.27 * size), (at.y + 0.675) / (0.105 * size));
     // The bow of the upper lip.
-    let bow = if y > 0.0 { 0.12 * (at.x.abs() * 22.0).cos() } else { 0.0 };
-    if at.z < -0.1 { -1.0 } else { 1.0 + bow.min(0.0) - (x * x + y * y).sqrt() }
+    let bow = if y > 0.0 { 0.12 * (at.x.abs() * 22.0).sin_cos().1 } else { 0.0 };
+    if at.z < -0.1 { -1.0 } else { 1.0 + bow.min(0.0) - Vec2::new(x, y).length() }
 }
 
 fn hairline(angle: f32) -> f32 {

@@ -61,7 +61,7 @@ fn is_seen([a, b, c]: [Vec3; 3], others: &[[Vec3; 3]]) -> bool {
     let view = |index: usize| {
         let y = 1.0 - 2.0 * (index as f32 + 0.5) / VIEWS as f32;
         let (sin, cos) = (index as f32 * 2.399_963).sin_cos();
-        let radius = (1.0 - y * y).sqrt();
+        let radius = (1.0 - y * y).powf(0.5);
         Vec3::new(radius * cos, y, radius * sin)
     };
     let views = (0..VIEWS).map(view).filter(|view| view.dot(normal) > 0.2);

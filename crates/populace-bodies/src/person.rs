@@ -203,7 +203,7 @@ fn random_body(female: bool, random: &mut Random) -> Phenotype {
     };
     let mut ancestry = [0.04 + random.unit(), 0.04 + random.unit(), 0.04 + random.unit()];
     // Most people have one main ancestry.
-    ancestry[(random.unit() * 2.999) as usize] += 2.5;
+    ancestry[*random.pick(&[0, 1, 2])] += 2.5;
     let spread = |random: &mut Random, half: f32| 0.5 + (random.middling() - 0.5) * 2.0 * half;
     let detail = |random: &mut Random| {
         let [low, high] = *random.pick(&DETAILS);

@@ -34,7 +34,8 @@ fn source() -> CharacterSource {
         parent,
         rest: Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY },
     };
-    let skeleton = Skeleton::new(&[joint("hips", None, 1.0), joint("head", Some(0), 0.5)]).unwrap();
+    let skeleton = Skeleton::new(&[joint("hips", None, 1.0), joint("head", Some(0), 0.5)])
+        .expect("a skeleton");
     let entry = |joint: usize, y: f32| PaletteEntry {
         joint: skeleton.joint_from_source(joint),
         joint_from_bind: Affine::from_trs(&Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY }),
@@ -91,7 +92,8 @@ fn levels() -> Vec<Level> {
 }
 
 fn character() -> Character {
-    Character::new(source()).unwrap().with_levels(levels()).unwrap()
+    let character = Character::new(source()).expect("valid parts");
+    character.with_levels(levels()).expect("valid levels")
 }
 
 /// Replaces bytes of the same length in the JSON of a file.
