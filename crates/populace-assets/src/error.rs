@@ -35,7 +35,7 @@ impl fmt::Display for Note {
     }
 }
 
-/// The reason why a file was not loaded.
+/// The reason why a file was not loaded, or a character not written.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
@@ -56,6 +56,14 @@ pub enum Error {
         file: String,
         /// All problems that were found, at least one.
         problems: Vec<Problem>,
+    },
+    /// A character cannot be written as glTF.
+    #[error("\"{character}\" cannot be written as glTF: {what}")]
+    Unwritable {
+        /// Name of the character.
+        character: String,
+        /// What glTF cannot hold.
+        what: String,
     },
 }
 

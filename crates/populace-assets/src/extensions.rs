@@ -4,11 +4,12 @@ use crate::json::Cursor;
 use crate::log::Checked;
 
 /// Supported extensions.
-const SUPPORTED: [&str; 4] = [
+const SUPPORTED: [&str; 5] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_emissive_strength",
     "EXT_texture_webp",
+    "MSFT_lod",
 ];
 
 /// Extensions that can be ignored even if a file requires them: they change the appearance of a

@@ -13,6 +13,7 @@ use crate::extents::Extents;
 use crate::folder::Folder;
 use crate::influences::Palette;
 use crate::json::Cursor;
+use crate::levels::Levels;
 use crate::log::{Checked, Log};
 use crate::materials;
 use crate::nodes::{self, Ancestry, Counts, Node};
@@ -22,7 +23,7 @@ use crate::rig::Rig;
 use crate::skins::{self, Skin};
 use crate::tree;
 use crate::uri::Uri;
-use crate::{Imported, SkinInfo, glb};
+use crate::{Imported, SkinInfo, glb, levels};
 
 /// Imports the bytes of a file. Problems and notes go to the log.
 pub(crate) fn import(
@@ -50,11 +51,11 @@ pub(crate) fn import(
     };
     let mut palette = Palette::default();
     let built = assembly.parts(&mut palette);
-    if let Ok((parts, ..)) = &built {
-        rig.measure_vertices(palette.entries(), parts);
+    if let Ok(built) = &built {
+        rig.measure_vertices(palette.entries(), &built.parts);
     }
     let clips = Clips::new(&data, log, &rig).all(&document.animations);
-    let (parts, vertex_counts, skins) = built?;
+    let Built { parts, vertex_counts, skins, levels } = built?;
     let clips = clips?;
     Extents::of(&rig, &clips).check(&rig, &document.nodes, log)?;
     data.note_unused_buffers();
@@ -69,6 +70,7 @@ pub(crate) fn import(
         skins,
         clips,
     });
+    let character = character.and_then(|character| levels.give(character, &document.nodes, log));
     Ok(Imported {
         character: character.map_err(|e| log.problem("file", e.to_string()))?,
         notes: Vec::new(),
@@ -190,11 +192,21 @@ struct Assembly<'a> {
     builder: PartBuilder<'a>,
 }
 
+/// What the nodes with meshes became.
+#[derive(Default)]
+struct Built {
+    parts: Vec<Part>,
+    /// The file's vertex count of each part.
+    vertex_counts: Vec<usize>,
+    /// The skins of the nodes that have one.
+    skins: Vec<SkinInstance>,
+    levels: Levels,
+}
+
 impl Assembly<'_> {
-    /// Builds the parts of all nodes in the scene. Also returns the file's vertex count of each
-    /// part, and the skins of the nodes that have one.
-    fn parts(&self, palette: &mut Palette) -> Checked<(Vec<Part>, Vec<usize>, Vec<SkinInstance>)> {
-        let (mut parts, mut vertex_counts, mut skins) = (Vec::new(), Vec::new(), Vec::new());
+    /// Builds the parts of all nodes in the scene.
+    fn parts(&self, palette: &mut Palette) -> Checked<Built> {
+        let mut built = Built::default();
         let mut failed = None;
         for (index, node) in self.document.nodes.iter().enumerate().filter(|(_, n)| n.in_scene) {
             let Some(mesh) = node.mesh else { continue };
@@ -214,16 +226,48 @@ impl Assembly<'_> {
                 };
                 let source = PartSource { node: index, node_name, primitive };
                 match self.builder.part(source, declared, mover, palette) {
-                    Ok(made) => {
-                        vertex_counts.extend(made.as_ref().map(|(_, count)| *count));
-                        parts.extend(made.map(|(part, _)| part));
+                    Ok(Some((part, count))) => {
+                        built.parts.push(part);
+                        built.vertex_counts.push(count);
+                        let levels = self.levels(index, primitive, mover, palette);
+                        levels.map_or_else(|r| failed = Some(r), |l| built.levels.add(index, l));
                     }
+                    Ok(None) => {}
                     Err(reported) => failed = Some(reported),
                 }
             }
-            skins.extend(skin);
+            built.skins.extend(skin);
         }
-        failed.map_or(Ok((parts, vertex_counts, skins)), Err)
+        failed.map_or(Ok(built), Err)
+    }
+
+    /// Builds the coarser meshes of a primitive. A level without it has a mesh without triangles.
+    fn levels(
+        &self,
+        index: usize,
+        primitive: usize,
+        mover: Mover,
+        palette: &mut Palette,
+    ) -> Checked<Vec<populace_character::Mesh>> {
+        let nodes = &self.document.nodes;
+        let mesh = |level: &(usize, f32)| {
+            let coarse = &nodes[level.0];
+            let declared = coarse.mesh.and_then(|m| self.document.meshes[m].get(primitive));
+            let Some(declared) = declared else { return Ok(levels::empty()) };
+            let declared = declared.as_ref().map_err(|reported| *reported)?;
+            if coarse.skin != nodes[index].skin
+                || matches!(mover, Mover::Skin(_)) != declared.is_skinned()
+            {
+                return Err(self.builder.log.problem(
+                    &coarse.place,
+                    "is a level of detail of a node with another skin; both must have the same",
+                ));
+            }
+            let source = PartSource { node: level.0, node_name: String::new(), primitive };
+            let part = self.builder.part(source, declared, mover, palette)?;
+            Ok(part.map_or_else(levels::empty, |(part, _)| part.mesh))
+        };
+        nodes[index].levels.iter().map(mesh).collect()
     }
 
     fn rigid_mover(

@@ -1,5 +1,5 @@
 //! Reads characters and clips from glTF 2.0 files, text or binary, into the types of
-//! [`populace_character`].
+//! [`populace_character`], and writes characters with their levels of detail ([`to_glb`]).
 //!
 //! Units and axes are those of glTF: metres, seconds, radians, +Y up, +Z front. Nothing is scaled
 //! or rotated.
@@ -35,6 +35,9 @@
 //! carries a mesh of its own, or is animated. The meshes of the default scene become parts, and
 //! animations become clips. Other data is ignored; [`Imported::notes`] lists it with the reasons.
 //!
+//! Levels of detail are read from files that name the coarser nodes of each mesh node by MSFT_lod,
+//! and in `extras.error_m` of that node how far each is off in metres. [`to_glb`] writes such files.
+//!
 //! # Errors
 //!
 //! JSON is read through a cursor that tracks its own path and a log that collects problems. Serde
@@ -63,6 +66,7 @@ mod images;
 mod import;
 mod influences;
 mod json;
+mod levels;
 mod log;
 mod materials;
 mod nodes;
@@ -74,6 +78,7 @@ mod rig;
 mod skins;
 mod tree;
 mod uri;
+mod write;
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -86,6 +91,7 @@ use log::{Checked, Log};
 
 pub use error::{Error, Note, Problem};
 pub use options::LoadOptions;
+pub use write::{WriteOptions, to_glb};
 
 /// The result of loading a file.
 #[derive(Clone, Debug)]

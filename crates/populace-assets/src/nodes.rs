@@ -28,6 +28,8 @@ pub(crate) struct Node {
     /// Whether the world transform is a reflection, which reverses the winding of triangles (glTF
     /// 2.0, section 3.7.4). Only set for nodes of the imported scene.
     pub(crate) mirrored: bool,
+    /// Nodes with coarser meshes, finest first, and their errors in metres (MSFT_lod).
+    pub(crate) levels: Vec<(usize, f32)>,
 }
 
 /// Numbers of the objects that nodes can refer to.
@@ -132,7 +134,24 @@ fn read_node(at: &Cursor, count: usize, counts: Counts) -> Node {
         skin: index("skin", counts.skins, "skin"),
         in_scene: false,
         mirrored: false,
+        levels: read_levels(at, count).unwrap_or_default(),
     }
+}
+
+/// Reads the coarser nodes of a node. Without errors in metres they are of no use.
+fn read_levels(at: &Cursor, count: usize) -> Checked<Vec<(usize, f32)>> {
+    let Some(extension) = at.extension("MSFT_lod") else { return Ok(Vec::new()) };
+    let ids = extension.list("ids");
+    let ids: Checked<Vec<usize>> = ids.iter().map(|id| id.index(count, "node")).collect();
+    let extras = at.get("extras").filter(|extras| extras.object().is_ok());
+    let errors_m = extras.map_or(Vec::new(), |extras| extras.list("error_m"));
+    let errors_m: Checked<Vec<f64>> = errors_m.iter().map(Cursor::number).collect();
+    let (ids, errors_m) = (ids?, errors_m?);
+    if ids.len() != errors_m.len() {
+        at.note("has levels of detail without an error in metres for each; they are ignored");
+        return Ok(Vec::new());
+    }
+    Ok(ids.into_iter().zip(errors_m.into_iter().map(to_f32)).collect())
 }
 
 fn read_local(at: &Cursor) -> Checked<Trs> {

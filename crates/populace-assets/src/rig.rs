@@ -152,6 +152,7 @@ mod tests {
             skin: None,
             in_scene: true,
             mirrored: false,
+            levels: Vec::new(),
         }
     }
 

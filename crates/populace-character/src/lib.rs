@@ -7,6 +7,7 @@
 
 mod character;
 mod error;
+mod joints_needed;
 mod options;
 mod regions;
 mod rehang;
@@ -17,6 +18,7 @@ pub use character::{
     PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
 };
 pub use error::Error;
+pub use joints_needed::joints_needed;
 pub use options::{MAX_OPTIONS, PartOption};
 pub use regions::{Region, RegionFinder};
 pub use sole_points::sole_points;

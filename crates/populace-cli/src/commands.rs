@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bench")]
 pub(crate) mod bench;
+pub(crate) mod cast;
 pub(crate) mod demo;
 pub(crate) mod devices;
 pub(crate) mod inspect;

@@ -53,6 +53,12 @@ impl From<populace_assets::Error> for Failure {
     }
 }
 
+impl From<populace_bodies::Error> for Failure {
+    fn from(error: populace_bodies::Error) -> Self {
+        Self::Input(error.into())
+    }
+}
+
 impl From<populace::Error> for Failure {
     fn from(error: populace::Error) -> Self {
         use populace::{DevicesError, Error};

@@ -46,6 +46,7 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => commands::demo::run(&args),
         Command::Render(args) => commands::render::run(&args),
+        Command::Cast(args) => commands::cast::run(&args),
         Command::Inspect(args) => commands::inspect::run(&args),
         Command::Pose(args) => commands::pose::run(&args),
         Command::Devices(args) => commands::devices::run(&args),

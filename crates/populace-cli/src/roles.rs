@@ -124,7 +124,9 @@ pub(crate) fn load(
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let mut add = |character: Character| {
-        let character = if levels { with_levels(character) } else { Ok(character) };
+        // Files may hold levels of their own.
+        let wanted = levels && character.levels().is_empty();
+        let character = if wanted { with_levels(character) } else { Ok(character) };
         let character = Arc::new(character.map_err(|e| Failure::Run(e.into()))?);
         let scale = scale(&character, height_m, mixed);
         progress.step();

@@ -12,10 +12,9 @@
 //! fingers, hang from the first as at rest.
 
 mod groups;
-mod joints;
 mod mesh;
 
-use populace_character::{Character, Error, Level, Mesh};
+use populace_character::{Character, CharacterSource, Error, Level, Mesh, joints_needed};
 
 use crate::groups::JointGroups;
 use crate::mesh::Simplifier;
@@ -24,6 +23,12 @@ use crate::mesh::Simplifier;
 /// vertex.
 const LEVELS: [(f32, usize); 7] =
     [(0.001, 4), (0.0018, 4), (0.0032, 4), (0.0056, 2), (0.01, 2), (0.018, 1), (0.032, 1)];
+/// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
+/// than the one before.
+const FIRST_REDUCTION: f32 = 0.0001;
+const REDUCTION_STEP: f32 = 1.3;
+/// [`reduced`] leaves parts as they are that have less than this fraction of the triangles allowed.
+const SMALL_PART: usize = 16;
 /// A level must save at least this part of the triangles of the level before it.
 const LEAST_SAVED: f32 = 0.2;
 
@@ -48,7 +53,6 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         simplifiers.iter().map(Simplifier::triangle_count).sum()
     };
     let mut levels: Vec<Level> = Vec::new();
-    let extents_m = joints::extents_m(&character.skeleton);
     let mut shown = count(&simplifiers);
     for (fraction, influences) in LEVELS {
         let error_m = fraction * character.height_m();
@@ -64,8 +68,35 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         }
         shown = left;
         let meshes: Vec<Mesh> = simplifiers.iter().map(|s| s.mesh(influences)).collect();
-        let joint_count = joints::joint_count(&extents_m, error_m);
+        let joint_count = joints_needed(&character.skeleton, error_m);
         levels.push(Level { error_m, meshes, joint_count });
     }
     levels
+}
+
+/// Returns the character with its meshes simplified as little as needed to have at most `triangles`
+/// triangles, but by no more than `error_m` metres. Small parts, such as eyes, stay as they are. It
+/// has no levels of detail.
+///
+/// # Errors
+///
+/// [`Error::BadCharacter`] if the character is invalid, which no character gives rise to.
+pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<Character, Error> {
+    let groups = JointGroups::of(character);
+    let mut source = CharacterSource::clone(character);
+    let mut simplifiers: Vec<Simplifier> =
+        (0..source.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let small = triangles / SMALL_PART;
+    let mut next_m = FIRST_REDUCTION * character.height_m();
+    while next_m <= error_m
+        && simplifiers.iter().map(Simplifier::triangle_count).sum::<usize>() > triangles
+    {
+        let large = simplifiers.iter_mut().filter(|s| s.triangle_count() > small);
+        large.for_each(|s| s.simplify(next_m));
+        next_m *= REDUCTION_STEP;
+    }
+    for (part, simplifier) in source.parts.iter_mut().zip(&simplifiers) {
+        part.mesh = simplifier.mesh(part.mesh.influences.per_vertex);
+    }
+    Character::new(source)
 }

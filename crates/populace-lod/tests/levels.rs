@@ -129,3 +129,18 @@ fn far_levels_leave_out_fingers_then_hands_and_keep_arms_and_legs() {
         assert!(joints.joints().take(last).any(has), "{name} is missing of {last}");
     }
 }
+
+#[test]
+fn reduced_character_has_few_triangles_and_keeps_small_parts() {
+    let man = man();
+    let all = |c: &Character| c.parts.iter().map(|p| p.mesh.indices.len() / 3).sum::<usize>();
+    let before = all(&man);
+    let wanted = before / 2;
+    let reduced = populace_lod::reduced(&man, wanted, 0.02).unwrap();
+    assert!(all(&reduced) <= wanted, "{} of {before}", all(&reduced));
+    assert!(all(&reduced) > wanted / 2, "{} of {before} is too few", all(&reduced));
+    let (low, high) = (man.rest_bounds().unwrap(), reduced.rest_bounds().unwrap());
+    assert!((0..3).all(|axis| (low.high[axis] - high.high[axis]).abs() < 0.03), "{high:?}");
+    let careful = populace_lod::reduced(&man, 1, 1e-9).unwrap();
+    assert_eq!(all(&careful), before, "the error is bounded");
+}

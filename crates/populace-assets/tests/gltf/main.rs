@@ -12,6 +12,7 @@ mod meshes;
 mod mutations;
 mod nodes;
 mod skins;
+mod written;
 
 use populace_assets::{Error, Imported, load_from_slice};
 

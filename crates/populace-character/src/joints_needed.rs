@@ -7,9 +7,18 @@ use populace_model::convert::single;
 /// straight is off by much less than its length.
 const REACH: f32 = 4.0;
 
+/// Returns how many joints, counted from the first in level order, a picture needs in which
+/// distances below `error_m` metres do not count: up to the last joint that moves vertices four
+/// times as far away from it. At least 1. The skeleton must have its [reach](Skeleton::reach_m).
+#[must_use]
+pub fn joints_needed(skeleton: &Skeleton, error_m: f32) -> usize {
+    let last = extents_m(skeleton).iter().rposition(|extent| *extent > REACH * error_m);
+    last.map_or(1, |last| last + 1)
+}
+
 /// Distances in metres, at rest, from each joint to the farthest vertex that it or its descendants
 /// move: upper bounds, along the chains of joints.
-pub(crate) fn extents_m(skeleton: &Skeleton) -> Vec<f32> {
+fn extents_m(skeleton: &Skeleton) -> Vec<f32> {
     let mut extents = skeleton.reach_m().to_vec();
     let models = skeleton.rest_models();
     let joints: Vec<_> = skeleton.joints().collect();
@@ -22,10 +31,4 @@ pub(crate) fn extents_m(skeleton: &Skeleton) -> Vec<f32> {
         }
     }
     extents
-}
-
-/// Returns how many joints a level needs, counted from the first.
-pub(crate) fn joint_count(extents_m: &[f32], error_m: f32) -> usize {
-    let last = extents_m.iter().rposition(|extent| *extent > REACH * error_m);
-    last.map_or(1, |last| last + 1)
 }
