@@ -157,7 +157,7 @@ fn read_material(
 fn factors<const N: usize>(at: &Cursor, key: &str) -> Checked<Option<[f32; N]>> {
     let Some(factors) = at.optional(key, Cursor::numbers::<N>)? else { return Ok(None) };
     if factors.iter().any(|v| !(0.0..=1.0).contains(v)) {
-        at.note(format!("has a {key} outside 0 to 1; it is clamped"));
+        at.note(format!("has a value of {key} outside 0 to 1; it is clamped"));
     }
     Ok(Some(factors.map(|v| to_f32(v.clamp(0.0, 1.0)))))
 }
@@ -166,7 +166,7 @@ fn factors<const N: usize>(at: &Cursor, key: &str) -> Checked<Option<[f32; N]>> 
 fn factor(at: &Cursor, key: &str, default: f64) -> Checked<f32> {
     let factor = at.optional(key, Cursor::number)?.unwrap_or(default);
     if !(0.0..=1.0).contains(&factor) {
-        at.note(format!("has a {key} outside 0 to 1; it is clamped"));
+        at.note(format!("has a value of {key} outside 0 to 1; it is clamped"));
     }
     Ok(to_f32(factor.clamp(0.0, 1.0)))
 }

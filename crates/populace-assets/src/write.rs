@@ -215,7 +215,7 @@ impl<'a> Writer<'a> {
             "nodes": self.nodes,
         });
         let textures: Vec<Texture> =
-            character.materials.iter().filter_map(|m| m.base_color_texture).collect();
+            character.materials.iter().flat_map(Material::textures).collect();
         let materials = character.materials.iter().map(|m| material(m, &textures));
         let mut list = |name: &str, items: Vec<Value>| {
             if !items.is_empty() {
@@ -244,8 +244,15 @@ impl<'a> Writer<'a> {
         list("meshes", std::mem::take(&mut self.meshes));
         list("skins", std::mem::take(&mut self.skins));
         self.buffer.describe(&mut document);
-        if !character.levels().is_empty() {
-            document["extensionsUsed"] = json!(["MSFT_lod"]);
+        let glows = character.materials.iter().any(|m| m.emissive.iter().any(|c| *c > 1.0));
+        let used = [
+            (!character.levels().is_empty(), "MSFT_lod"),
+            (glows, "KHR_materials_emissive_strength"),
+        ];
+        let used: Vec<&str> =
+            used.into_iter().filter_map(|(is_used, name)| is_used.then_some(name)).collect();
+        if !used.is_empty() {
+            document["extensionsUsed"] = json!(used);
         }
         Ok(document)
     }
@@ -264,12 +271,39 @@ fn columns(affine: &Affine) -> [f32; 16] {
 }
 
 fn material(material: &Material, textures: &[Texture]) -> Value {
-    let mut metallic = json!({ "baseColorFactor": material.base_color, "metallicFactor": 0.0 });
+    let index = |texture: Texture| textures.iter().position(|known| *known == texture).unwrap_or(0);
+    let mut metallic = json!({
+        "baseColorFactor": material.base_color,
+        "metallicFactor": material.metallic,
+        "roughnessFactor": material.roughness,
+    });
     if let Some(texture) = material.base_color_texture {
-        let index = textures.iter().position(|known| *known == texture).unwrap_or(0);
-        metallic["baseColorTexture"] = json!({ "index": index });
+        metallic["baseColorTexture"] = json!({ "index": index(texture) });
+    }
+    if let Some(texture) = material.metallic_roughness_texture {
+        metallic["metallicRoughnessTexture"] = json!({ "index": index(texture) });
     }
     let mut written = json!({ "pbrMetallicRoughness": metallic });
+    if let Some(texture) = material.normal_texture {
+        written["normalTexture"] =
+            json!({ "index": index(texture), "scale": material.normal_scale });
+    }
+    if let Some(texture) = material.occlusion_texture {
+        written["occlusionTexture"] =
+            json!({ "index": index(texture), "strength": material.occlusion_strength });
+    }
+    if let Some(texture) = material.emissive_texture {
+        written["emissiveTexture"] = json!({ "index": index(texture) });
+    }
+    // The factor of glTF is at most 1; an extension multiplies it.
+    let strength = material.emissive.into_iter().fold(1.0, f32::max);
+    if material.emissive != [0.0; 3] {
+        written["emissiveFactor"] = json!(material.emissive.map(|c| c / strength));
+    }
+    if strength > 1.0 {
+        written["extensions"] =
+            json!({ "KHR_materials_emissive_strength": { "emissiveStrength": strength } });
+    }
     if !material.name.is_empty() {
         written["name"] = material.name.as_str().into();
     }

@@ -8,17 +8,19 @@
 mod character;
 mod error;
 mod joints_needed;
+mod material;
 mod options;
 mod regions;
 mod rehang;
 mod sole_points;
 
 pub use character::{
-    AlphaMode, Bounds, Character, CharacterSource, Image, Influences, Level, Material, Mesh,
-    PaletteEntry, Part, SkinInstance, Texture, TextureFilter, Wrap, vertex_reach_m,
+    Bounds, Character, CharacterSource, Image, Influences, Level, Mesh, PaletteEntry, Part,
+    SkinInstance, vertex_reach_m,
 };
 pub use error::Error;
 pub use joints_needed::joints_needed;
+pub use material::{AlphaMode, Material, Texture, TextureFilter, Wrap};
 pub use options::{MAX_OPTIONS, PartOption};
 pub use regions::{Region, RegionFinder};
 pub use sole_points::sole_points;

@@ -128,18 +128,7 @@ impl Model {
             }
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
-                let mut get = |wanted: Option<populace_character::Texture>, coding| {
-                    wanted.map(|w| textures.get((w, coding), &character.images)).transpose()
-                };
-                let like = &together.like;
-                let texture = get(like.texture, Coding::Srgb)?;
-                let [substance, normal, occlusion, emissive] = like.maps;
-                let maps = [
-                    get(substance, Coding::Linear)?,
-                    get(normal, Coding::Linear)?,
-                    get(occlusion, Coding::Linear)?,
-                    get(emissive, Coding::Srgb)?,
-                ];
+                let (texture, maps) = textures.of(&together.like, &character.images)?;
                 parts.push(together.upload(gl, texture, maps)?);
             }
             let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
@@ -342,6 +331,25 @@ struct Textures<'a> {
 }
 
 impl Textures<'_> {
+    /// Returns the texture of the base colour, and the others.
+    fn of(
+        &mut self,
+        like: &Likeness,
+        images: &[Image],
+    ) -> Result<(Option<Rc<Texture>>, MapTextures), Error> {
+        let mut get = |wanted: Option<populace_character::Texture>, coding| {
+            wanted.map(|wanted| self.get((wanted, coding), images)).transpose()
+        };
+        let [substance, normal, occlusion, emissive] = like.maps;
+        let maps = [
+            get(substance, Coding::Linear)?,
+            get(normal, Coding::Linear)?,
+            get(occlusion, Coding::Linear)?,
+            get(emissive, Coding::Srgb)?,
+        ];
+        Ok((get(like.texture, Coding::Srgb)?, maps))
+    }
+
     fn get(
         &mut self,
         wanted: (populace_character::Texture, Coding),

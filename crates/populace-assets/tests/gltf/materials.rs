@@ -37,7 +37,9 @@ fn material(file: &File) -> Material {
 fn factors_alpha_and_sides_are_read() {
     let mut file = rigid();
     file.add("materials", json!({}));
-    assert_eq!(material(&file), Material::default());
+    // The defaults of the format, which are not those of materials made by hand.
+    let default = Material { metallic: 1.0, roughness: 1.0, ..Material::default() };
+    assert_eq!(material(&file), default);
     file.json["materials"][0] = json!({
         "name": "glass", "doubleSided": true, "alphaMode": "MASK", "alphaCutoff": 0.25,
         "pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.25, 1, 2]}
@@ -48,7 +50,7 @@ fn factors_alpha_and_sides_are_read() {
     assert_eq!(glass.alpha, AlphaMode::Mask { cutoff: 0.25 });
     assert_note(
         &file.glb(),
-        "materials[0].pbrMetallicRoughness: has a baseColorFactor outside 0 to 1",
+        "materials[0].pbrMetallicRoughness: has a value of baseColorFactor outside 0 to 1",
     );
     file.json["materials"][0]["alphaMode"] = "BLEND".into();
     assert_eq!(material(&file).alpha, AlphaMode::Blend);
@@ -97,6 +99,31 @@ fn webp_extension_replaces_the_source() {
     file.json["textures"][0] = json!({"extensions": {"EXT_texture_webp": {"source": 1}}});
     assert_eq!(loaded(&file.glb()).character.images.len(), 1);
     assert!(material(&file).base_color_texture.is_some());
+}
+
+#[test]
+fn maps_and_their_factors_are_read() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    file.json["materials"][0] = json!({
+        "pbrMetallicRoughness": {
+            "metallicFactor": 0.25, "roughnessFactor": 0.5, "baseColorTexture": {"index": 0},
+            "metallicRoughnessTexture": {"index": 0}
+        },
+        "normalTexture": {"index": 0, "scale": 0.75},
+        "occlusionTexture": {"index": 0, "strength": 0.125},
+        "emissiveTexture": {"index": 0}, "emissiveFactor": [1, 0.5, 0],
+        "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4}}
+    });
+    let read = material(&file);
+    assert_eq!((read.metallic, read.roughness), (0.25, 0.5));
+    assert_eq!((read.normal_scale, read.occlusion_strength), (0.75, 0.125));
+    assert_eq!(read.emissive, [4.0, 2.0, 0.0]);
+    assert_eq!(read.textures().count(), 5);
+    file.json["materials"][0]["normalTexture"]["texCoord"] = 1.into();
+    assert_eq!(material(&file).normal_texture, None);
+    assert_note(&file.glb(), "materials[0].normalTexture: has other texture coordinates");
+    file.json["materials"][0]["emissiveFactor"] = json!([1, 0.5, 3]);
+    assert_note(&file.glb(), "materials[0]: has a value of emissiveFactor outside 0 to 1");
 }
 
 #[test]

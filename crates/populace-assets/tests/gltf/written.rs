@@ -59,6 +59,15 @@ fn source() -> CharacterSource {
         base_color_texture: Some(texture),
         alpha: AlphaMode::Mask { cutoff: 0.25 },
         double_sided: true,
+        metallic: 0.25,
+        roughness: 0.75,
+        metallic_roughness_texture: Some(texture),
+        normal_texture: Some(texture),
+        normal_scale: 0.5,
+        occlusion_texture: Some(texture),
+        occlusion_strength: 0.25,
+        emissive: [0.5, 4.0, 1.0],
+        emissive_texture: Some(texture),
     };
     CharacterSource {
         name: "character".into(),
@@ -86,8 +95,8 @@ fn empty() -> Mesh {
 /// The hat is too small for the second level.
 fn levels() -> Vec<Level> {
     vec![
-        Level { error_m: 0.01, meshes: vec![mesh(2, 0.0), mesh(1, 2.0)], joint_count: 1 },
-        Level { error_m: 0.04, meshes: vec![mesh(1, 0.0), empty()], joint_count: 1 },
+        Level { error_m: 0.01, meshes: vec![mesh(2, 0.0), mesh(1, 2.0)], joint_count: 2 },
+        Level { error_m: 0.04, meshes: vec![mesh(1, 0.0), empty()], joint_count: 2 },
     ]
 }
 

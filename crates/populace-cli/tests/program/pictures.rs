@@ -32,6 +32,16 @@ fn many_posts() {
 
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
+fn skies() {
+    for sky in ["evening", "overcast", "studio"] {
+        let size = ["--size", "160x90", "--camera", "0,1.6,4,0,0.9,0"];
+        let args = [&["render", "@people", "--members", "4", "--sky", sky], &size[..]].concat();
+        assert_unchanged(&format!("sky_{sky}"), Limits::surfaces(), &args);
+    }
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
 fn close_camera() {
     let args = ["render", "POST", "--members", "3", "--size", "160x160", "--camera", "close"];
     assert_unchanged("post_close", Limits::surfaces(), &args);

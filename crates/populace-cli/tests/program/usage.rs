@@ -27,6 +27,8 @@ fn wrong_usage_exits_with_2() {
     refused(&["pose", &file, "--schedule", "magic"], 2, &["staged"]);
     refused(&["render", &file, "--members", "0", "--out", "x.png"], 2, &["--members"]);
     refused(&["render", &file, "--size", "640", "--out", "x.png"], 2, &["1280x720"]);
+    let noon = ["render", &file, "--sky", "noon", "--out", "x.png"];
+    refused(&noon, 2, &["--sky", "\"noon\" is none of day, evening, overcast and studio"]);
     let out = folder.text("x.png");
     let hide = |name| ["render", &file, "--hide", name, "--out", &out];
     refused(&hide("mehs"), 2, &["no node \"mehs\"", "did you mean \"mesh\"?"]);

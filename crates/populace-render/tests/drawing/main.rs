@@ -5,6 +5,7 @@
 mod crowds;
 mod fixture;
 mod looks;
+mod materials;
 mod palettes;
 mod refusals;
 mod rig;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Ground, Highlights, Sky};
 
-use crate::fixture::{at, person};
+use crate::fixture::{at, person, transform};
 use crate::rig::{Rig, instance, srgb};
 
 #[test]
@@ -151,4 +151,79 @@ fn lit_surfaces_do_not_shadow_themselves() {
     for y in [0.1, 0.3, 0.5, 0.9, 1.0, 1.1, 1.2, 1.3] {
         drawn.expect(0.13, y, lit);
     }
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn haze_leaves_a_twentieth_of_the_contrast_at_the_distance_of_visibility() {
+    let mut rig = Rig::new();
+    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
+    rig.scene.sky = Sky { visibility_m: 20.0, ..Sky::uniform([0.0; 3]) };
+    (rig.camera.eye, rig.camera.target) = ([0.0, 1.0, 10.0], [0.0, 1.0, 0.0]);
+    (rig.camera.far, rig.scene.sun.to_sun) = (2000.0, [0.0, 1.0, 0.0]);
+    // The ground 20 m away is half a metre below the centre.
+    let seen = rig.draw(&[]).at(0.0, -0.5)[0];
+    assert!(seen.abs_diff(srgb(0.05)) <= 5, "{seen}, not {}", srgb(0.05));
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn sky_and_surfaces_are_brighter_towards_the_sun() {
+    let mut rig = Rig::new();
+    rig.scene.sky.glow = [0.5; 3];
+    rig.scene.ambient = Ambient { glow: [0.2; 3], ..Ambient::uniform([0.4; 3]) };
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
+    rig.upload(&[Affine::IDENTITY; 2]);
+    let list = [instance(&white, Affine::IDENTITY, 0)];
+    for (to_sun, sky, surface) in [([0.0, 0.0, 1.0], 0.0, 0.6), ([0.0, 0.0, -1.0], 0.5, 0.2)] {
+        rig.scene.sun.to_sun = to_sun;
+        let drawn = rig.draw(&list);
+        drawn.expect(0.13, 0.5, [srgb(surface); 3]);
+        assert!(drawn.at(0.8, 0.0)[0].abs_diff(srgb(sky)) <= 6, "{:?}", drawn.at(0.8, 0.0));
+    }
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn upright_surfaces_have_light_of_their_own() {
+    let mut rig = Rig::new();
+    rig.scene.ambient.side = [0.3; 3];
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
+    rig.upload(&[Affine::IDENTITY; 2]);
+    let list = [instance(&white, Affine::IDENTITY, 0)];
+    rig.draw(&list).expect(0.13, 0.5, [srgb(0.3); 3]);
+    rig.camera.eye = [0.0, 10.0, 0.0];
+    rig.camera.up = [0.0, 0.0, -1.0];
+    rig.draw(&list).expect(0.2, 0.0, [255; 3]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn bodies_near_the_ground_darken_it_and_are_darkened() {
+    let mut rig = Rig::new();
+    rig.scene.ground = Some(Ground { color: [0.8; 3], line_color: [0.8; 3] });
+    rig.scene.sky = Sky::uniform([0.8; 3]);
+    rig.camera =
+        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
+    rig.upload(&[Affine::IDENTITY; 2]);
+    let plain = srgb(0.8);
+    let mut ground = |place: Affine, contact_shadows: f32, x: f32| {
+        rig.scene.contact_shadows = contact_shadows;
+        rig.draw(&[instance(&white, place, 0)]).at(x, 0.3)[0]
+    };
+    let standing = Affine::IDENTITY;
+    assert!(ground(standing, 1.0, 0.0) < plain - 20);
+    assert!(ground(standing, 0.5, 0.0) > ground(standing, 1.0, 0.0));
+    assert_eq!(ground(standing, 0.0, 0.0), plain);
+    assert_eq!(ground(at(0.0, 3.0, 0.0), 1.0, 0.0), plain, "too high");
+    // On its back, with the head to the left: the shadow is as long as the body.
+    let lying = transform([0.0, 0.14, 0.0], std::f32::consts::FRAC_PI_2, [1.0; 3]);
+    assert!(ground(lying, 1.0, -1.2) < ground(standing, 1.0, -1.2) - 10);
+    // Its side, 5 cm above the ground, has lost light to the ground; its upper edge has not.
+    (rig.camera.eye, rig.camera.target) = ([0.0, 1.0, 10.0], [0.0, 1.0, 0.0]);
+    rig.camera.up = [0.0, 1.0, 0.0];
+    let drawn = rig.draw(&[instance(&white, standing, 0)]);
+    let [low, high] = [-0.95, 0.3].map(|y| drawn.at(0.13, y)[0]);
+    assert!(low < high - 20, "{low} {high}");
 }
