@@ -149,8 +149,8 @@ pub struct Level {
     /// One mesh for each part, in the order of [`CharacterSource::parts`] and with the same palette
     /// and materials. Parts that are too small to be seen have no triangles.
     pub meshes: Vec<Mesh>,
-    /// Number of joints that are evaluated: the first ones in level order. The others hang from them
-    /// as at rest.
+    /// Number of joints that are evaluated: the first ones in level order. The others hang from
+    /// them as at rest.
     pub joint_count: usize,
 }
 

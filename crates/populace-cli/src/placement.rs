@@ -1,4 +1,9 @@
-//! Positions and directions of members: in groups that stand or walk together, apart from each other.
+//! Positions and directions of members: in groups that stand or walk together, apart from each
+//! other.
+#![expect(
+    clippy::disallowed_methods,
+    reason = "sines and roots of the host alone; no device computes them again"
+)]
 
 use std::collections::HashMap;
 use std::f32::consts::{PI, TAU};
@@ -66,7 +71,8 @@ impl Group {
         Self { members, walks, yaw_rad: way + 0.3 * random.signed(), radius }
     }
 
-    /// Returns the places of the members: side by side if they walk, else in a circle, face to face.
+    /// Returns the places of the members: side by side if they walk, else in a circle, face to
+    /// face.
     fn places(&self, [x, z]: [f32; 2], spacing: f32, random: &mut Rng) -> Vec<Place> {
         let place = |[dx, dz]: [f32; 2], yaw_rad: f32| Place {
             position: [x + dx * spacing, 0.0, z + dz * spacing],

@@ -90,7 +90,8 @@ impl Population {
         self.members.iter().flat_map(|member| self.around(member, secs)).collect()
     }
 
-    /// Returns bounding points of one of the nearest members, the one that is nearest to the middle.
+    /// Returns bounding points of one of the nearest members, the one that is nearest to the
+    /// middle.
     pub(crate) fn closest_bounding_points(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
         let front = self.members.first().map_or(0.0, |member| member.placement.position()[2]);
         let distance = |member: &PlacedMember| {

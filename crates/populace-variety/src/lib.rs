@@ -1,5 +1,5 @@
 //! Members of a crowd that differ: tints by region, options such as hair cuts and hats, height and
-//! pace. Works for any character; see [`Region`](populace_character::Region) for what can be told
+//! pace. Works for any character; see [`Region`] for what can be told
 //! apart on it.
 //!
 //! People find clones by heads and upper bodies (R. McDonnell, M. Larkin, B. Hernández, I. Rudomin

@@ -5,10 +5,20 @@ use std::collections::HashMap;
 /// Returns the numbers of the `count` nearest other members of each member, nearest first. Of equally
 /// near ones the lower number comes first.
 pub(crate) fn nearest(members: &[(usize, [f32; 3])], count: usize) -> Vec<Vec<usize>> {
-    let places: Vec<[f64; 2]> =
+    let mut places: Vec<[f64; 2]> =
         members.iter().map(|(_, [x, _, z])| [f64::from(*x), f64::from(*z)]).collect();
+    // Counted from the corner, numbers of cells stay below twice the number of members.
+    let corner = places.iter().copied().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
+    let [low_x, low_z] = corner.unwrap_or_default();
+    places.iter_mut().for_each(|[x, z]| (*x, *z) = (*x - low_x, *z - low_z));
     let Some(cell) = cell_m(&places) else { return vec![Vec::new(); members.len()] };
-    let cell_of = |[x, z]: [f64; 2]| [(x / cell).floor() as i64, (z / cell).floor() as i64];
+    let cell_of = |place: [f64; 2]| {
+        place.map(|along| {
+            #[expect(clippy::cast_possible_truncation, reason = "a small number, see above")]
+            let number = (along / cell).floor() as i64;
+            number
+        })
+    };
     let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
     for (member, place) in places.iter().enumerate() {
         cells.entry(cell_of(*place)).or_default().push(member);

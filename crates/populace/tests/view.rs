@@ -12,7 +12,7 @@ use populace::{
 };
 
 /// Joints that are left at the second level.
-const JOINTS_LEFT: usize = 20;
+const JOINTS_LEFT: u8 = 20;
 
 /// A man with two coarser levels, of which only errors and joints matter here.
 fn man() -> Character {
@@ -20,7 +20,7 @@ fn man() -> Character {
     let meshes: Vec<_> = man.parts.iter().map(|part| part.mesh.clone()).collect();
     let level = |error_m, joint_count| Level { error_m, meshes: meshes.clone(), joint_count };
     let all = man.skeleton.joint_count();
-    man.with_levels(vec![level(0.01, all), level(0.04, JOINTS_LEFT)]).unwrap()
+    man.with_levels(vec![level(0.01, all), level(0.04, JOINTS_LEFT.into())]).unwrap()
 }
 
 /// A view from the origin along -z, a quarter turn wide and high, of 1000 pixels for a metre at a
@@ -129,7 +129,7 @@ fn far_members_are_posed_with_fewer_joints() {
             let mut scene = Scene::new(device, schedule, &[FAR, FAR, FAR]);
             let [plain, planted, shaped] = *scene.members else { panic!() };
             scene.crowd.member_mut(planted).unwrap().plant_feet(1.0).unwrap();
-            let (joint, transform) = (JointIndex(JOINTS_LEFT as u32), Trs::IDENTITY);
+            let (joint, transform) = (JointIndex(JOINTS_LEFT.into()), Trs::IDENTITY);
             let bent = JointOverride { joint, space: Space::Local, transform, weight: 1.0 };
             scene.crowd.member_mut(shaped).unwrap().override_joints(&[bent]).unwrap();
             scene.crowd.update(0.1).unwrap();
@@ -138,10 +138,10 @@ fn far_members_are_posed_with_fewer_joints() {
             scene.crowd.update(0.0).unwrap();
             assert!(scene.seen().iter().all(|seen| *seen == (Visibility::InView, 2)));
             let man = man();
-            let is_left = |entry: usize| man.palette[entry].joint.index() < JOINTS_LEFT;
-            for member in 0..3 {
+            let is_left = |entry: usize| man.palette[entry].joint.index() < JOINTS_LEFT.into();
+            for (member, whole) in whole.iter().enumerate() {
                 let now = scene.palette(member);
-                let equal = |e: &usize| now[12 * e..][..12] == whole[member][12 * e..][..12];
+                let equal = |e: &usize| now[12 * e..][..12] == whole[12 * e..][..12];
                 let entries = 0..man.palette.len();
                 let what = format!("{schedule}, member {member}");
                 assert!(entries.clone().filter(|e| is_left(*e)).all(|e| equal(&e)), "{what}");
@@ -151,7 +151,7 @@ fn far_members_are_posed_with_fewer_joints() {
             let mut reading = scene.crowd.member_mut(plain).unwrap();
             let (locals, models) =
                 (reading.local_pose().unwrap(), reading.model_from_joints().unwrap());
-            for joint in man.skeleton.joints().skip(JOINTS_LEFT) {
+            for joint in man.skeleton.joints().skip(JOINTS_LEFT.into()) {
                 assert_eq!(locals[joint.index()], *man.skeleton.rest(joint), "{joint:?}");
             }
             for (entry, matrix) in man.palette.iter().zip(reading.palette().unwrap()) {

@@ -77,8 +77,8 @@ device_struct! {
         pub layers_and_phase: u32,
         /// Index into `controls`, or [`NONE`] if only clips move the member.
         pub control: u32,
-        /// Index into `bodies`: what frames evaluate. It is `body`, or one of the reduced bodies that
-        /// follow it.
+        /// Index into `bodies`: what frames evaluate. It is `body`, or one of the reduced bodies
+        /// that follow it.
         pub posed: u32,
     }
 }
