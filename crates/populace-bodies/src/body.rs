@@ -7,7 +7,7 @@ use glam::Vec3;
 use crate::Error;
 use crate::hidden;
 use crate::marks::Marks;
-use crate::mesh_file::BaseMesh;
+use crate::mesh_file::{BaseMesh, fans};
 use crate::rig_file::{Rig, Weights};
 use crate::shape::{self, Phenotype, Rules, Targets};
 use crate::source::Source;
@@ -122,15 +122,6 @@ fn all_vertices(mesh: &BaseMesh, rig: &Rig, positions: &[Vec3], triangles: &[[u3
         weights: rig.weights[index],
     };
     Surface { vertices: (0..positions.len()).map(vertex).collect(), triangles: triangles.to_vec() }
-}
-
-/// Splits faces into triangles.
-pub(crate) fn fans(faces: &[Vec<u32>]) -> Vec<[u32; 3]> {
-    let fan = |face: &Vec<u32>| {
-        let (first, rest) = (face[0], face[1..].to_vec());
-        rest.windows(2).map(|pair| [first, pair[0], pair[1]]).collect::<Vec<_>>()
-    };
-    faces.iter().flat_map(fan).collect()
 }
 
 /// Returns the weights of the vertex of a surface that is nearest to a point.

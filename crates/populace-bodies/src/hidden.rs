@@ -4,8 +4,7 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
-use crate::body::fans;
-use crate::mesh_file::BaseMesh;
+use crate::mesh_file::{BaseMesh, fans};
 
 /// Directions in which a triangle is looked at from.
 const VIEWS: usize = 24;

@@ -76,3 +76,12 @@ pub(crate) fn numbers<'a, const N: usize>(
     }
     Some(values)
 }
+
+/// Splits faces into triangles.
+pub(crate) fn fans(faces: &[Vec<u32>]) -> Vec<[u32; 3]> {
+    let fan = |face: &Vec<u32>| {
+        let (first, rest) = (face[0], face[1..].to_vec());
+        rest.windows(2).map(|pair| [first, pair[0], pair[1]]).collect::<Vec<_>>()
+    };
+    faces.iter().flat_map(fan).collect()
+}

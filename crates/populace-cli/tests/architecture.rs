@@ -93,6 +93,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-lod",
             "populace-render",
             "populace-testkit",
+            "populace-variety",
         ],
     ),
 ];

@@ -212,12 +212,13 @@ fn demo_and_render_print_the_same_document() {
     ]));
     let hidden = [
         "demo", "--frames", "2", "--clip", "Run", "--fps", "10", "--height", "1", "--hide", "body",
+        "--plain",
     ];
     for (args, frames, triangles) in [
         (&["render", &file][..], 1, Some(8)),
         (&["render", &file, "--frames", "3"], 3, Some(8)),
         (&["demo"], 1, None),
-        (&hidden, 2, Some(0)),
+        (&hidden, 2, None),
     ] {
         let args = [args, &common].concat();
         let d = json_of(&args);
