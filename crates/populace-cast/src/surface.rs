@@ -3,6 +3,7 @@
 mod arm;
 mod bags;
 mod collar;
+mod covers;
 mod ear;
 mod extras;
 mod eyes;

@@ -214,7 +214,7 @@ impl Character {
                 return fail(place_of(part), what);
             }
         }
-        let options = find_options(&source.parts);
+        let options = find_options(source.parts.iter().map(|part| part.node_name.as_str()));
         let mut character = Self { source, levels: Vec::new(), options, rest_bounds: None };
         let parts = 0..character.parts.len();
         character.rest_bounds = Bounds::around(parts.flat_map(|p| character.rest_positions(p)));

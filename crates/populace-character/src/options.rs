@@ -1,7 +1,5 @@
 //! Parts of a character that a member shows or not, such as one of several hats.
 
-use crate::Part;
-
 /// Most options of a character. The parts of further ones are always shown.
 pub const MAX_OPTIONS: usize = 32;
 
@@ -24,10 +22,10 @@ impl PartOption {
     }
 }
 
-/// Returns the first [`MAX_OPTIONS`] options, in order of appearance.
-pub(crate) fn find_options(parts: &[Part]) -> Vec<PartOption> {
+/// Returns the first [`MAX_OPTIONS`] options that nodes' names tell, in order of appearance.
+pub(crate) fn find_options<'a>(node_names: impl Iterator<Item = &'a str>) -> Vec<PartOption> {
     let mut options: Vec<PartOption> = Vec::new();
-    for option in parts.iter().filter_map(|part| PartOption::of_node(&part.node_name)) {
+    for option in node_names.filter_map(PartOption::of_node) {
         if options.len() < MAX_OPTIONS && !options.contains(&option) {
             options.push(option);
         }
@@ -38,20 +36,11 @@ pub(crate) fn find_options(parts: &[Part]) -> Vec<PartOption> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Influences, Mesh};
-
-    fn part(node_name: &str) -> Part {
-        let influences = Influences { per_vertex: 4, entries: Vec::new(), weights: Vec::new() };
-        let (positions, normals, uvs) = (Vec::new(), Vec::new(), Vec::new());
-        let (colors, indices) = (Vec::new(), Vec::new());
-        let mesh = Mesh { positions, normals, uvs, colors, influences, indices };
-        Part { node: 0, node_name: node_name.into(), primitive: 0, material: None, mesh }
-    }
 
     #[test]
     fn options_are_numbered_by_appearance() {
         let names = ["body", "Option:hair:bun", "Option:hat:cap", "Option:hair:bun", "Option:hair"];
-        let options = find_options(&names.map(part));
+        let options = find_options(names.into_iter());
         let option =
             |group: &str, name: &str| PartOption { group: group.into(), name: name.into() };
         assert_eq!(options, [option("hair", "bun"), option("hat", "cap")]);
@@ -59,7 +48,7 @@ mod tests {
 
     #[test]
     fn options_past_the_last_bit_are_always_shown() {
-        let parts: Vec<Part> = (0..40).map(|i| part(&format!("Option:hat:{i}"))).collect();
-        assert_eq!(find_options(&parts).len(), MAX_OPTIONS);
+        let names: Vec<String> = (0..40).map(|i| format!("Option:hat:{i}")).collect();
+        assert_eq!(find_options(names.iter().map(String::as_str)).len(), MAX_OPTIONS);
     }
 }

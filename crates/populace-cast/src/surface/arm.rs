@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::wardrobe::Covers;
+use super::covers::Covers;
 use super::wrist::{self, AROUND, on_arm};
 use super::{Region, Surface, Weights, chain, hand, mixed};
 use crate::Reach;

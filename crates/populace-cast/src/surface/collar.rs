@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
+use super::covers::Covers;
 use super::trunk::{self, AROUND, COLLAR};
-use super::wardrobe::Covers;
 use super::{Cover, Surface, smooth};
 use crate::Top;
 use crate::anatomy::Body;

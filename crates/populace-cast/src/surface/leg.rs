@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::wardrobe::Covers;
+use super::covers::Covers;
 use super::{Cover, Region, Surface, Weights, chain, mixed};
 use crate::Bottom;
 use crate::anatomy::{Body, Limb, PELVIS, Side, TOE_JOINT, TOE_TIP};

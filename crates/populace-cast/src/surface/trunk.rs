@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::wardrobe::Covers;
+use super::covers::Covers;
 use super::{Surface, Weights, chain, mixed, smooth};
 use crate::anatomy::{Body, Limb, NECK, PELVIS, SPINE, SPINE_AT, Side};
 

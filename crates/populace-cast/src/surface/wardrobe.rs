@@ -1,14 +1,10 @@
 //! The dressed body: which cloth covers which part of it, and the options on its joints.
 
-use super::{Cover, PLAIN, Paint, Region, Surface};
+use super::covers::Covers;
+use super::{Region, Surface};
 use super::{arm, collar, extras, hair, head, layers, leg, skirt, skull::Skull, trunk};
+use crate::Extra;
 use crate::anatomy::{Body, Side};
-use crate::{Bottom, Extra, Look, Top};
-
-/// Distance of cloth from the body, as fractions of the body's height.
-const TROUSERS_LIFT: f64 = 0.0016;
-const SHIRT_LIFT: f64 = 0.0034;
-const JACKET_LIFT: f64 = 0.0072;
 
 /// A part that can be hidden or swapped: hair, hats, glasses and bags.
 #[derive(Clone, Debug)]
@@ -85,49 +81,4 @@ fn dressed(body: &Body) -> Surface {
     let mut surface = layers::lifted(&base);
     head::build(&mut surface, body);
     surface
-}
-
-/// Which cloth covers the trunk and the limbs.
-pub(super) struct Covers {
-    top: Top,
-    /// Lowest row of the trunk that the top covers.
-    hem: usize,
-    /// What is worn under an open jacket, or the top itself.
-    pub(super) shirt: Cover,
-    pub(super) sleeve: Cover,
-    pub(super) legs: Cover,
-    /// Paint of the second colour of a top.
-    second: Paint,
-}
-
-impl Covers {
-    fn of(look: &Look, height: f64) -> Self {
-        let cover = |region, lift: f64, paint: Paint| Cover { region, lift: lift * height, paint };
-        let jacket = look.top == Top::Jacket;
-        let shirt = cover(Region::Top, SHIRT_LIFT, if jacket { look.under_paint() } else { PLAIN });
-        let sleeve = if jacket { cover(Region::Top, JACKET_LIFT, PLAIN) } else { shirt };
-        let legs = match look.bottom {
-            Bottom::Dress => cover(Region::Top, 0.0, PLAIN),
-            Bottom::Skirt => cover(Region::Trousers, 0.0, PLAIN),
-            Bottom::Trousers | Bottom::Shorts => cover(Region::Trousers, TROUSERS_LIFT, PLAIN),
-        };
-        let hem = match (look.bottom, look.top) {
-            (Bottom::Dress | Bottom::Skirt, _) => 3,
-            (_, Top::Shirt) => 2,
-            _ => 1,
-        };
-        Self { top: look.top, hem, shirt, sleeve, legs, second: look.under_paint() }
-    }
-
-    /// Returns the cover above row `row` of the trunk, beside point `column` of a half ring.
-    pub(super) fn trunk(&self, row: usize, column: usize) -> Cover {
-        if row < self.hem {
-            return self.legs;
-        }
-        // The jacket is open in front.
-        if self.top == Top::Striped && (6..8).contains(&row) {
-            return Cover { paint: self.second, ..self.shirt };
-        }
-        if self.top == Top::Jacket && column == 0 { self.shirt } else { self.sleeve }
-    }
 }
