@@ -41,7 +41,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "state machines", start: state_machines, hash: 0xd145_1044_dcd5_3446 },
     Scene { name: "live clips", start: live_clips, hash: 0x5abb_a4ad_90c0_415c },
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x5998_e81d_18fe_cf72 },
-    Scene { name: "feet", start: feet, hash: 0x85cd_e162_0f9c_9ec7 },
+    Scene { name: "feet", start: feet, hash: 0x2390_7e1e_4ff1_9745 },
     Scene { name: "overrides and proportions", start: overrides, hash: 0x85eb_6d30_f8bf_1350 },
     Scene { name: "attachments and root motion", start: attachments, hash: 0x571f_741e_b882_11c1 },
     Scene { name: "user stages", start: user_stages, hash: 0xe7db_9c60_dfde_89cb },
