@@ -62,7 +62,7 @@ pub enum Error {
     Unwritable {
         /// Name of the character.
         character: String,
-        /// What glTF cannot hold.
+        /// The part of the character that glTF cannot hold.
         what: String,
     },
 }

@@ -192,7 +192,7 @@ struct Assembly<'a> {
     builder: PartBuilder<'a>,
 }
 
-/// What the nodes with meshes became.
+/// Parts made of the nodes with meshes.
 #[derive(Default)]
 struct Built {
     parts: Vec<Part>,

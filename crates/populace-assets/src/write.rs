@@ -18,12 +18,12 @@ use serde_json::{Map, Value, json};
 use crate::Error;
 use buffer::Buffer;
 
-/// What a written file says about itself.
+/// Program and rights that a written file names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteOptions<'a> {
-    /// The program that writes the file (`asset.generator`); empty to say nothing.
+    /// The program that writes the file (`asset.generator`); empty to name none.
     pub generator: &'a str,
-    /// Whose work it is, and under which terms (`asset.copyright`); empty to say nothing.
+    /// Authors and terms of use (`asset.copyright`); empty to name none.
     pub copyright: &'a str,
 }
 

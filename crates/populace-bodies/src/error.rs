@@ -14,7 +14,7 @@ pub enum Error {
     NotFound {
         /// The path as given.
         path: PathBuf,
-        /// What is missing.
+        /// The missing file or folder.
         what: String,
     },
     /// A file could not be read.
@@ -39,7 +39,7 @@ pub enum Error {
     BadData {
         /// The file, relative to the body system.
         file: String,
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// The person is not a valid character.

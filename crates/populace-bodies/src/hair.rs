@@ -179,7 +179,7 @@ impl Hair<'_> {
         curtain
     }
 
-    /// What hair must lie outside of: the cap, the head, the neck and the trunk.
+    /// Returns points that hair must lie outside of: of the cap, the head, the neck and the trunk.
     fn outside_points(&self, body: &Body, cap: &Surface) -> Vec<Vec3> {
         let trunk = |v: &&Vertex| {
             let below_chin = v.base.y < self.marks.neck_at.y + 0.4;

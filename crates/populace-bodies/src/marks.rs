@@ -19,7 +19,7 @@ pub(crate) struct Marks {
     pub(crate) head: u16,
     /// Left and right.
     pub(crate) thighs: [u16; 2],
-    /// Whether each joint is at or below an upper arm, or below a shin.
+    /// True for each joint at or below an upper arm, or below a shin.
     in_arm: Vec<bool>,
     in_head: Vec<bool>,
     /// Shoulder, elbow and wrist of the left arm.

@@ -22,7 +22,7 @@ pub enum Neckline {
     Vee,
 }
 
-/// What the legs wear.
+/// Clothes of the legs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Bottom {
     /// Trousers to the ankle.
@@ -61,7 +61,7 @@ pub struct Outfit {
     pub sleeves: Sleeves,
     /// Neckline of the top.
     pub neckline: Neckline,
-    /// What the legs wear.
+    /// Clothes of the legs.
     pub bottom: Bottom,
     /// Colour of the top.
     pub top_color: [u8; 3],
@@ -78,7 +78,7 @@ pub struct Outfit {
 pub struct Features {
     /// The cut of the hair.
     pub haircut: Haircut,
-    /// Whether there is a beard.
+    /// True with a beard.
     pub beard: bool,
     /// Colour of the hair, the brows and the beard.
     pub hair_color: [u8; 3],

@@ -226,7 +226,7 @@ impl Surface {
 struct Cut<'a> {
     from: &'a Surface,
     values: &'a [f32],
-    /// Whether the part is the one where values are not negative.
+    /// True for the part where values are not negative.
     wanted: bool,
     part: Surface,
     /// New vertices by the one or two old ones that they lie at.

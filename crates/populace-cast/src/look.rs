@@ -67,7 +67,7 @@ pub struct Colors {
     pub hair: [f32; 3],
     /// Clothes above the hips.
     pub shirt: [f32; 3],
-    /// What shows under an open jacket, and stripes.
+    /// Colour of the shirt under an open jacket, and of stripes.
     pub under: [f32; 3],
     /// Clothes below the hips.
     pub trousers: [f32; 3],
@@ -120,7 +120,7 @@ pub struct Look {
     pub glasses: Option<Glasses>,
     /// Bag that is worn.
     pub bag: Option<Bag>,
-    /// What the person may wear instead.
+    /// Options that the person may wear instead.
     pub spare: Vec<Extra>,
     /// Clothes above the hips.
     pub top: Top,

@@ -58,7 +58,7 @@ pub(crate) type Paint = [f64; 3];
 /// The paint that leaves the colour of a region.
 pub(crate) const PLAIN: Paint = [1.0; 3];
 
-/// What covers a triangle of a surface.
+/// Cover of a triangle of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Cover {
     pub(crate) region: Region,

@@ -7,7 +7,7 @@ pub const MAX_OPTIONS: usize = 32;
 /// nodes with the same name are one option.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct PartOption {
-    /// What the option is one of, such as `hair`. Members usually show one option of a group.
+    /// The kind of thing, such as `hair`. Members usually show one option of a group.
     pub group: String,
     /// The option's name within its group.
     pub name: String,

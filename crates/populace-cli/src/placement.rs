@@ -32,7 +32,7 @@ pub(crate) struct Place {
     pub(crate) position: [f32; 3],
     /// Heading about +Y; 0 faces the camera at +Z.
     pub(crate) yaw_rad: f32,
-    /// Whether it walks, rather than stands.
+    /// True if it walks, false if it stands.
     pub(crate) walks: bool,
 }
 

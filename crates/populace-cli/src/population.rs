@@ -47,7 +47,7 @@ pub(crate) struct PopulationSettings<'a> {
     pub(crate) seed: u64,
     /// Names of nodes with hidden parts.
     pub(crate) hide: &'a [String],
-    /// Whether all members of a character look like it.
+    /// True if all members of a character look like it.
     pub(crate) plain: bool,
 }
 

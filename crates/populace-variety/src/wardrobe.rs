@@ -1,4 +1,4 @@
-//! What a character has to choose from.
+//! Colours and options that a character can choose from.
 
 use populace_character::{Character, Region, RegionFinder};
 use populace_device::MemberLook;

@@ -1,4 +1,4 @@
-//! What people wear on joints: hair, hats, glasses and bags.
+//! Hair, hats, glasses and bags, which people wear on joints.
 
 /// Hair cut, or a headscarf that hides the hair.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

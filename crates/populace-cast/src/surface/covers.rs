@@ -13,7 +13,7 @@ pub(super) struct Covers {
     top: Top,
     /// Lowest row of the trunk that the top covers.
     hem: usize,
-    /// What is worn under an open jacket, or the top itself.
+    /// The shirt under an open jacket, or the top itself.
     pub(super) shirt: Cover,
     pub(super) sleeve: Cover,
     pub(super) legs: Cover,

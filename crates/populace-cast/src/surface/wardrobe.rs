@@ -21,7 +21,7 @@ pub(crate) struct Item {
 /// A dressed body and its options.
 #[derive(Clone, Debug)]
 pub(crate) struct Wardrobe {
-    /// What the person always wears.
+    /// The body with the clothes that are always worn.
     pub(crate) body: Surface,
     /// The surface that touches the ground when the person lies: body and hair, without what gives
     /// way.
