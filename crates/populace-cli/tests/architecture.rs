@@ -55,6 +55,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
     ("populace-bodies", &["populace-character", "populace-model"]),
     ("populace-lod", &["populace-character", "populace-model"]),
+    ("populace-trajectory", &[]),
     ("populace-variety", &["populace-character", "populace-device", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (

@@ -1,0 +1,58 @@
+//! The place where agents walk.
+
+/// A polygon with holes, in metres on the plan. Rings are not closed: the last point is joined to
+/// the first.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polygon {
+    /// The outline.
+    pub outline: Vec<[f64; 2]>,
+    /// The holes.
+    pub holes: Vec<Vec<[f64; 2]>>,
+}
+
+/// The walkable area from a time on.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlaceChange {
+    /// Time in seconds.
+    pub from_secs: f64,
+    /// The walkable area. Holes and whatever is outside cannot be walked on.
+    pub walkable: Vec<Polygon>,
+}
+
+/// The place of a recording.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Place {
+    /// Walkable areas in the order of time; the first holds from the beginning on. Empty if nothing
+    /// is known.
+    pub changes: Vec<PlaceChange>,
+    /// Obstacles in the walkable areas, beside their holes.
+    pub obstacles: Vec<Polygon>,
+}
+
+impl Polygon {
+    fn move_by(&mut self, by: [f64; 2]) {
+        let rings = std::iter::once(&mut self.outline).chain(&mut self.holes);
+        for at in rings.flatten() {
+            *at = [at[0] + by[0], at[1] + by[1]];
+        }
+    }
+}
+
+impl Place {
+    /// Returns the place with its points relative to an origin.
+    pub(crate) fn relative_to(mut self, origin_m: [f64; 2]) -> Self {
+        let areas = self.changes.iter_mut().flat_map(|change| &mut change.walkable);
+        for polygon in areas.chain(&mut self.obstacles) {
+            polygon.move_by(origin_m.map(|v| -v));
+        }
+        self
+    }
+
+    /// Returns the walkable area at a time in seconds; empty if nothing is known.
+    #[must_use]
+    pub fn walkable_at(&self, secs: f64) -> &[Polygon] {
+        let next = self.changes.partition_point(|change| change.from_secs <= secs);
+        let change = self.changes.get(next.saturating_sub(1));
+        change.map_or(&[], |change| &change.walkable)
+    }
+}

@@ -1,0 +1,23 @@
+//! Facts about a file that its reader is told.
+
+use std::path::PathBuf;
+
+use crate::{Format, HeadingSource, Unit};
+
+/// Facts that overrule those of a file, or stand in where it has none.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadSettings {
+    /// The format; `None` recognises it by the content.
+    pub format: Option<Format>,
+    /// The unit of positions; `None` takes that of the file, or the format's.
+    pub unit: Option<Unit>,
+    /// Frames per second by which the file counts; `None` takes that of the file. Without effect
+    /// on formats that store seconds.
+    pub fps: Option<f64>,
+    /// The source of headings; `None` takes the file's headings where it has some.
+    pub heading: Option<HeadingSource>,
+    /// A file with the walkable area as WKT; `None` takes that in the file or beside it.
+    pub geometry: Option<PathBuf>,
+    /// Refuses files with warnings.
+    pub strict: bool,
+}
