@@ -25,9 +25,9 @@ pub use gait_clips::GaitClips;
 pub use gait_space::GaitSpace;
 pub use mix::MixedClip;
 pub use path::Path;
-pub use skate::Skate;
+pub use skate::{FootSkate, Skate, SkateMeter};
 pub use step::Step;
-pub use walker::WalkerSettings;
+pub use walker::{Lead, WalkerSettings};
 pub use walkers::{Goal, UpdateTimes, Walkers};
 
 /// The page on locomotion, its program compiled as a test.

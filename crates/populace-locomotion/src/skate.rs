@@ -1,6 +1,8 @@
 //! Foot skate: how fast planted soles move over the ground, on a standard course.
 
+mod body;
 mod course;
+mod meter;
 mod samples;
 mod walk;
 
@@ -10,6 +12,7 @@ use populace::character::Character;
 
 use crate::{Error, GaitClips};
 use course::{COURSE, Course};
+pub use meter::{FootSkate, SkateMeter};
 use samples::Samples;
 
 /// Measurements on one part of the standard course, or on all of it.

@@ -5,7 +5,9 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use glam::Vec2;
 use populace::{Ground, Placement, Stride};
 
+use crate::Error;
 use crate::gait_space::GaitSpace;
+use crate::path::check_coordinate;
 use crate::step::Step;
 
 /// How far from its heading a walker may move without turning first, in radians.
@@ -114,6 +116,35 @@ pub(crate) struct Wish {
     pub(crate) facing_rad: Option<f32>,
 }
 
+/// The motion that a walker is led through.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lead {
+    /// Where it is: `[x, z]` in metres.
+    pub position: [f32; 2],
+    /// How it moves: `[x, z]` in metres per second.
+    pub velocity: [f32; 2],
+    /// The speed that it will have in half a second, in metres per second. It steps at that cadence
+    /// when it sets off.
+    pub soon_m_per_sec: f32,
+    /// The heading about +Y, from +Z towards +X in radians.
+    pub yaw_rad: f32,
+    /// The height of the ground below it in metres.
+    pub height_m: f32,
+}
+
+impl Lead {
+    /// Seconds until [`soon_m_per_sec`](Self::soon_m_per_sec).
+    pub const SOON_SECS: f32 = SOON_SECS;
+
+    /// Refuses a number that is not finite or too large.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let Self { position: [x, z], velocity: [vx, vz], soon_m_per_sec, yaw_rad, height_m } =
+            *self;
+        let numbers = [x, z, vx, vz, soon_m_per_sec, yaw_rad, height_m];
+        numbers.into_iter().try_for_each(check_coordinate)
+    }
+}
+
 fn direction_of(heading_rad: f32) -> Vec2 {
     let (sin, cos) = heading_rad.sin_cos();
     Vec2::new(sin, cos)
@@ -198,6 +229,28 @@ impl Walker {
             self.velocity = Vec2::ZERO;
         }
         self.position + (self.velocity * secs + self.rest)
+    }
+
+    /// Is under way as a lead says.
+    pub(crate) fn begin(&mut self, lead: &Lead, gaits: &GaitSpace) {
+        self.heading_rad = wrapped(lead.yaw_rad);
+        self.follow(lead, 1.0);
+        // A step without end has the stride of the motion at once.
+        self.step(gaits, f32::MAX);
+        self.settles_secs = 0.0;
+        self.told = Some(self.step);
+    }
+
+    /// Moves to where it is led, in a step of `secs`.
+    pub(crate) fn follow(&mut self, lead: &Lead, secs: f32) {
+        self.position = lead.position.into();
+        self.velocity = lead.velocity.into();
+        self.height_m = lead.height_m;
+        self.turn_rate = wrapped(lead.yaw_rad - self.heading_rad) / secs;
+        self.heading_rad = wrapped(lead.yaw_rad);
+        self.ahead = direction_of(self.heading_rad);
+        self.soon = lead.soon_m_per_sec;
+        self.rest = Vec2::ZERO;
     }
 
     /// Turns within the limits, and returns the angle.

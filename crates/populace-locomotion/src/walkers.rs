@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use crate::avoidance::{Agents, Avoidance, Stagger};
 use crate::error::within;
-use crate::walker::{AHEAD_M, Walker, WalkerSettings, Wish, ground_below};
+use crate::walker::{AHEAD_M, Lead, Walker, WalkerSettings, Wish, ground_below};
 use crate::{Error, GaitSpace};
 pub use goals::Goal;
 use goals::Orders;
@@ -175,17 +175,7 @@ impl Walkers {
     /// despawned: nothing has moved then. Errors of the crowd for a member that was attached to
     /// another or that plays something else: all have moved then, and some do not show it.
     pub fn update(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
-        within("the time of an update", secs, 0.0..=1.0, "from 0 to 1 second")?;
-        let gone = self.members.iter().find(|member| crowd.member(**member).is_err());
-        if let Some(member) = gone {
-            return Err(Error::Despawned { member: member.number() });
-        }
-        if secs == 0.0 {
-            return Ok(());
-        }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 1000")]
-        let count = (RENEWED_SECS / secs).round().clamp(1.0, 1000.0) as usize;
-        let share = Stagger { count, nth: usize::try_from(self.frame % count as u64).unwrap_or(0) };
+        let Some(share) = self.begin(crowd, secs)? else { return Ok(()) };
         let mut times = [Instant::now(); 5];
         self.prefer(secs);
         times[1] = Instant::now();
@@ -200,6 +190,54 @@ impl Walkers {
             [0, 1, 2, 3].map(|nth| (times[nth + 1] - times[nth]).as_secs_f64() * 1e3);
         self.times = UpdateTimes { prefer_ms, avoid_ms, advance_ms, crowd_ms };
         Ok(())
+    }
+
+    /// Leads all walkers: each is where and how its lead says after `secs`, and steps accordingly.
+    /// In place of [`update`](Self::update); goals, avoidance and limits have no effect.
+    ///
+    /// # Errors
+    ///
+    /// As [`update`](Self::update). A slice of another length than
+    /// [`members`](Self::members), or a lead with a number that is not from -1e6 to 1e6: nothing has
+    /// moved then.
+    pub fn follow(&mut self, crowd: &mut Crowd, leads: &[Lead], secs: f32) -> Result<(), Error> {
+        if leads.len() != self.members.len() {
+            let (found, walkers) = (leads.len(), self.members.len());
+            return Err(Error::UnequalLengths { found, walkers });
+        }
+        leads.iter().try_for_each(Lead::check)?;
+        let Some(share) = self.begin(crowd, secs)? else { return Ok(()) };
+        let Self { gaits, .. } = self;
+        let places = self.positions.par_iter_mut().zip(&mut self.velocities);
+        let shown = self.placements.par_iter_mut().zip(&mut self.strides);
+        let walkers = self.walkers.par_iter_mut().zip(shown).zip(places);
+        walkers.zip(leads.par_iter().zip(&self.orders)).with_min_len(FEWEST_PER_THREAD).for_each(
+            |(((walker, (placement, stride)), (position, velocity)), (lead, orders))| {
+                walker.follow(lead, secs);
+                walker.step(&gaits[orders.gaits as usize], secs);
+                (placement.1, stride.1) = (walker.placement(), walker.stride);
+                (*position, *velocity) = (lead.position, lead.velocity);
+            },
+        );
+        self.frame += 1;
+        self.show(crowd, share)
+    }
+
+    /// Checks a step, and returns the share of walkers whose mix of clips is renewed in it; `None`
+    /// if no time passes.
+    fn begin(&self, crowd: &Crowd, secs: f32) -> Result<Option<Stagger>, Error> {
+        within("the time of an update", secs, 0.0..=1.0, "from 0 to 1 second")?;
+        let gone = self.members.iter().find(|member| crowd.member(**member).is_err());
+        if let Some(member) = gone {
+            return Err(Error::Despawned { member: member.number() });
+        }
+        if secs == 0.0 {
+            return Ok(None);
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 to 1000")]
+        let count = (RENEWED_SECS / secs).round().clamp(1.0, 1000.0) as usize;
+        let nth = usize::try_from(self.frame % count as u64).unwrap_or(0);
+        Ok(Some(Stagger { count, nth }))
     }
 
     /// The times of the last update.

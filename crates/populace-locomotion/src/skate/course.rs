@@ -5,15 +5,13 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use populace::character::Character;
-use populace::model::Side;
 use populace::{
-    ActiveClip, Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Ground, JointIndex,
-    Placement,
+    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Ground, JointIndex, Placement,
 };
 
+use super::body::Body;
 use crate::feet::Feet;
-use crate::strides::Planting;
-use crate::{Error, Gait, GaitClips, GaitSpace};
+use crate::{Error, GaitClips, GaitSpace};
 
 /// Frames in a second of the course.
 pub(super) const FRAMES_PER_SEC: f32 = 60.0;
@@ -126,27 +124,15 @@ fn stairs() -> Result<Ground, Error> {
     Ok(ground.map_err(populace::Error::from)?)
 }
 
-/// A clip of the character.
-struct KnownClip {
-    id: ClipId,
-    /// The time on its own axis at which it starts; its gait starts at 0.
-    start_secs: f32,
-    gait: Gait,
-}
+/// The joints of the legs, from the hips to the ankles.
+pub(super) struct Legs(Vec<JointIndex>);
 
-/// Joints of a body that are followed.
-pub(super) struct Joints {
-    pub(super) feet: Feet,
-    /// From the hips to the ankles.
-    pub(super) legs: Vec<JointIndex>,
-}
-
-impl Joints {
+impl Legs {
     /// Returns the largest acceleration in the last three poses, of which this is the last, in
     /// metres per second squared. `last` holds the two before.
     pub(super) fn acceleration(&self, last: &mut Vec<Vec<Vec3>>, models: &[Affine]) -> f32 {
         let places = |joint: &JointIndex| Vec3::from(models[joint.index()].origin());
-        last.push(self.legs.iter().map(places).collect());
+        last.push(self.0.iter().map(places).collect());
         let [.., a, b, c] = last.as_slice() else { return 0.0 };
         let found = acceleration([a, b, c]);
         last.remove(0);
@@ -160,14 +146,12 @@ pub(super) struct Course {
     pub(super) id: CharacterId,
     moving: Vec<ClipId>,
     pub(super) gaits: GaitSpace,
-    pub(super) joints: Joints,
-    clips: Vec<KnownClip>,
+    pub(super) body: Body,
+    pub(super) legs: Legs,
 }
 
 impl Course {
     pub(super) fn new(character: &Arc<Character>, clips: &GaitClips) -> Result<Self, Error> {
-        let feet = Feet::find(character);
-        let feet = feet.ok_or_else(|| Error::NoGait { clip: clips.idle.name().to_owned() })?;
         let mut crowd = Crowd::builder().device(Device::native()).capacity(2).build()?;
         let id = crowd.add_character(Arc::clone(character))?;
         let idle = crowd.character_mut(id)?.add_clip(&clips.idle)?;
@@ -176,15 +160,10 @@ impl Course {
             moving.push(crowd.character_mut(id)?.add_clip(clip)?);
         }
         let gaits = GaitSpace::new(&mut crowd, id, idle, &moving)?;
-        let mut known = Vec::new();
-        for (id, clip) in crowd.character(id)?.clips() {
-            let start_secs = clip.start_secs();
-            let gait = Gait::measure(character, &clip)?;
-            known.extend(gait.map(|gait| KnownClip { id, start_secs, gait }));
-        }
-        let legs = legs(character, &feet);
-        let joints = Joints { feet, legs };
-        Ok(Self { crowd, id, moving, gaits, joints, clips: known })
+        let body = Body::new(&crowd, id)?;
+        let body = body.ok_or_else(|| Error::NoGait { clip: clips.idle.name().to_owned() })?;
+        let legs = Legs(legs(character, &body.feet));
+        Ok(Self { crowd, id, moving, gaits, body, legs })
     }
 
     /// Returns the largest acceleration of the legs' joints in the moving clips, each played alone
@@ -194,32 +173,17 @@ impl Course {
         for clip in &self.moving {
             let member = self.crowd.spawn(self.id, Placement::at([0.0; 3]))?;
             self.crowd.member_mut(member)?.play(*clip, ClipPlayback::looping())?;
-            let known = self.clips.iter().find(|known| known.id == *clip);
-            let cycle_secs = known.map_or(1.0, |known| known.gait.duration_secs).clamp(0.1, 10.0);
+            let cycle_secs = self.body.gait(*clip).map_or(1.0, |gait| gait.duration_secs);
+            let cycle_secs = cycle_secs.clamp(0.1, 10.0);
             let mut last = Vec::new();
             for _ in frames(2.0 * cycle_secs) {
                 self.crowd.update(1.0 / FRAMES_PER_SEC)?;
                 let models = self.crowd.member_mut(member)?.model_from_joints()?;
-                most = most.max(self.joints.acceleration(&mut last, &models));
+                most = most.max(self.legs.acceleration(&mut last, &models));
             }
             self.crowd.despawn(member)?;
         }
         Ok(most)
-    }
-
-    /// Returns whether the clips that play have each foot in contact.
-    pub(super) fn planted(&self, playing: &[ActiveClip]) -> [bool; 2] {
-        [Side::Left, Side::Right].map(|foot| {
-            let mut planting = Planting::default();
-            for active in playing.iter().filter(|active| active.weight > 0.0) {
-                let known = self.clips.iter().find(|known| known.id == active.clip);
-                if let Some(KnownClip { start_secs, gait, .. }) = known {
-                    let secs = active.time_secs - start_secs;
-                    planting.add(gait, foot, secs, active.weight);
-                }
-            }
-            planting.is_planted()
-        })
     }
 }
 

@@ -3,28 +3,10 @@
 use glam::Vec3;
 use populace::{CharacterId, Ground, MemberId, Placement, Stride};
 
+use super::body::Sole;
 use super::course::{Course, FRAMES_PER_SEC, Order, Part, frames};
 use super::samples::{Samples, percentile};
 use crate::{Error, Goal, WalkerSettings, Walkers};
-
-/// A foot in one frame.
-struct Sole {
-    planted: bool,
-    /// The ankle in model space.
-    ankle: Vec3,
-    /// The points of the sole in model space and in the world.
-    points: Vec<Vec3>,
-    in_world: Vec<Vec3>,
-}
-
-impl Sole {
-    /// The index of the point that stands.
-    fn lowest(&self) -> usize {
-        let points = &self.in_world;
-        let order = |a: &usize, b: &usize| points[*a].y.total_cmp(&points[*b].y);
-        (0..points.len()).min_by(order).unwrap_or(0)
-    }
-}
 
 /// One of the two members.
 struct Lane {
@@ -155,18 +137,9 @@ impl Lane {
     /// Returns both feet of this frame, and counts the acceleration of the legs.
     fn soles(&mut self, course: &mut Course) -> Result<[Sole; 2], Error> {
         let models = course.crowd.member_mut(self.member)?.model_from_joints()?;
-        let found = course.joints.acceleration(&mut self.legs, &models);
+        let found = course.legs.acceleration(&mut self.legs, &models);
         self.samples.acceleration = self.samples.acceleration.max(found);
-        let member = course.crowd.member(self.member)?;
-        let world = member.placement().world_from_model();
-        let planted = course.planted(&member.active_clips());
-        Ok([0, 1].map(|nth: usize| {
-            let foot = &course.joints.feet.feet[nth];
-            let points: Vec<Vec3> = foot.sole.iter().map(|point| point.place(&models)).collect();
-            let in_world =
-                points.iter().map(|at| Vec3::from(world.transform_point((*at).into()))).collect();
-            Sole { planted: planted[nth], ankle: foot.ankle.place(&models), points, in_world }
-        }))
+        course.body.soles(&course.crowd, self.member, &models)
     }
 
     fn sample(&mut self, now: [Sole; 2], ground: &Ground) {
@@ -179,11 +152,7 @@ impl Lane {
             let above = |at: &Vec3| at.y - ground.height_at(at.x, at.z);
             let least = now.in_world.iter().map(above).fold(f32::INFINITY, f32::min);
             self.samples.heights_m.push(least.abs());
-            if before.planted {
-                let point = before.lowest();
-                let moved = now.in_world[point] - before.in_world[point];
-                self.samples.speeds.push(moved.x.hypot(moved.z) * FRAMES_PER_SEC);
-            }
+            self.samples.speeds.extend(before.slid_m(now).map(|slid| slid * FRAMES_PER_SEC));
         }
         self.last = Some(now);
     }

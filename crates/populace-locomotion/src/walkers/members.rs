@@ -1,14 +1,14 @@
 //! Members become walkers, and cease to be.
 
 use glam::Vec2;
-use populace::{BlendSpacePlayback, CharacterId, Crowd, MemberId};
+use populace::{BlendSpacePlayback, CharacterId, Crowd, MemberId, SpacePoint};
 
 use super::goals::Orders;
 use super::{NONE, Walkers};
 use crate::Error;
 use crate::error::within;
 use crate::path::check_coordinate;
-use crate::walker::Walker;
+use crate::walker::{Lead, Walker};
 
 /// The radius of a person in avoidance, in metres per metre of height.
 const RADIUS: f32 = 0.14;
@@ -23,22 +23,61 @@ impl Walkers {
     /// where it is placed, a coordinate that is not from -1e6 to 1e6, and errors of the crowd, such
     /// as a body without legs.
     pub fn add(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
+        let (walker, orders, radius_m) = self.standing(crowd, member)?;
+        self.start(crowd, member, (0.0.into(), 0.0), &orders)?;
+        self.put(member, orders, walker, radius_m);
+        Ok(())
+    }
+
+    /// Makes a member a walker that is under way as a lead says, at a phase of its step from 0 to 1.
+    /// See [`follow`](Self::follow).
+    ///
+    /// # Errors
+    ///
+    /// As [`add`](Self::add), and a lead with a number that is not from -1e6 to 1e6.
+    pub fn add_led(
+        &mut self,
+        crowd: &mut Crowd,
+        member: MemberId,
+        lead: &Lead,
+        phase: f32,
+    ) -> Result<(), Error> {
+        lead.check()?;
+        let (mut walker, orders, radius_m) = self.standing(crowd, member)?;
+        walker.begin(lead, &self.gaits[orders.gaits as usize]);
+        self.start(crowd, member, (walker.step.point(), phase), &orders)?;
+        self.put(member, orders, walker, radius_m);
+        Ok(())
+    }
+
+    /// Returns a member as a walker that stands, with its orders and its radius in metres.
+    fn standing(&self, crowd: &Crowd, member: MemberId) -> Result<(Walker, Orders, f32), Error> {
         let view = crowd.member(member)?;
         let (character, placement) = (view.character(), view.placement());
         let gaits = self.gaits_of(character).ok_or(Error::NoGaits)?;
         let height = crowd.character(character)?.asset().height_m() * placement.scale();
         within("the height of a walker", height, 0.1..=20.0, "from 0.1 to 20 metres")?;
         placement.position().into_iter().try_for_each(check_coordinate)?;
+        let orders = Orders::to_stand(u32::try_from(gaits).unwrap_or(NONE));
+        Ok((Walker::standing(&placement), orders, RADIUS * height))
+    }
+
+    /// Plants the feet of a member, and plays its gaits at a point and a phase.
+    fn start(
+        &self,
+        crowd: &mut Crowd,
+        member: MemberId,
+        (at, phase): (SpacePoint, f32),
+        orders: &Orders,
+    ) -> Result<(), Error> {
         let mut view = crowd.member_mut(member)?;
         view.plant_feet(1.0)?;
-        let space = self.gaits[gaits].space();
-        if let Err(error) = view.play_blend_space(space, 0.0, BlendSpacePlayback::new()) {
+        let space = self.gaits[orders.gaits as usize].space();
+        let playback = BlendSpacePlayback::new().phase(phase);
+        if let Err(error) = view.play_blend_space(space, at, playback) {
             view.plant_feet(0.0)?;
             return Err(error.into());
         }
-        let walker = Walker::standing(&placement);
-        let orders = Orders::to_stand(u32::try_from(gaits).unwrap_or(NONE));
-        self.put(member, orders, walker, RADIUS * height);
         Ok(())
     }
 

@@ -1,0 +1,307 @@
+//! The smoothed motion of recorded agents, at any time.
+
+use populace_trajectory::{Agent, Recording, Track};
+
+use crate::heading;
+use crate::smoothing::{at_even_times, hermite, low_pass};
+
+/// Cut-off frequencies of the filter in hertz: for heads that sway as people step, and for agents
+/// that do not, such as simulated ones.
+const SWAYING_HZ: f64 = 0.5;
+const STEADY_HZ: f64 = 1.0;
+/// Mean sway in metres from which on agents sway.
+const SWAYS_M: f64 = 0.006;
+/// Agents by which sway is measured.
+const MEASURED: usize = 60;
+/// Speed in metres per second from which on somebody walks and sways.
+const WALKS_M_PER_SEC: f64 = 0.5;
+/// Shortest and longest step of stored motions in seconds.
+const STEP_SECS: [f64; 2] = [1.0 / 30.0, 0.1];
+/// An agent that is not seen for this time in seconds, and for as many intervals, has left.
+const LEFT_SECS: f64 = 1.5;
+const LEFT_INTERVALS: f64 = 3.0;
+/// Speeds in metres per second below which somebody comes to stand, and above which somebody who
+/// stands walks on.
+const STANDS_M_PER_SEC: f64 = 0.1;
+const SETS_OFF_M_PER_SEC: f64 = 0.2;
+/// The distance in metres by which somebody who stands may drift before taking a step.
+const DRIFT_M: f64 = 0.12;
+/// Seconds for which somebody who drifted steps.
+const STEPS_SECS: f64 = 0.6;
+
+/// Where an agent is at one time, and how it moves there. On the plan of its recording.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Moment {
+    /// Position `[x, y]` in metres.
+    pub position: [f32; 2],
+    /// Velocity `[x, y]` in metres per second.
+    pub velocity: [f32; 2],
+    /// Heading in radians, counter-clockwise from +x.
+    pub heading_rad: f32,
+    /// Height of the ground in metres.
+    pub elevation_m: f32,
+    /// Direction of view in radians, if the file has one.
+    pub view_rad: Option<f32>,
+    /// True for somebody who stands, though the position may drift by centimetres.
+    pub stands: bool,
+}
+
+/// The motion of one agent.
+#[derive(Clone, Debug)]
+pub struct Motion {
+    spans: Vec<Span>,
+}
+
+/// A time in which an agent is there.
+#[derive(Clone, Debug)]
+struct Span {
+    secs: [f64; 2],
+    step_secs: f64,
+    positions: Vec<[f32; 2]>,
+    headings: Vec<f32>,
+    /// Empty on level ground.
+    elevations: Vec<f32>,
+    /// Empty if the file has no directions of view.
+    views: Vec<f32>,
+    stands: Vec<bool>,
+}
+
+/// The motions of all agents of a recording.
+#[derive(Clone, Debug)]
+pub struct Motions {
+    /// The motions, in the order of the agents.
+    pub agents: Vec<Motion>,
+    /// The cut-off frequency of the filter in hertz.
+    pub cutoff_hz: f64,
+    /// Mean sway of the agents in metres: the distance aside from the filtered path.
+    pub sway_m: f64,
+}
+
+impl Motions {
+    /// Smooths the tracks of a recording.
+    #[must_use]
+    pub fn new(recording: &Recording) -> Self {
+        let step_secs = (1.0 / recording.source.fps.value).clamp(STEP_SECS[0], STEP_SECS[1]);
+        let sway_m = sway_m(recording, step_secs);
+        let cutoff_hz = if sway_m > SWAYS_M { SWAYING_HZ } else { STEADY_HZ };
+        let motion = |agent: &Agent| {
+            let track = recording.track(agent);
+            let spans = spans(track.times, recording.source.fps.value);
+            let span = |rows: std::ops::Range<usize>| Span::new(&track, rows, step_secs, cutoff_hz);
+            Motion { spans: spans.into_iter().map(span).collect() }
+        };
+        let agents = recording.agents.iter().map(motion).collect();
+        Self { agents, cutoff_hz, sway_m }
+    }
+}
+
+impl Motion {
+    /// Returns where the agent is; `None` while it is not there.
+    #[must_use]
+    pub fn at(&self, secs: f64) -> Option<Moment> {
+        let next = self.spans.partition_point(|span| span.secs[0] <= secs);
+        let span = self.spans.get(next.checked_sub(1)?)?;
+        (secs <= span.secs[1]).then(|| span.at(secs))
+    }
+
+    /// Returns the filtered position at a time in seconds, on a line between the two nearest stored
+    /// ones; `None` while the agent is not there.
+    #[must_use]
+    pub fn filtered_at(&self, secs: f64) -> Option<[f32; 2]> {
+        let next = self.spans.partition_point(|span| span.secs[0] <= secs);
+        let span = self.spans.get(next.checked_sub(1)?)?;
+        (secs <= span.secs[1]).then(|| span.filtered_at(secs))
+    }
+
+    /// Returns the times from when and until when the agent is there, in seconds.
+    pub fn secs(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.spans.iter().map(|span| span.secs)
+    }
+}
+
+impl Span {
+    fn new(
+        track: &Track<'_>,
+        rows: std::ops::Range<usize>,
+        step_secs: f64,
+        cutoff_hz: f64,
+    ) -> Self {
+        let times = &track.times[rows.clone()];
+        let [from, until] = [times[0], times[times.len() - 1]];
+        let (count, step_secs) = steps(from, until, step_secs);
+        let even = |values: &[f64]| at_even_times(times, values, from, step_secs, count);
+        let [x, y] = [0, 1].map(|axis| {
+            let of = track.positions[rows.clone()].iter();
+            let mut values = even(&of.map(|at| f64::from(at[axis])).collect::<Vec<_>>());
+            low_pass(&mut values, step_secs, cutoff_hz);
+            values
+        });
+        let velocities: Vec<[f64; 2]> =
+            (0..count).map(|nth| [slope(&x, nth), slope(&y, nth)].map(|v| v / step_secs)).collect();
+        let nearest = |values: &[f32]| -> Vec<f64> {
+            let row = |nth: usize| {
+                let at = from + nth as f64 * step_secs;
+                times.partition_point(|time| *time <= at).saturating_sub(1)
+            };
+            (0..count).map(|nth| f64::from(values[row(nth)])).collect()
+        };
+        let headings = match track.headings.get(rows.clone()) {
+            Some(headings) if headings.iter().any(|heading| heading.is_finite()) => {
+                heading::of_data(&nearest(headings), step_secs)
+            }
+            _ => heading::of_motion(&velocities, step_secs),
+        };
+        let views = match track.views.get(rows.clone()) {
+            Some(views) if views.iter().any(|view| view.is_finite()) => {
+                heading::of_data(&nearest(views), step_secs)
+            }
+            _ => Vec::new(),
+        };
+        let elevations = track.elevations.get(rows).map_or_else(Vec::new, |elevations| {
+            let mut values = even(&elevations.iter().map(|v| f64::from(*v)).collect::<Vec<_>>());
+            low_pass(&mut values, step_secs, STEADY_HZ);
+            values
+        });
+        let positions: Vec<[f64; 2]> = x.iter().zip(&y).map(|(x, y)| [*x, *y]).collect();
+        let stands = stands(&positions, &velocities, step_secs);
+        Self {
+            secs: [from, until],
+            step_secs,
+            positions: positions.into_iter().map(|at| at.map(rounded)).collect(),
+            headings: headings.into_iter().map(rounded).collect(),
+            elevations: elevations.into_iter().map(rounded).collect(),
+            views: views.into_iter().map(rounded).collect(),
+            stands,
+        }
+    }
+
+    /// Returns the stored rows around a time, and the part of the way from one to the other.
+    fn around(&self, secs: f64) -> ([usize; 2], f64) {
+        let last = self.positions.len() - 1;
+        let steps = ((secs - self.secs[0]) / self.step_secs).clamp(0.0, last as f64);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within rows")]
+        let nth = (steps as usize).min(last.saturating_sub(1));
+        ([nth, (nth + 1).min(last)], steps - nth as f64)
+    }
+
+    fn filtered_at(&self, secs: f64) -> [f32; 2] {
+        let ([nth, next], part) = self.around(secs);
+        let [a, b] = [self.positions[nth], self.positions[next]];
+        [0, 1].map(|axis| a[axis] + (b[axis] - a[axis]) * rounded(part))
+    }
+
+    fn at(&self, secs: f64) -> Moment {
+        let last = self.positions.len() - 1;
+        let ([nth, next], part) = self.around(secs);
+        let curve = |axis: usize| {
+            let value = |nth: usize| f64::from(self.positions[nth][axis]);
+            let slope = |nth: usize| {
+                let (before, after) = (nth.saturating_sub(1), (nth + 1).min(last));
+                (value(after) - value(before)) / ((after - before).max(1) as f64)
+            };
+            let ends = [value(nth), value(next)];
+            let slopes = [slope(nth), slope(next)];
+            let change = slopes[0] + (slopes[1] - slopes[0]) * part;
+            (hermite(ends, slopes, part), change / self.step_secs)
+        };
+        let [(x, vx), (y, vy)] = [curve(0), curve(1)];
+        let line = |values: &[f32]| {
+            let [a, b] = [nth, next].map(|nth| values.get(nth).copied().unwrap_or(0.0));
+            a + (b - a) * rounded(part)
+        };
+        Moment {
+            position: [rounded(x), rounded(y)],
+            velocity: [rounded(vx), rounded(vy)],
+            heading_rad: line(&self.headings),
+            elevation_m: line(&self.elevations),
+            view_rad: (!self.views.is_empty()).then(|| line(&self.views)),
+            stands: self.stands[nth],
+        }
+    }
+}
+
+/// Returns the number of even times from one time to another, both included, and the step between
+/// them in seconds, which is near the one given.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "times are in order")]
+fn steps(from: f64, until: f64, step_secs: f64) -> (usize, f64) {
+    let steps = ((until - from) / step_secs).round().max(1.0);
+    (steps as usize + 1, ((until - from) / steps).max(1e-6))
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
+fn rounded(value: f64) -> f32 {
+    value as f32
+}
+
+/// Returns the change of values per step around one of them.
+fn slope(values: &[f64], nth: usize) -> f64 {
+    let (before, after) = (nth.saturating_sub(1), (nth + 1).min(values.len() - 1));
+    (values[after] - values[before]) / (after - before).max(1) as f64
+}
+
+/// Returns the ranges of rows in which an agent is there without a long gap.
+fn spans(times: &[f64], fps: f64) -> Vec<std::ops::Range<usize>> {
+    let longest = LEFT_SECS.max(LEFT_INTERVALS / fps);
+    let gaps = (1..times.len()).filter(|next| times[*next] - times[*next - 1] > longest);
+    let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();
+    let ends = starts.iter().skip(1).copied().chain([times.len()]);
+    starts.iter().copied().zip(ends).map(|(from, until)| from..until).collect()
+}
+
+/// Returns when somebody stands. Positions that drift are followed by a few steps now and then.
+fn stands(positions: &[[f64; 2]], velocities: &[[f64; 2]], step_secs: f64) -> Vec<bool> {
+    let smooth = crate::smoothing::bell(velocities, step_secs, 0.3);
+    let mut anchor: Option<[f64; 2]> = None;
+    let mut steps_secs = 0.0;
+    let one = |(at, velocity): (&[f64; 2], &[f64; 2])| {
+        let speed = velocity[0].hypot(velocity[1]);
+        steps_secs -= step_secs;
+        match anchor {
+            Some(_) if speed > SETS_OFF_M_PER_SEC => anchor = None,
+            Some(from) if (at[0] - from[0]).hypot(at[1] - from[1]) > DRIFT_M => {
+                steps_secs = STEPS_SECS;
+                anchor = Some(*at);
+            }
+            None if speed < STANDS_M_PER_SEC => anchor = Some(*at),
+            _ => {}
+        }
+        anchor.is_some() && steps_secs <= 0.0
+    };
+    positions.iter().zip(&smooth).map(one).collect()
+}
+
+/// Returns the mean distance in metres of agents who walk from their filtered paths, aside from the
+/// direction in which they go.
+fn sway_m(recording: &Recording, step_secs: f64) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    // Rows further apart than half a second cannot show steps.
+    if recording.source.fps.value < 4.0 {
+        return 0.0;
+    }
+    let every = recording.agents.len().div_ceil(MEASURED);
+    for agent in recording.agents.iter().step_by(every) {
+        let track = recording.track(agent);
+        let Some(rows) = spans(track.times, recording.source.fps.value).into_iter().next() else {
+            continue;
+        };
+        let times = &track.times[rows.clone()];
+        let (even, step_secs) = steps(times[0], times[times.len() - 1], step_secs);
+        let raw = [0, 1].map(|axis| {
+            let of = track.positions[rows.clone()].iter();
+            let values: Vec<f64> = of.map(|at| f64::from(at[axis])).collect();
+            at_even_times(times, &values, times[0], step_secs, even)
+        });
+        let mut smooth = raw.clone();
+        smooth.iter_mut().for_each(|values| low_pass(values, step_secs, SWAYING_HZ));
+        for nth in 0..even {
+            let velocity = [0, 1].map(|axis| slope(&smooth[axis], nth) / step_secs);
+            let speed = velocity[0].hypot(velocity[1]);
+            if speed > WALKS_M_PER_SEC {
+                let [dx, dy] = [0, 1].map(|axis| raw[axis][nth] - smooth[axis][nth]);
+                sum += ((dx * velocity[1] - dy * velocity[0]) / speed).abs();
+                count += 1.0;
+            }
+        }
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
+}

@@ -1,0 +1,206 @@
+//! People who follow the trajectories of a recording.
+
+use std::f32::consts::FRAC_PI_2;
+
+use populace::MemberLook;
+use populace::{CharacterId, Crowd, MemberId, Placement};
+use populace_locomotion::{GaitSpace, Lead, WalkerSettings, Walkers};
+use populace_trajectory::{Kind, Recording};
+
+use crate::Error;
+use crate::motion::{Moment, Motions};
+
+/// The part of a cycle by which neighbouring agents step apart: the golden ratio spreads them
+/// evenly.
+const PHASES: f64 = 0.618_033_988_749_895;
+
+/// The body of an agent.
+#[derive(Clone, Copy, Debug)]
+pub struct Person {
+    /// Its character in the crowd, which has gaits.
+    pub character: CharacterId,
+    /// Its scale.
+    pub scale: f32,
+    /// Its look, unless that of its character.
+    pub look: Option<MemberLook>,
+}
+
+/// Distances of people from the data in metres.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PositionError {
+    /// The largest distance from the filtered data, in all frames so far.
+    pub max_m: f32,
+    /// The largest distance from the rows at their own times.
+    pub max_raw_m: f32,
+}
+
+/// People who follow the trajectories of a recording. The plan's x is the world's X, and its y is
+/// -Z.
+///
+/// All its state depends on the times of its updates alone: frames that are reached by equal steps
+/// are equal.
+#[derive(Clone, Debug)]
+pub struct Replay {
+    motions: Motions,
+    people: Vec<Option<Person>>,
+    walkers: Walkers,
+    /// The agents of the walkers, in their order.
+    agents: Vec<usize>,
+    present: Vec<bool>,
+    leads: Vec<Lead>,
+    secs: f64,
+    error: PositionError,
+}
+
+impl Replay {
+    /// Smooths the trajectories of a recording, one person for each agent; vehicles are left out.
+    /// The replay stands at a time in seconds, with nobody there.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::UnequalLengths`] unless there are as many people as agents.
+    pub fn new(
+        recording: &Recording,
+        people: &[Person],
+        gaits: Vec<GaitSpace>,
+        secs: f64,
+    ) -> Result<Self, Error> {
+        let agents = recording.agents.len();
+        if people.len() != agents {
+            return Err(Error::UnequalLengths { people: people.len(), agents });
+        }
+        let motions = Motions::new(recording);
+        let mut walkers = Walkers::new(WalkerSettings::default())?;
+        gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
+        let walks = |kind: Kind| kind == Kind::Person;
+        let of = recording.agents.iter().zip(people);
+        let people = of.map(|(agent, person)| walks(agent.kind).then_some(*person)).collect();
+        let max_raw_m = max_raw_m(recording, &motions);
+        Ok(Self {
+            motions,
+            people,
+            walkers,
+            agents: Vec::new(),
+            present: vec![false; agents],
+            leads: Vec::new(),
+            secs,
+            error: PositionError { max_m: 0.0, max_raw_m },
+        })
+    }
+
+    /// Moves on by `secs`: people appear, walk and leave. Call [`Crowd::update`] with the same time
+    /// afterwards.
+    ///
+    /// # Errors
+    ///
+    /// Errors of the crowd, such as one without capacity for all people who are there at the same
+    /// time.
+    pub fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
+        self.secs += f64::from(secs);
+        self.leave(crowd)?;
+        self.leads.clear();
+        for agent in &self.agents {
+            // Who is not there has left above.
+            self.leads.extend(lead(&self.motions, *agent, self.secs));
+        }
+        self.walkers.follow(crowd, &self.leads, secs)?;
+        self.appear(crowd)?;
+        for (agent, at) in self.agents.iter().zip(self.walkers.positions()) {
+            let filtered = self.motions.agents[*agent].filtered_at(self.secs);
+            let off = filtered.map_or(0.0, |[x, y]| (at[0] - x).hypot(at[1] + y));
+            self.error.max_m = self.error.max_m.max(off);
+        }
+        Ok(())
+    }
+
+    /// The time in seconds, as the recording counts it.
+    #[must_use]
+    pub fn secs(&self) -> f64 {
+        self.secs
+    }
+
+    /// The smoothed motions.
+    #[must_use]
+    pub fn motions(&self) -> &Motions {
+        &self.motions
+    }
+
+    /// The people who are there: agents and members.
+    pub fn present(&self) -> impl Iterator<Item = (usize, MemberId)> + '_ {
+        self.agents.iter().copied().zip(self.walkers.members().iter().copied())
+    }
+
+    /// Returns the distances of people from the data.
+    #[must_use]
+    pub fn position_error(&self) -> PositionError {
+        self.error
+    }
+
+    /// Takes people from the crowd whose agents have left.
+    fn leave(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+        let mut index = 0;
+        while let Some(agent) = self.agents.get(index).copied() {
+            if self.motions.agents[agent].at(self.secs).is_some() {
+                index += 1;
+                continue;
+            }
+            let member = self.walkers.members()[index];
+            self.walkers.remove(member)?;
+            crowd.despawn(member)?;
+            self.agents.swap_remove(index);
+            self.present[agent] = false;
+        }
+        Ok(())
+    }
+
+    /// Brings people into the crowd whose agents have come.
+    fn appear(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+        for (agent, person) in self.people.iter().enumerate() {
+            let Some(person) = person.filter(|_| !self.present[agent]) else { continue };
+            let Some(lead) = lead(&self.motions, agent, self.secs) else { continue };
+            let [x, z] = lead.position;
+            let placement =
+                Placement::at([x, lead.height_m, z]).facing(lead.yaw_rad).scaled(person.scale);
+            let member = crowd.spawn(person.character, placement)?;
+            if let Some(look) = person.look {
+                crowd.member_mut(member)?.set_look(look);
+            }
+            #[expect(clippy::cast_possible_truncation, reason = "below 1")]
+            let phase = (agent as f64 * PHASES).fract() as f32;
+            self.walkers.add_led(crowd, member, &lead, phase)?;
+            self.agents.push(agent);
+            self.present[agent] = true;
+        }
+        Ok(())
+    }
+}
+
+/// Returns how an agent is led at a time; `None` while it is not there.
+fn lead(motions: &Motions, agent: usize, secs: f64) -> Option<Lead> {
+    let motion = &motions.agents[agent];
+    let Moment { position: [x, y], velocity, heading_rad, elevation_m, stands, .. } =
+        motion.at(secs)?;
+    let soon = motion.at(secs + f64::from(Lead::SOON_SECS)).filter(|soon| !soon.stands);
+    let [vx, vy] = if stands { [0.0; 2] } else { velocity };
+    Some(Lead {
+        position: [x, -y],
+        velocity: [vx, -vy],
+        soon_m_per_sec: soon.map_or(0.0, |soon| soon.velocity[0].hypot(soon.velocity[1])),
+        yaw_rad: heading_rad + FRAC_PI_2,
+        height_m: elevation_m,
+    })
+}
+
+/// Returns the largest distance of a motion from the rows of its agent.
+fn max_raw_m(recording: &Recording, motions: &Motions) -> f32 {
+    let mut most = 0.0_f32;
+    for (agent, motion) in recording.agents.iter().zip(&motions.agents) {
+        let track = recording.track(agent);
+        for (secs, raw) in track.times.iter().zip(track.positions) {
+            let off =
+                motion.at(*secs).map(|at| (at.position[0] - raw[0]).hypot(at.position[1] - raw[1]));
+            most = most.max(off.unwrap_or(0.0));
+        }
+    }
+    most
+}
