@@ -11,8 +11,6 @@ use crate::roles::CrowdRole;
 /// A renderer that is connected to a crowd.
 pub(crate) struct CrowdRenderer {
     renderer: Renderer,
-    camera: Camera,
-    scene: Scene,
     transport: PaletteTransport,
     drawn: Drawn,
 }
@@ -25,14 +23,13 @@ impl CrowdRenderer {
         crowd: &mut Crowd,
         roles: &[CrowdRole],
         hide: &[String],
-        (camera, scene): (Camera, Scene),
     ) -> Result<Self, Failure> {
         let transport = renderer.connect_palettes(crowd)?.transport;
         let hidden = |part: &Part| hide.contains(&part.node_name);
         for role in roles {
             renderer.upload_character(&role.character, &hidden)?;
         }
-        Ok(Self { renderer, camera, scene, transport, drawn: Drawn::default() })
+        Ok(Self { renderer, transport, drawn: Drawn::default() })
     }
 
     /// Returns the name of the OpenGL driver.
@@ -56,8 +53,13 @@ impl CrowdRenderer {
     }
 
     /// Draws the crowd in the state of its last update.
-    pub(crate) fn picture(&mut self, crowd: &mut Crowd) -> Result<Image, Failure> {
-        self.drawn = self.renderer.draw(crowd, &self.camera, &self.scene)?;
+    pub(crate) fn picture(
+        &mut self,
+        crowd: &mut Crowd,
+        camera: &Camera,
+        scene: &Scene,
+    ) -> Result<Image, Failure> {
+        self.drawn = self.renderer.draw(crowd, camera, scene)?;
         Ok(self.renderer.read_image()?)
     }
 }

@@ -1,25 +1,23 @@
 //! Draws a crowd into picture files: the common part of `demo` and `render`.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use populace::Crowd;
-use populace_render::{Camera, Drawn, PassTimes, Renderer, Scene, encode_png};
+use populace::character::Image;
+use populace_render::{Camera, Drawn, Renderer, Scene, encode_png};
 use serde_json::json;
 
 use crate::cli::{PictureArgs, View, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
+use crate::frame_loop::{Action, FrameLoop, FrameSink, FrameTimes, LEAD_IN_SECS};
+use crate::frames::{Frames, single};
 use crate::names::hint;
 use crate::output::{self, Pictures, check_inputs, check_writable};
 use crate::population::{Population, PopulationSettings};
-use crate::progress::Progress;
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
 use crate::unfinished;
-
-/// Length of each frame before the first picture.
-const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
 /// A job of drawing a crowd.
 pub(crate) struct DrawJob<'a> {
@@ -29,50 +27,6 @@ pub(crate) struct DrawJob<'a> {
     /// Number of frames evaluated and timed before the first picture.
     pub(crate) lead_in: u32,
     pub(crate) args: &'a PictureArgs,
-}
-
-/// FrameTimes of frames in milliseconds.
-#[derive(Default)]
-struct FrameTimes {
-    /// From the start of the update to the written file.
-    total: Vec<f64>,
-    animate: Vec<f64>,
-    draw: Vec<f64>,
-    passes: Vec<PassTimes>,
-}
-
-/// Returns the milliseconds since `start`.
-fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
-}
-
-/// Returns the median, the upper of the two middle values if their number is even; `None` if there
-/// are no values.
-fn median(ms: &[f64]) -> Option<f64> {
-    let mut sorted = ms.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
-}
-
-impl FrameTimes {
-    fn animate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f64, Failure> {
-        let start = Instant::now();
-        crowd.update(secs)?;
-        crowd.finish()?;
-        let ms = ms_since(start);
-        self.animate.push(ms);
-        Ok(ms)
-    }
-
-    /// Returns the median of one pass.
-    fn pass(&self, of: fn(&PassTimes) -> f64) -> f64 {
-        median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()
-    }
-
-    /// Returns the medians of `total`, `animate` and `draw`.
-    fn medians(&self) -> [f64; 3] {
-        [&self.total, &self.animate, &self.draw].map(|ms| median(ms).unwrap_or_default())
-    }
 }
 
 impl DrawJob<'_> {
@@ -108,11 +62,6 @@ impl DrawJob<'_> {
         let settings =
             PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
         let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
-        let camera = self.camera(&population);
-        let scene = self.scene();
-        if !args.full_detail {
-            crowd.set_view(Some(camera.view(args.size.0, &scene, args.detail)?))?;
-        }
         let devices = devices_and_shares(&crowd);
         message!(
             "{} on {devices}, {}",
@@ -120,56 +69,25 @@ impl DrawJob<'_> {
             crowd.device_info().schedule
         );
         let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
-            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide, (camera, scene))
+            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide)
         });
-        self.draw_all(&mut crowd, renderer, &pictures)
+        let frames = self.frames();
+        let frame_loop = FrameLoop {
+            frames,
+            lead_in: self.lead_in,
+            size: args.size.0,
+            scene: &self.scene(),
+            detail: (!args.full_detail).then_some(args.detail),
+        };
+        let mut action = CrowdAction { camera: self.camera(&population, frames) };
+        let mut sink = &pictures;
+        let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
+        self.report(&crowd, drawn, &times, &pictures)
     }
 
-    /// Evaluates, draws and writes all frames.
-    fn draw_all(
-        &self,
-        crowd: &mut Crowd,
-        renderer: Result<CrowdRenderer, Failure>,
-        pictures: &Pictures,
-    ) -> Result<(), Failure> {
-        let mut times = FrameTimes::default();
-        let mut animate_ms = self.lead_in(crowd, &mut times)?;
-        let mut renderer = renderer.inspect_err(|_| {
-            let ms = median(&times.animate).unwrap_or_default();
-            message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
-        })?;
-        message!("drawn by {}", renderer.driver());
-        message!("palettes {}", renderer.palette_transport());
-        let mut progress = Progress::new("frames", pictures.count() as usize);
-        for index in 0..pictures.count() {
-            if index > 0 {
-                animate_ms = times.animate(crowd, 1.0 / self.args.fps)?;
-            }
-            let start = Instant::now();
-            let picture = renderer.picture(crowd)?;
-            times.draw.push(ms_since(start));
-            times.passes.push(renderer.pass_times()?);
-            output::write(&pictures.path(index), &encode_png(&picture)?)?;
-            times.total.push(animate_ms + ms_since(start));
-            progress.step();
-        }
-        drop(progress);
-        self.report(crowd, renderer.drawn(), &times, pictures)
-    }
-
-    /// Evaluates the frames up to the first picture, and returns the time of the last of them. The
-    /// first evaluation includes all uploads, so it is counted only if it is the only one.
-    fn lead_in(&self, crowd: &mut Crowd, times: &mut FrameTimes) -> Result<f64, Failure> {
-        let mut ms = times.animate(crowd, 0.0)?;
-        if self.lead_in > 0 {
-            times.animate.clear();
-        }
-        let mut progress = Progress::new("evaluating", self.lead_in as usize);
-        for _ in 0..self.lead_in {
-            ms = times.animate(crowd, LEAD_IN_SECS)?;
-            progress.step();
-        }
-        Ok(ms)
+    fn frames(&self) -> Frames {
+        let last = self.args.frames.map_or(0, |count| count - 1);
+        Frames { first: 0, last, fps: self.args.fps.into() }
     }
 
     fn report(
@@ -226,14 +144,12 @@ impl DrawJob<'_> {
         scene
     }
 
-    fn camera(&self, population: &Population) -> Camera {
+    fn camera(&self, population: &Population, frames: Frames) -> Camera {
         let [width, height] = self.args.size.0;
         let aspect = width as f32 / height as f32;
         // The view must contain the members in the first and in the last frame.
         let first_secs = self.lead_in as f32 * LEAD_IN_SECS;
-        let length_secs =
-            self.args.frames.map_or(0.0, |frames| (frames - 1) as f32 / self.args.fps);
-        let secs = [first_secs, first_secs + length_secs];
+        let secs = [0, frames.last].map(|frame| first_secs + single(frames.secs(frame)));
         match self.args.camera {
             View::Crowd => Camera::framing(population.bounding_points(secs), aspect),
             View::Close => Camera::framing(population.closest_bounding_points(secs), aspect),
@@ -242,6 +158,27 @@ impl DrawJob<'_> {
                 Camera { eye, target, near: 0.05, ..framed }
             }
         }
+    }
+}
+
+/// Members that play their clips before a camera that stays.
+struct CrowdAction {
+    camera: Camera,
+}
+
+impl Action for CrowdAction {
+    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        Ok(crowd.update(secs)?)
+    }
+
+    fn camera(&self, _secs: f64) -> Result<Camera, Failure> {
+        Ok(self.camera)
+    }
+}
+
+impl FrameSink for &Pictures {
+    fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure> {
+        output::write(&self.path(frame), &encode_png(&picture)?)
     }
 }
 

@@ -13,6 +13,8 @@ mod crowd_renderer;
 mod draw;
 mod failure;
 mod fit;
+mod frame_loop;
+mod frames;
 mod input;
 mod mix;
 mod names;

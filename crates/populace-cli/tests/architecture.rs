@@ -54,6 +54,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
     ("populace-bodies", &["populace-character", "populace-model"]),
+    ("populace-film", &[]),
     ("populace-lod", &["populace-character", "populace-model"]),
     ("populace-trajectory", &[]),
     ("populace-scene", &["populace", "populace-locomotion", "populace-trajectory"]),
@@ -133,14 +134,16 @@ fn crates_use_only_what_lies_below_them() {
 
 /// Crates of others that only one of ours may use outside tests and examples.
 const SOLE_USERS: &[(&str, &str)] = &[
+    ("gif", "populace-film"),
     ("glow", "populace-render"),
     ("khronos-egl", "populace-render"),
     ("opencl3", "populace-opencl"),
+    ("openh264", "populace-film"),
     ("rapier3d", "populace-physics"),
 ];
 
 #[test]
-fn drivers_and_physics_have_one_user_each() {
+fn drivers_encoders_and_physics_have_one_user_each() {
     for folder in std::fs::read_dir(root().join("crates")).expect("crates") {
         let folder = folder.expect("a crate").path();
         let manifest = std::fs::read_to_string(folder.join("Cargo.toml")).expect("Cargo.toml");

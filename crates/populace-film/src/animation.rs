@@ -1,0 +1,99 @@
+//! Animated GIF.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
+
+use gif::{DisposalMethod, EncodingError, Frame, Repeat};
+
+use crate::Error;
+use crate::output::{Part, output_error};
+use crate::settings::{FilmSettings, FrameRate};
+use crate::writer::FrameWriter;
+
+/// Speed of the search for colours, from 1 (best colours) to 30.
+const SPEED: i32 = 10;
+/// Browsers show frames of less than 2 hundredths of a second for longer.
+const LEAST_DELAY: f64 = 0.02;
+
+/// A GIF that grows.
+pub(crate) struct GifWriter {
+    part: Part,
+    encoder: gif::Encoder<BufWriter<File>>,
+    size: [u16; 2],
+    rate: FrameRate,
+    frames: u32,
+    /// The frame before, to find what changes.
+    before: Vec<u8>,
+}
+
+impl GifWriter {
+    pub(crate) fn new(part: Part, settings: &FilmSettings) -> Result<Self, Error> {
+        if settings.rate.per_sec() * LEAST_DELAY > 1.0 {
+            return Err(Error::BadValue {
+                what: "the frame rate of a GIF",
+                value: settings.rate.to_string(),
+                rule: "at most 50, since browsers slow down faster ones",
+            });
+        }
+        let size = settings.size.map(|side| u16::try_from(side).unwrap_or(u16::MAX));
+        let file = BufWriter::new(part.create()?);
+        let fail = |error| failed(&part, error);
+        let mut encoder = gif::Encoder::new(file, size[0], size[1], &[]).map_err(fail)?;
+        encoder.set_repeat(Repeat::Infinite).map_err(fail)?;
+        let rate = settings.rate;
+        Ok(Self { part, encoder, size, rate, frames: 0, before: Vec::new() })
+    }
+
+    /// Returns how long the next frame lasts in hundredths of a second. Rounded times add up to
+    /// those of the film.
+    fn delay(&self) -> u16 {
+        let [now, then] = [self.frames, self.frames + 1].map(|frame| self.rate.secs(frame) * 100.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "floats saturate, and the longest delay is what GIF has"
+        )]
+        let delay = (then.round() - now.round()) as u16;
+        delay
+    }
+}
+
+fn failed(part: &Part, error: EncodingError) -> Error {
+    match error {
+        EncodingError::Io(source) => output_error(part.path(), source),
+        other => Error::Encoder { encoder: "the encoder of GIF", cause: other.to_string() },
+    }
+}
+
+impl FrameWriter for GifWriter {
+    fn write(&mut self, rgba: &[u8]) -> Result<(), Error> {
+        let mut pixels = rgba.to_vec();
+        // Pixels that stay are transparent, which takes less room and colours.
+        for (index, pixel) in pixels.chunks_exact_mut(4).enumerate() {
+            let before = self.before.get(4 * index..4 * index + 3);
+            let stays = before.is_some_and(|before| before == &pixel[..3]);
+            pixel[3] = if stays { 0 } else { 255 };
+        }
+        let mut frame = Frame::from_rgba_speed(self.size[0], self.size[1], &mut pixels, SPEED);
+        frame.delay = self.delay();
+        frame.dispose = DisposalMethod::Keep;
+        self.encoder.write_frame(&frame).map_err(|error| failed(&self.part, error))?;
+        self.before.clear();
+        self.before.extend_from_slice(rgba);
+        self.frames += 1;
+        self.encoder.get_mut().flush().map_err(|source| output_error(self.part.path(), source))
+    }
+
+    fn stop(&mut self) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn finish(self: Box<Self>) -> Result<PathBuf, Error> {
+        let Self { part, encoder, .. } = *self;
+        let mut file = encoder.into_inner().map_err(|error| failed(&part, error))?;
+        let synced = file.flush().and_then(|()| file.get_ref().sync_all());
+        synced.map_err(|source| output_error(part.path(), source))?;
+        part.complete_as_is()
+    }
+}

@@ -1,0 +1,82 @@
+//! The files of a film: the part that grows, and the complete film.
+
+use std::ffi::OsString;
+use std::fs::{self, File, OpenOptions};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+/// The files of a film that is not complete.
+pub(crate) struct Part {
+    film: PathBuf,
+    part: PathBuf,
+    draft: PathBuf,
+}
+
+impl Part {
+    /// Names the part `film.part.mp4` for `film.mp4`.
+    pub(crate) fn of(film: &Path) -> Self {
+        let [part, draft] = ["part", "draft"].map(|word| beside(film, word));
+        Self { film: film.to_owned(), part, draft }
+    }
+
+    /// The part, which grows frame by frame.
+    pub(crate) fn path(&self) -> &Path {
+        &self.part
+    }
+
+    /// The file in which the part is rewritten, if it is.
+    pub(crate) fn draft(&self) -> &Path {
+        &self.draft
+    }
+
+    /// Creates the part, in place of an older one.
+    pub(crate) fn create(&self) -> Result<File, Error> {
+        OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(true)
+            .open(&self.part)
+            .map_err(|source| output_error(&self.part, source))
+    }
+
+    /// Makes the draft the film, if it was `written`, and removes the part. Otherwise the part
+    /// stays and the draft goes.
+    pub(crate) fn complete(&self, written: Result<(), Error>) -> Result<PathBuf, Error> {
+        let result = written.and_then(|()| self.rename(&self.draft));
+        match result {
+            Ok(()) => fs::remove_file(&self.part).map_err(|e| output_error(&self.part, e))?,
+            Err(_) => _ = fs::remove_file(&self.draft),
+        }
+        result.map(|()| self.film.clone())
+    }
+
+    /// Makes the part the film, as it is.
+    pub(crate) fn complete_as_is(&self) -> Result<PathBuf, Error> {
+        self.rename(&self.part).map(|()| self.film.clone())
+    }
+
+    /// Renames a file to the film. One that is there is replaced, and its permissions stay.
+    fn rename(&self, from: &Path) -> Result<(), Error> {
+        let renamed = match self.film.metadata() {
+            Ok(before) => fs::set_permissions(from, before.permissions()),
+            Err(_) => Ok(()),
+        };
+        let renamed = renamed.and_then(|()| fs::rename(from, &self.film));
+        renamed.map_err(|source| output_error(&self.film, source))
+    }
+}
+
+/// Returns the name of a file with a word before its extension.
+fn beside(path: &Path, word: &str) -> PathBuf {
+    let mut name = OsString::from(path.file_stem().unwrap_or_default());
+    name.push(format!(".{word}."));
+    name.push(path.extension().unwrap_or_default());
+    path.with_file_name(name)
+}
+
+pub(crate) fn output_error(path: &Path, source: io::Error) -> Error {
+    Error::Output { path: path.to_owned(), source }
+}

@@ -1,0 +1,51 @@
+//! Pictures as PNG.
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder as _};
+
+use crate::Error;
+
+/// The pixels of a picture, top row first.
+#[derive(Clone, Copy, Debug)]
+pub enum Pixels<'a> {
+    /// Four bytes each in sRGB. The alpha channel is dropped.
+    Rgba(&'a [u8]),
+    /// A byte each: a grey, or a share of 255.
+    Gray(&'a [u8]),
+    /// A number from 0 to 65535 each.
+    Gray16(&'a [u16]),
+}
+
+/// Encodes a picture of `size` pixels (width, height) as the bytes of a PNG file, of 8 or 16 bits.
+///
+/// # Errors
+///
+/// [`Error::FrameSize`] if the number of pixels is not that of the size, or 0, and
+/// [`Error::Encoder`] if the picture is too large for PNG.
+pub fn encode_png(size: [u32; 2], pixels: Pixels<'_>) -> Result<Vec<u8>, Error> {
+    let [width, height] = size;
+    let (bytes, color, pixel_bytes) = match pixels {
+        Pixels::Rgba(rgba) => (rgb(rgba), ExtendedColorType::Rgb8, 3),
+        Pixels::Gray(gray) => (gray.to_vec(), ExtendedColorType::L8, 1),
+        Pixels::Gray16(numbers) => {
+            (numbers.iter().flat_map(|n| n.to_ne_bytes()).collect(), ExtendedColorType::L16, 2)
+        }
+    };
+    let expected = pixel_bytes * u64::from(width) * u64::from(height);
+    if bytes.is_empty() || bytes.len() as u64 != expected {
+        return Err(Error::FrameSize { width, height, found: bytes.len(), expected });
+    }
+    let mut file = Vec::new();
+    // One filter for all rows is faster than a choice for each. This one makes files as small.
+    PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Paeth)
+        .write_image(&bytes, width, height, color)
+        .map_err(|cause| Error::Encoder {
+            encoder: "the encoder of PNG",
+            cause: cause.to_string(),
+        })?;
+    Ok(file)
+}
+
+fn rgb(rgba: &[u8]) -> Vec<u8> {
+    rgba.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect()
+}
