@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 use populace_render::Preset;
+use populace_trajectory::{Format, HeadingSource, Unit};
 
 use crate::aim::{Point, ReachArg};
 use crate::failure::Failure;
@@ -17,7 +18,7 @@ use crate::mix::{LayerArg, SlotArg};
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use values::{Size, VertexId, View};
-use values::{frame_rate, height, pixels};
+use values::{data_rate, frame_rate, height, pixels};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -172,19 +173,52 @@ pub(crate) struct RenderArgs {
     /// More characters: files, folders with glTF files, or built-in people
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
-    /// Number of members of the crowd
+    /// Number of members of the crowd [default: 1000]
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 1000,
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
-    pub(crate) members: u32,
+    pub(crate) members: Option<u32>,
     /// PNG file to write; with --frames, a number is added to the name of each frame
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: PathBuf,
+    #[arg(long, value_name = "FILE", required_unless_present = "no_draw")]
+    pub(crate) out: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) trajectory: TrajectoryArgs,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
+}
+
+/// Options for trajectory files.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct TrajectoryArgs {
+    /// Format of the trajectory file [default: recognised by its content]
+    #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
+    pub(crate) format: Option<Format>,
+    /// Unit of its positions [default: that of the file or format, or assumed]
+    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
+    pub(crate) unit: Option<Unit>,
+    /// Frames per second by which it counts [default: those of the file, or assumed]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = data_rate,
+        help_heading = "Trajectory files"
+    )]
+    pub(crate) data_fps: Option<f64>,
+    /// Headings of people: data takes those of the file, motion the way they go [default: data where
+    /// the file has some]
+    #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
+    pub(crate) heading: Option<HeadingSource>,
+    /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
+    #[arg(long, value_name = "FILE", help_heading = "Trajectory files")]
+    pub(crate) geometry: Option<PathBuf>,
+    /// Refuse trajectory files with faults that have a sensible reading
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) strict: bool,
+    /// Evaluate all frames and print measures as JSON, without drawing
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) no_draw: bool,
 }
 
 #[derive(Args, Debug)]

@@ -59,6 +59,31 @@ impl From<populace_bodies::Error> for Failure {
     }
 }
 
+impl From<populace_trajectory::Error> for Failure {
+    fn from(error: populace_trajectory::Error) -> Self {
+        Self::Input(error.into())
+    }
+}
+
+impl From<populace_locomotion::Error> for Failure {
+    fn from(error: populace_locomotion::Error) -> Self {
+        match error {
+            populace_locomotion::Error::Crowd(error) => error.into(),
+            _ => Self::Input(error.into()),
+        }
+    }
+}
+
+impl From<populace_scene::Error> for Failure {
+    fn from(error: populace_scene::Error) -> Self {
+        match error {
+            populace_scene::Error::Crowd(error) => error.into(),
+            populace_scene::Error::Locomotion(error) => error.into(),
+            _ => Self::Input(error.into()),
+        }
+    }
+}
+
 impl From<populace::Error> for Failure {
     fn from(error: populace::Error) -> Self {
         use populace::{DevicesError, Error};

@@ -22,9 +22,11 @@ mod output;
 mod placement;
 mod population;
 mod progress;
+mod replay;
 mod report;
 mod roles;
 mod skin;
+mod trajectory;
 mod unfinished;
 
 use std::process::ExitCode;

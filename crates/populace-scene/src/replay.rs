@@ -53,14 +53,15 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Smooths the trajectories of a recording, one person for each agent; vehicles are left out.
-    /// The replay stands at a time in seconds, with nobody there.
+    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands at
+    /// a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who are.
     ///
     /// # Errors
     ///
     /// [`Error::UnequalLengths`] unless there are as many people as agents.
     pub fn new(
         recording: &Recording,
+        motions: Motions,
         people: &[Person],
         gaits: Vec<GaitSpace>,
         secs: f64,
@@ -69,7 +70,6 @@ impl Replay {
         if people.len() != agents {
             return Err(Error::UnequalLengths { people: people.len(), agents });
         }
-        let motions = Motions::new(recording);
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
         let walks = |kind: Kind| kind == Kind::Person;

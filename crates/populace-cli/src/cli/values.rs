@@ -19,6 +19,11 @@ impl FromStr for Size {
     }
 }
 
+/// Parses the frame rate of a file.
+pub(super) fn data_rate(text: &str) -> Result<f64, String> {
+    frame_rate(text).map(f64::from)
+}
+
 pub(super) fn frame_rate(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),

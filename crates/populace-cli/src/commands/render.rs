@@ -1,17 +1,49 @@
 //! `populace render`
 
+use std::path::PathBuf;
+
 use crate::cli::RenderArgs;
 use crate::draw::DrawJob;
 use crate::failure::Failure;
+use crate::replay::ReplayJob;
+use crate::trajectory;
+
+/// Members of a crowd unless set.
+const MEMBERS: u32 = 1000;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
+    if let Some(file) = args.inputs.iter().find(is_trajectory) {
+        return replay(args, file);
+    }
+    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
+        return Err(Failure::usage("--no-draw needs a trajectory file"));
+    };
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
     let job = DrawJob {
         inputs: &inputs,
-        members: args.members,
-        out: &args.out,
+        members: args.members.unwrap_or(MEMBERS),
+        out,
         lead_in: 0,
         args: &args.picture,
+    };
+    job.run()
+}
+
+fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
+    if args.members.is_some() {
+        return Err(Failure::usage(
+            "--members has no meaning here: the file says how many people there are",
+        ));
+    }
+    let others = args.inputs.iter().filter(|input| *input != file);
+    let cast: Vec<_> = others.chain(&args.cast).cloned().collect();
+    let job = ReplayJob {
+        file,
+        cast: &cast,
+        out: args.out.as_deref().filter(|_| !args.trajectory.no_draw),
+        trajectory: &args.trajectory,
+        picture: &args.picture,
     };
     job.run()
 }
