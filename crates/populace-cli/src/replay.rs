@@ -22,8 +22,10 @@ use crate::report::{self, message};
 use crate::roles::{self, ClipChoice};
 use people::CastSettings;
 
-/// People whose feet are measured in each frame, at most.
-const METERED: usize = 64;
+/// People whose feet are measured when most are there.
+const METERED: usize = 16;
+/// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
+const STEP_SECS: f32 = 0.041;
 /// Seconds between positions that the camera frames.
 const FRAMED_SECS: f64 = 1.0;
 /// Height of a body for the camera in metres.
@@ -75,6 +77,7 @@ impl ReplayJob<'_> {
             replay: Replay::new(&recording, motions, &people, gaits, start_secs)?,
             camera: self.camera(&recording),
             meter: SkateMeter::new(),
+            every: capacity.div_ceil(METERED),
         };
         message!(
             "{} on {}, {}",
@@ -169,9 +172,21 @@ struct ReplayAction {
     replay: Replay,
     camera: Camera,
     meter: SkateMeter,
+    /// The feet of every so many agents are measured.
+    every: usize,
 }
 
 impl ReplayAction {
+    fn step(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        self.replay.advance(crowd, secs)?;
+        crowd.update(secs)?;
+        let metered = self.replay.present().filter(|(agent, _)| agent % self.every == 0);
+        for (_, member) in metered {
+            self.meter.sample(crowd, member, secs)?;
+        }
+        Ok(())
+    }
+
     /// Returns foot skate and the error of positions as JSON.
     fn measures(&self) -> Value {
         let error = self.replay.position_error();
@@ -188,13 +203,11 @@ impl ReplayAction {
 
 impl Action for ReplayAction {
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        self.replay.advance(crowd, secs)?;
-        crowd.update(secs)?;
-        // Members that are always among the measured ones: those of the first agents who are there.
-        let mut measured: Vec<_> = self.replay.present().collect();
-        measured.sort_unstable_by_key(|(agent, _)| *agent);
-        for (_, member) in measured.into_iter().take(METERED) {
-            self.meter.sample(crowd, member, secs)?;
+        let steps = (secs / STEP_SECS).ceil().max(1.0);
+        let mut done = 0.0;
+        while done < steps {
+            self.step(crowd, secs / steps)?;
+            done += 1.0;
         }
         Ok(())
     }
