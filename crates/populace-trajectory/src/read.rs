@@ -2,9 +2,13 @@
 
 use std::path::Path;
 
+#[cfg(feature = "hdf5")]
+use crate::hdf5;
 use crate::input::Input;
+#[cfg(feature = "sqlite")]
+use crate::jupedsim;
 use crate::recognise::recognise;
-use crate::{Error, Format, ReadSettings, Recording, petrack};
+use crate::{Error, Format, ReadSettings, Recording, area, petrack, vadere};
 
 /// Reads a file. Its format is recognised by its content.
 ///
@@ -28,8 +32,14 @@ pub fn parse(name: &Path, bytes: Vec<u8>, settings: &ReadSettings) -> Result<Rec
 
 fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let format = settings.format.map_or_else(|| recognise(input), Ok)?;
-    match format {
+    let recording = match format {
         Format::PeTrack => petrack::read(input, settings),
-        _ => Err(input.malformed(None, "the format is not supported")),
-    }
+        #[cfg(feature = "sqlite")]
+        Format::JuPedSim => jupedsim::read(input, settings),
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => hdf5::read(input, settings),
+        Format::Vadere => vadere::read(input, settings),
+        _ => Err(input.malformed(None, "this build cannot read the format")),
+    };
+    area::with_area(recording?, input, settings)
 }
