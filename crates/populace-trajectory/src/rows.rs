@@ -13,6 +13,12 @@ const FAR_M: f64 = 4096.0;
 const ORIGIN_STEP_M: f64 = 1000.0;
 /// Nobody on foot is faster, in metres per second.
 const FASTEST_M_PER_SEC: f64 = 15.0;
+/// Frame rates; others are faults, and times by them would not be finite.
+const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// Times and frames from here on are faults: whole numbers beyond are not exact.
+const LATEST: f64 = 9e15;
+/// Body heights in metres; other values are no heights.
+const BODY_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.5..=2.6;
 
 /// The axis by which rows are in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,10 +47,24 @@ struct Words {
     indices: Vec<u32>,
 }
 
+impl Words {
+    /// Returns the index of a word.
+    fn index(&mut self, word: &str) -> u32 {
+        if let Some(index) = self.by_word.get(word) {
+            return *index;
+        }
+        let index = u32::try_from(self.words.len()).unwrap_or(u32::MAX);
+        self.words.push(word.to_owned());
+        self.by_word.insert(word.into(), index);
+        index
+    }
+}
+
 /// The rows of a file, in its own units.
 #[derive(Default)]
 pub(crate) struct Rows {
-    by_id: HashMap<Box<str>, u32>,
+    /// People and vehicles, which may have equal ids.
+    by_id: [HashMap<Box<str>, u32>; 2],
     agents: Vec<Agent>,
     owners: Vec<u32>,
     clocks: Vec<f64>,
@@ -56,26 +76,31 @@ pub(crate) struct Rows {
     words: Vec<Words>,
     /// Agents, times and positions of footsteps.
     steps: Vec<(u32, [f64; 2], [[f64; 2]; 2])>,
+    /// Body heights of agents in the unit of the file; NaN or nothing where none is known.
+    heights: Vec<f32>,
     /// True if the last row was kept.
     keeps: bool,
+    /// The number of rows left out because they are broken, and the place of the first.
+    broken: (usize, Option<Location>),
     pub(crate) warnings: Warnings,
 }
 
 impl Rows {
     /// Returns the index of the agent with an id.
     pub(crate) fn agent(&mut self, id: &str) -> u32 {
-        if let Some(index) = self.by_id.get(id) {
+        self.agent_of(Kind::Person, id)
+    }
+
+    /// Returns the index of the agent with an id, where people and vehicles may have equal ids.
+    pub(crate) fn agent_of(&mut self, kind: Kind, id: &str) -> u32 {
+        let by_id = &mut self.by_id[usize::from(kind == Kind::Vehicle)];
+        if let Some(index) = by_id.get(id) {
             return *index;
         }
         let index = u32::try_from(self.agents.len()).unwrap_or(u32::MAX);
-        self.by_id.insert(id.into(), index);
-        self.agents.push(Agent {
-            id: id.to_owned(),
-            kind: Kind::Person,
-            height_m: None,
-            rows: 0..0,
-            steps: 0..0,
-        });
+        by_id.insert(id.into(), index);
+        let (id, rows, steps) = (id.to_owned(), 0..0, 0..0);
+        self.agents.push(Agent { id, kind, height_m: None, rows, steps });
         index
     }
 
@@ -88,6 +113,15 @@ impl Rows {
     pub(crate) fn set_height(&mut self, agent: u32, height_m: f32) {
         let known = &mut self.agents[agent as usize].height_m;
         *known = Some(known.map_or(height_m, |known| known.max(height_m)));
+    }
+
+    /// Raises the body height of an agent to at least a height in the unit of the file. A height
+    /// that no body has is ignored in the end.
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
+    pub(crate) fn raise_height(&mut self, agent: u32, height: f64) {
+        self.heights.resize(self.agents.len(), f32::NAN);
+        let known = &mut self.heights[agent as usize];
+        *known = known.max(height as f32);
     }
 
     /// Adds an extra column of numbers, and returns its index among those.
@@ -106,15 +140,21 @@ impl Rows {
     /// Adds a row: an agent's clock and position in the units of the file. Rows without finite
     /// numbers are left out with a warning, and so is what is set for them.
     pub(crate) fn push(&mut self, agent: u32, clock: f64, at: [f64; 2], place: Option<Location>) {
-        self.keeps = clock.is_finite() && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
+        self.keeps = clock.abs() < LATEST && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
         if !self.keeps {
-            let text = "rows without a number as time or position were left out";
-            self.warnings.row(text, place);
+            self.leave_out("rows without a number as time or position were left out", place);
             return;
         }
         self.owners.push(agent);
         self.clocks.push(clock);
         self.positions.push(at);
+    }
+
+    /// Leaves out a broken row, with a warning, and what is set for it.
+    pub(crate) fn leave_out(&mut self, why: &str, place: Option<Location>) {
+        self.keeps = false;
+        self.broken = (self.broken.0 + 1, self.broken.1.or(place));
+        self.warnings.row(why, place);
     }
 
     /// Sets the elevation of the last row, in the unit of the file.
@@ -150,15 +190,34 @@ impl Rows {
             return;
         }
         let last = self.clocks.len() - 1;
-        let Words { by_word, words, indices, .. } = &mut self.words[column];
-        let index = by_word.get(word).copied().unwrap_or_else(|| {
-            let index = u32::try_from(words.len()).unwrap_or(u32::MAX);
-            words.push(word.to_owned());
-            by_word.insert(word.into(), index);
-            index
-        });
-        indices.resize(last, u32::MAX);
-        indices.push(index);
+        let column = &mut self.words[column];
+        let index = column.index(word);
+        column.indices.resize(last, u32::MAX);
+        column.indices.push(index);
+    }
+
+    /// Makes words of the numbers of an extra column, and returns its index among those of words.
+    pub(crate) fn words_of_numbers(&mut self, column: usize) -> usize {
+        let numbers = std::mem::take(&mut self.numbers[column].1);
+        let name = self.numbers[column].0.clone();
+        let words = self.add_words(&name);
+        let column = &mut self.words[words];
+        column.indices.reserve(numbers.len());
+        for number in numbers {
+            let index = if number.is_nan() { u32::MAX } else { column.index(&number.to_string()) };
+            column.indices.push(index);
+        }
+        words
+    }
+
+    /// Takes all headings to be in degrees rather than radians.
+    pub(crate) fn headings_from_degrees(&mut self) {
+        self.headings.iter_mut().for_each(|angle| *angle = angle.to_radians());
+    }
+
+    /// Takes all directions of view to be in degrees rather than radians.
+    pub(crate) fn views_from_degrees(&mut self) {
+        self.views.iter_mut().for_each(|angle| *angle = angle.to_radians());
     }
 
     /// Adds a footstep of an agent: when it begins and ends in seconds, and where the middle of the
@@ -193,26 +252,25 @@ impl Rows {
         path: &Path,
         settings: &ReadSettings,
     ) -> Result<Recording, Error> {
-        if self.clocks.is_empty() {
-            return Err(Error::Empty { path: path.to_owned() });
-        }
+        self.refuse_if_broken(path)?;
         let order = self.order();
-        let secs_per_clock = match found.clock {
-            Clock::Frames(fps) => 1.0 / fps.unless_set(settings.fps).value,
+        let per_sec = match found.clock {
+            Clock::Frames(fps) => fps.unless_set(settings.fps).value,
             Clock::Seconds => 1.0,
         };
-        if !(secs_per_clock.is_finite() && secs_per_clock > 0.0) {
-            let problem = "the frame rate is not a number above 0; --fps N sets it".to_owned();
+        if !RATES.contains(&per_sec) {
+            let problem = format!("a frame rate of {per_sec} is not possible; --fps N sets it");
             return Err(Error::Malformed { path: path.to_owned(), at: None, problem });
         }
         let fps = match found.clock {
             Clock::Frames(fps) => fps.unless_set(settings.fps),
             Clock::Seconds => Fact::of_file(self.rate(&order)),
         };
-        let unit = self.unit(found.unit.unless_set(settings.unit), secs_per_clock, &order);
+        let unit = self.unit(found.unit.unless_set(settings.unit), per_sec, &order);
         let metres = unit.value.in_metres();
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
+        self.heights_in_metres(rounded(metres));
         let has_headings = takes_headings && self.headings.iter().any(|v| v.is_finite());
         let heading = if has_headings {
             Fact::of_file(HeadingSource::Data)
@@ -229,7 +287,7 @@ impl Rows {
             columns,
             place: found.place.relative_to(origin_m),
             origin_m,
-            times: order.iter().map(|&row| self.clocks[row] * secs_per_clock).collect(),
+            times: order.iter().map(|&row| self.clocks[row] / per_sec).collect(),
             positions: (order.iter())
                 .map(|&row| relative(self.positions[row].map(|v| v * metres), origin_m))
                 .collect(),
@@ -251,6 +309,33 @@ impl Rows {
                 Err(Error::Strict { path: path.to_owned(), warning: warning.clone() })
             }
             _ => Ok(recording),
+        }
+    }
+
+    /// Returns an error if there are no rows, or if more are broken than not.
+    fn refuse_if_broken(&self, path: &Path) -> Result<(), Error> {
+        let (path, kept) = (path.to_owned(), self.clocks.len());
+        match self.broken {
+            (0, _) if kept == 0 => Err(Error::Empty { path }),
+            (broken, at) if broken > kept => Err(Error::Malformed {
+                path,
+                at,
+                problem: format!(
+                    "{broken} of {} rows have no id, time or position in the columns where they \
+                     are expected; check the first of them, or set the format by --format",
+                    broken + kept
+                ),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Gives agents their heights, where a body can have them.
+    fn heights_in_metres(&mut self, metres: f32) {
+        for (agent, height) in self.agents.iter_mut().zip(&self.heights) {
+            let height_m = height * metres;
+            agent.height_m =
+                agent.height_m.or(Some(height_m)).filter(|m| BODY_HEIGHTS_M.contains(m));
         }
     }
 
@@ -307,13 +392,13 @@ impl Rows {
     }
 
     /// Returns the unit, after a look at the speeds that it gives.
-    fn unit(&mut self, unit: Fact<Unit>, secs_per_clock: f64, order: &[usize]) -> Fact<Unit> {
+    fn unit(&mut self, unit: Fact<Unit>, per_sec: f64, order: &[usize]) -> Fact<Unit> {
         let people = |row: usize| self.agents[self.owners[row] as usize].kind == Kind::Person;
         let mut speeds: Vec<f64> = (order.windows(2))
             .filter(|pair| self.owners[pair[0]] == self.owners[pair[1]] && people(pair[0]))
             .map(|pair| {
                 let [a, b] = [self.positions[pair[0]], self.positions[pair[1]]];
-                let secs = (self.clocks[pair[1]] - self.clocks[pair[0]]) * secs_per_clock;
+                let secs = (self.clocks[pair[1]] - self.clocks[pair[0]]) / per_sec;
                 (b[0] - a[0]).hypot(b[1] - a[1]) * unit.value.in_metres() / secs
             })
             .collect();
