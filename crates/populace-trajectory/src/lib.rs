@@ -3,8 +3,16 @@
 //! Positions are on a plan, `[x, y]` in metres, x to the right and y up, with elevations apart.
 //! Angles are in radians, counter-clockwise from +x. Times are in seconds, as the file counts them.
 
+mod comment;
 mod error;
+mod fields;
 mod input;
+mod jpscore;
+mod layout;
+mod menge;
+mod named;
+mod names;
+mod obsmat;
 mod petrack;
 mod place;
 mod read;
@@ -13,6 +21,10 @@ mod recording;
 mod rows;
 mod settings;
 mod source;
+mod steps;
+mod table;
+mod trajnet;
+mod trajnet_plus_plus;
 mod warnings;
 
 pub use error::{Error, Location};

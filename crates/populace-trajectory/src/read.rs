@@ -4,7 +4,10 @@ use std::path::Path;
 
 use crate::input::Input;
 use crate::recognise::recognise;
-use crate::{Error, Format, ReadSettings, Recording, petrack};
+use crate::{
+    Error, Format, ReadSettings, Recording, jpscore, menge, named, obsmat, petrack, trajnet,
+    trajnet_plus_plus,
+};
 
 /// Reads a file. Its format is recognised by its content.
 ///
@@ -30,6 +33,14 @@ fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let format = settings.format.map_or_else(|| recognise(input), Ok)?;
     match format {
         Format::PeTrack => petrack::read(input, settings),
+        Format::Jpscore => jpscore::read(input, settings),
+        Format::PathfinderCsv | Format::Viswalk | Format::CrowdIt | Format::Csv => {
+            named::read(input, format, settings)
+        }
+        Format::Obsmat => obsmat::read(input, settings),
+        Format::TrajNet => trajnet::read(input, settings),
+        Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
+        Format::Menge => menge::read(input, settings),
         _ => Err(input.malformed(None, "the format is not supported")),
     }
 }
