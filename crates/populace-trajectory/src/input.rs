@@ -8,6 +8,8 @@ use crate::{Error, Location};
 
 /// Bytes from the start of a file by which its format is recognised.
 const HEAD_BYTES: u64 = 16 * 1024;
+/// Bytes of the longest line. Longer ones are no rows, and would fill the memory.
+const LINE_BYTES: u64 = 1 << 20;
 
 /// First bytes of files that gzip compressed.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -88,8 +90,8 @@ impl Input {
         Error::Malformed { path: self.path.clone(), at, problem: problem.into() }
     }
 
-    /// Calls a function with each line and its number from 1. Line ends, a byte order mark and bytes
-    /// that are no UTF-8 are removed.
+    /// Calls a function with each line and its number from 1. Line ends and a byte order mark are
+    /// removed, and bytes that are no UTF-8 are replaced.
     pub(crate) fn for_each_line(
         &self,
         mut take: impl FnMut(&str, u64) -> Result<(), Error>,
@@ -98,8 +100,13 @@ impl Input {
         let mut line = Vec::new();
         for number in 1.. {
             line.clear();
-            if from.read_until(b'\n', &mut line).map_err(self.unreadable())? == 0 {
+            let mut limited = (&mut from).take(LINE_BYTES);
+            if limited.read_until(b'\n', &mut line).map_err(self.unreadable())? == 0 {
                 break;
+            }
+            if limited.limit() == 0 {
+                let problem = "the line is longer than any row; is this a text file?";
+                return Err(self.malformed(Some(Location::Line(number)), problem));
             }
             let text = String::from_utf8_lossy(&line);
             take(text.trim_start_matches('\u{feff}').trim_end_matches(['\n', '\r']), number)?;

@@ -4,13 +4,21 @@
 //! Angles are in radians, counter-clockwise from +x. Times are in seconds, as the file counts them.
 
 mod area;
+mod comment;
 mod error;
 mod extra;
+mod fields;
 #[cfg(feature = "hdf5")]
 mod hdf5;
 mod input;
+mod jpscore;
 #[cfg(feature = "sqlite")]
 mod jupedsim;
+mod layout;
+mod menge;
+mod named;
+mod names;
+mod obsmat;
 mod petrack;
 mod place;
 mod read;
@@ -20,6 +28,10 @@ mod rows;
 mod scenario;
 mod settings;
 mod source;
+mod steps;
+mod table;
+mod trajnet;
+mod trajnet_plus_plus;
 mod vadere;
 mod warnings;
 mod wkt;

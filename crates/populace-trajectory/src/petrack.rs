@@ -1,45 +1,111 @@
 //! Text of PeTrack and of the Jülich archive: rows of id, frame, x, y and z.
 
+use crate::comment;
+use crate::fields::{Separator, Splitter, number};
 use crate::input::Input;
+use crate::layout::{Angle, Customs, Extra, Layout, Role};
+use crate::names::{Meaning, Name};
+use crate::recording::Kind;
 use crate::rows::{Clock, Found, Rows};
+use crate::table::Table;
 use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit};
 
 /// Frames per second of files that do not say it: those of the archive's experiments.
 const ASSUMED_FPS: f64 = 25.0;
+/// The same for files without any comment: those of the archive's first experiments.
+const UNCOMMENTED_FPS: f64 = 16.0;
+/// No body is higher in metres, and none lower in centimetres.
+const BETWEEN_UNITS: f64 = 20.0;
+
+const CUSTOMS: Customs =
+    Customs { z_is_body_height: true, angle: Angle::Untold, has_absent_rows: false };
+
+/// Facts that the comments say.
+#[derive(Default)]
+struct Said {
+    anything: bool,
+    unit: Option<Unit>,
+    fps: Option<f64>,
+    names: Option<String>,
+}
 
 pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
-    let mut rows = Rows::default();
-    let (mut unit, mut fps) = (Fact::assumed(Unit::Metres), Fact::assumed(ASSUMED_FPS));
-    input.for_each_line(|line, number| {
-        if let Some(comment) = line.trim().strip_prefix('#') {
-            if comment.contains("x/cm") || comment.contains("in cm") {
-                unit = Fact::of_file(Unit::Centimetres);
-            } else if comment.contains("x/m") || comment.contains("in m") {
-                unit = Fact::of_file(Unit::Metres);
-            }
-            if let Some(rate) = frame_rate(comment) {
-                fps = Fact::of_file(rate);
-            }
-            return Ok(());
+    let (mut rows, mut said) = (Rows::default(), Said::default());
+    let mut table = None;
+    let mut highest: f64 = 0.0;
+    let mut splitter = Splitter::new(Separator::Blanks);
+    input.for_each_line(|line, number_of_line| {
+        if let Some(comment) = line.trim_start().strip_prefix('#') {
+            said.take(comment);
+        } else if !line.trim().is_empty() {
+            let fields = splitter.split(line);
+            let table = table.get_or_insert_with(|| {
+                let layout = layout(said.names.as_deref(), fields.len());
+                Table::new(Separator::Blanks, vec![layout], CUSTOMS)
+            });
+            // NaN, where there is no z, is not the greater.
+            highest = highest.max(number(fields.get(4), true));
+            table.take(&mut rows, line, Some(Location::Line(number_of_line)));
         }
-        let at = Some(Location::Line(number));
-        let mut fields = line.split_ascii_whitespace();
-        let Some(id) = fields.next() else { return Ok(()) };
-        let mut next = || fields.next().and_then(|field| field.parse::<f64>().ok());
-        let (frame, x, y, z) = (next(), next(), next(), next());
-        let agent = rows.agent(id);
-        let [frame, x, y] = [frame, x, y].map(|value| value.unwrap_or(f64::NAN));
-        rows.push(agent, frame, [x, y], at);
-        let _ = z;
         Ok(())
     })?;
+    if let Some(table) = table {
+        table.finish(&mut rows);
+    }
+    let unit = said.unit.map_or_else(
+        || {
+            let is_cm = highest > BETWEEN_UNITS;
+            Fact::assumed(if is_cm { Unit::Centimetres } else { Unit::Metres })
+        },
+        Fact::of_file,
+    );
+    let assumed = if said.anything { ASSUMED_FPS } else { UNCOMMENTED_FPS };
+    let fps = said.fps.map_or_else(|| Fact::assumed(assumed), Fact::of_file);
     let format = (Format::PeTrack, String::new());
     let found = Found { format, unit, clock: Clock::Frames(fps), place: Place::default() };
     rows.finish(found, input.path(), settings)
 }
 
-/// Returns the first number of a comment on the frame rate.
-fn frame_rate(comment: &str) -> Option<f64> {
-    let words = comment.split_once("framerate")?.1;
-    words.split(|c: char| !(c.is_ascii_digit() || c == '.')).find_map(|word| word.parse().ok())
+impl Said {
+    fn take(&mut self, comment: &str) {
+        self.anything = true;
+        self.unit = self.unit.or(comment::unit(comment));
+        self.fps = self.fps.or(comment::frame_rate(comment));
+        let second = comment.split_ascii_whitespace().nth(1).unwrap_or_default();
+        if second.to_lowercase().contains("frame") {
+            self.names = Some(comment.to_owned());
+        }
+    }
+}
+
+/// Returns the layout: id, frame, x and y come first, the others by their names.
+fn layout(names: Option<&str>, columns: usize) -> Layout {
+    let names = names.map(|names| names.split_ascii_whitespace().map(Name::of).collect::<Vec<_>>());
+    if let Some(names) = &names
+        && let Ok(layout) = Layout::of(names, CUSTOMS)
+        && [layout.id, layout.clock, layout.at[0], layout.at[1]] == [0, 1, 2, 3]
+    {
+        return layout;
+    }
+    let extra = |column: usize| {
+        let name = names.as_ref().and_then(|names| names.get(column)).map(|name| name.text);
+        // Names with units as words of their own have more words than there are columns.
+        let name = name.filter(|_| names.as_ref().is_some_and(|names| names.len() == columns));
+        let name = name.map_or_else(|| format!("column {}", column + 1), str::to_owned);
+        (column, Role::Extra(Extra::Untold(name)))
+    };
+    let height = (columns > 4).then_some((4, Role::BodyHeight));
+    let (kind, unit, roles) =
+        (Kind::Person, None, height.into_iter().chain((5..columns).map(extra)));
+    let roles = roles.collect();
+    Layout { id: 0, clock: 1, secs: None, at: [2, 3], active: None, kind, roles, unit }
+}
+
+/// Returns true if a comment names the columns of such a file.
+pub(crate) fn names_columns(comment: &str) -> bool {
+    let mut words = comment.trim_start_matches('#').split_ascii_whitespace().map(str::to_lowercase);
+    let second = words.nth(1).unwrap_or_default();
+    let third = words.next().unwrap_or_default();
+    second.trim_matches(['<', '>']) == "frame"
+        && Name::of(third.trim_matches(['<', '>'])).meaning == Some(Meaning::X)
 }

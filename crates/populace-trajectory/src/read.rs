@@ -8,7 +8,10 @@ use crate::input::Input;
 #[cfg(feature = "sqlite")]
 use crate::jupedsim;
 use crate::recognise::recognise;
-use crate::{Error, Format, ReadSettings, Recording, area, petrack, vadere};
+use crate::{
+    Error, Format, ReadSettings, Recording, area, jpscore, menge, named, obsmat, petrack, trajnet,
+    trajnet_plus_plus, vadere,
+};
 
 /// Reads a file. Its format is recognised by its content.
 ///
@@ -34,6 +37,14 @@ fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let format = settings.format.map_or_else(|| recognise(input), Ok)?;
     let recording = match format {
         Format::PeTrack => petrack::read(input, settings),
+        Format::Jpscore => jpscore::read(input, settings),
+        Format::PathfinderCsv | Format::Viswalk | Format::CrowdIt | Format::Csv => {
+            named::read(input, format, settings)
+        }
+        Format::Obsmat => obsmat::read(input, settings),
+        Format::TrajNet => trajnet::read(input, settings),
+        Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
+        Format::Menge => menge::read(input, settings),
         #[cfg(feature = "sqlite")]
         Format::JuPedSim => jupedsim::read(input, settings),
         #[cfg(feature = "hdf5")]

@@ -141,8 +141,7 @@ impl Recording {
         [self.times.iter().fold(f64::MAX, least), self.times.iter().fold(f64::MIN, most)]
     }
 
-    /// Returns the corner with the least and that with the greatest coordinates of all positions, in
-    /// metres.
+    /// Returns the corners of all positions in metres: the least and the greatest coordinates.
     #[must_use]
     pub fn extent(&self) -> [[f32; 2]; 2] {
         let mut corners = [[f32::MAX; 2], [f32::MIN; 2]];

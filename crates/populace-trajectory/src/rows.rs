@@ -13,6 +13,10 @@ const FAR_M: f64 = 4096.0;
 const ORIGIN_STEP_M: f64 = 1000.0;
 /// Nobody on foot is faster, in metres per second.
 const FASTEST_M_PER_SEC: f64 = 15.0;
+/// Frame rates; others are faults, and times by them would not be finite.
+const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
+/// Times and frames from here on are faults: whole numbers beyond are not exact.
+const LATEST: f64 = 9e15;
 /// Body heights in metres; other values are no heights.
 const BODY_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.5..=2.6;
 
@@ -59,7 +63,8 @@ impl Words {
 /// The rows of a file, in its own units.
 #[derive(Default)]
 pub(crate) struct Rows {
-    by_id: HashMap<Box<str>, u32>,
+    /// People and vehicles, which may have equal ids.
+    by_id: [HashMap<Box<str>, u32>; 2],
     by_number: HashMap<i64, u32>,
     agents: Vec<Agent>,
     owners: Vec<u32>,
@@ -84,18 +89,19 @@ pub(crate) struct Rows {
 impl Rows {
     /// Returns the index of the agent with an id.
     pub(crate) fn agent(&mut self, id: &str) -> u32 {
-        if let Some(index) = self.by_id.get(id) {
+        self.agent_of(Kind::Person, id)
+    }
+
+    /// Returns the index of the agent with an id, where people and vehicles may have equal ids.
+    pub(crate) fn agent_of(&mut self, kind: Kind, id: &str) -> u32 {
+        let by_id = &mut self.by_id[usize::from(kind == Kind::Vehicle)];
+        if let Some(index) = by_id.get(id) {
             return *index;
         }
         let index = u32::try_from(self.agents.len()).unwrap_or(u32::MAX);
-        self.by_id.insert(id.into(), index);
-        self.agents.push(Agent {
-            id: id.to_owned(),
-            kind: Kind::Person,
-            height_m: None,
-            rows: 0..0,
-            steps: 0..0,
-        });
+        by_id.insert(id.into(), index);
+        let (id, rows, steps) = (id.to_owned(), 0..0, 0..0);
+        self.agents.push(Agent { id, kind, height_m: None, rows, steps });
         index
     }
 
@@ -145,7 +151,7 @@ impl Rows {
     /// Adds a row: an agent's clock and position in the units of the file. Rows without finite
     /// numbers are left out with a warning, and so is what is set for them.
     pub(crate) fn push(&mut self, agent: u32, clock: f64, at: [f64; 2], place: Option<Location>) {
-        self.keeps = clock.is_finite() && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
+        self.keeps = clock.abs() < LATEST && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
         if !self.keeps {
             self.leave_out("rows without a number as time or position were left out", place);
             return;
@@ -259,19 +265,19 @@ impl Rows {
     ) -> Result<Recording, Error> {
         self.refuse_if_broken(path)?;
         let order = self.order();
-        let secs_per_clock = match found.clock {
-            Clock::Frames(fps) => 1.0 / fps.unless_set(settings.fps).value,
+        let per_sec = match found.clock {
+            Clock::Frames(fps) => fps.unless_set(settings.fps).value,
             Clock::Seconds => 1.0,
         };
-        if !(secs_per_clock.is_finite() && secs_per_clock > 0.0) {
-            let problem = "the frame rate is not a number above 0; --fps N sets it".to_owned();
+        if !RATES.contains(&per_sec) {
+            let problem = format!("a frame rate of {per_sec} is not possible; --fps N sets it");
             return Err(Error::Malformed { path: path.to_owned(), at: None, problem });
         }
         let fps = match found.clock {
             Clock::Frames(fps) => fps.unless_set(settings.fps),
             Clock::Seconds => Fact::of_file(self.rate(&order)),
         };
-        let unit = self.unit(found.unit.unless_set(settings.unit), secs_per_clock, &order);
+        let unit = self.unit(found.unit.unless_set(settings.unit), per_sec, &order);
         let metres = unit.value.in_metres();
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
@@ -292,7 +298,7 @@ impl Rows {
             columns,
             place: found.place.relative_to(origin_m),
             origin_m,
-            times: order.iter().map(|&row| self.clocks[row] * secs_per_clock).collect(),
+            times: order.iter().map(|&row| self.clocks[row] / per_sec).collect(),
             positions: (order.iter())
                 .map(|&row| relative(self.positions[row].map(|v| v * metres), origin_m))
                 .collect(),
@@ -397,13 +403,13 @@ impl Rows {
     }
 
     /// Returns the unit, after a look at the speeds that it gives.
-    fn unit(&mut self, unit: Fact<Unit>, secs_per_clock: f64, order: &[usize]) -> Fact<Unit> {
+    fn unit(&mut self, unit: Fact<Unit>, per_sec: f64, order: &[usize]) -> Fact<Unit> {
         let people = |row: usize| self.agents[self.owners[row] as usize].kind == Kind::Person;
         let mut speeds: Vec<f64> = (order.windows(2))
             .filter(|pair| self.owners[pair[0]] == self.owners[pair[1]] && people(pair[0]))
             .map(|pair| {
                 let [a, b] = [self.positions[pair[0]], self.positions[pair[1]]];
-                let secs = (self.clocks[pair[1]] - self.clocks[pair[0]]) * secs_per_clock;
+                let secs = (self.clocks[pair[1]] - self.clocks[pair[0]]) / per_sec;
                 (b[0] - a[0]).hypot(b[1] - a[1]) * unit.value.in_metres() / secs
             })
             .collect();

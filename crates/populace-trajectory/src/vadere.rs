@@ -32,7 +32,7 @@ impl Columns {
             .collect();
         let place = |aliases: &[&str]| {
             let known = |name: &&str| aliases.iter().any(|alias| name.eq_ignore_ascii_case(alias));
-            names.iter().position(|name| known(&name))
+            names.iter().position(|name| known(name))
         };
         let mut columns = Self {
             id: place(&["pedestrianId", "id"])?,

@@ -1,0 +1,174 @@
+//! Rows of text in columns.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use crate::fields::{Fields, Separator, Splitter, is_missing, number, whole_id};
+use crate::layout::{Angle, Customs, Extra, Layout, Role};
+use crate::names::{NamedUnit, named_unit};
+use crate::recording::Kind;
+use crate::rows::Rows;
+use crate::{Location, Unit};
+
+/// Words for vehicles in a column of kinds.
+const VEHICLES: [&str; 10] =
+    ["veh", "vehicle", "car", "van", "bus", "truck", "tram", "bicycle", "bike", "motorcycle"];
+
+/// Reads rows of text in columns.
+pub(crate) struct Table {
+    splitter: Splitter,
+    decimal_comma: bool,
+    layouts: Vec<Layout>,
+    has_absent_rows: bool,
+    /// The largest angles of headings and views whose unit is not told.
+    largest: [f64; 2],
+    id: String,
+}
+
+impl Table {
+    /// A table whose rows hold agents by each of the layouts.
+    pub(crate) fn new(separator: Separator, layouts: Vec<Layout>, customs: Customs) -> Self {
+        Self {
+            splitter: Splitter::new(separator),
+            // A comma may be a decimal point only where it does not separate fields.
+            decimal_comma: separator != Separator::Sign(b','),
+            layouts,
+            has_absent_rows: customs.has_absent_rows,
+            largest: [0.0; 2],
+            id: String::new(),
+        }
+    }
+
+    /// Adds a line to the rows.
+    pub(crate) fn take(&mut self, rows: &mut Rows, line: &str, place: Option<Location>) {
+        let fields = self.splitter.split(line);
+        let mut is_broken = false;
+        let mut values = Values { fields, decimal_comma: self.decimal_comma };
+        for layout in &mut self.layouts {
+            let at = layout.at.map(|column| values.number(column));
+            let clock = values.number(layout.clock) * layout.secs.unwrap_or(1.0);
+            let is_absent = layout.at.iter().all(|column| is_missing(fields.get(*column)));
+            let id = fields.get(layout.id);
+            if is_missing(id) {
+                // Only a time: a moment without anybody.
+                let is_fault = !is_absent || clock.is_nan();
+                if is_fault && !std::mem::replace(&mut is_broken, true) {
+                    rows.leave_out("rows without an id were left out", place);
+                }
+                continue;
+            }
+            let is_hidden = layout.active.is_some_and(|column| is_no(fields.get(column)));
+            let is_written = fields.len() > layout.at[0].max(layout.at[1]);
+            if is_hidden || (is_absent && is_written && self.has_absent_rows) {
+                continue;
+            }
+            let agent = rows.agent_of(layout.kind, whole_id(id, &mut self.id));
+            rows.push(agent, clock, at, place);
+            for (column, role) in &mut layout.roles {
+                values.give(rows, agent, *column, role, &mut self.largest);
+            }
+        }
+    }
+
+    /// Returns the unit of x if a line holds units rather than values.
+    pub(crate) fn unit_of_row(&mut self, line: &str) -> Option<Unit> {
+        let fields = self.splitter.split(line);
+        let layout = self.layouts.first()?;
+        match named_unit(&fields.get(layout.at[0]).to_lowercase()) {
+            Some(NamedUnit::Length(unit)) => Some(unit),
+            _ => None,
+        }
+    }
+
+    /// Ends the table: decides the unit of angles.
+    pub(crate) fn finish(self, rows: &mut Rows) {
+        let [headings, views] = self.largest.map(|largest| largest > TAU + 0.01);
+        if headings {
+            rows.headings_from_degrees();
+        }
+        if views {
+            rows.views_from_degrees();
+        }
+    }
+}
+
+/// The values of one row.
+struct Values<'a> {
+    fields: Fields<'a>,
+    decimal_comma: bool,
+}
+
+impl Values<'_> {
+    fn number(&self, column: usize) -> f64 {
+        number(self.fields.get(column), self.decimal_comma)
+    }
+
+    /// Gives the value of a column to the last row.
+    fn give(
+        &mut self,
+        rows: &mut Rows,
+        agent: u32,
+        column: usize,
+        role: &mut Role,
+        largest: &mut [f64; 2],
+    ) {
+        let field = self.fields.get(column);
+        if is_missing(field) {
+            return;
+        }
+        let value = self.number(column);
+        match role {
+            Role::Elevation => rows.set_elevation(value),
+            Role::BodyHeight => rows.raise_height(agent, value),
+            Role::HeadingAngle(angle) => rows.set_heading(radians(value, *angle, &mut largest[0])),
+            Role::Heading(y) => rows.set_heading_vector([value, self.number(*y)]),
+            Role::ViewAngle(angle) => rows.set_view(radians(value, *angle, &mut largest[1])),
+            Role::View(y) => {
+                let y = self.number(*y);
+                if value != 0.0 || y != 0.0 {
+                    rows.set_view(y.atan2(value));
+                }
+            }
+            Role::Kind if VEHICLES.iter().any(|word| field.eq_ignore_ascii_case(word)) => {
+                rows.set_kind(agent, Kind::Vehicle);
+            }
+            Role::Kind => {}
+            Role::Extra(extra) => extra.set(rows, field, value),
+        }
+    }
+}
+
+impl Extra {
+    /// Sets the value of the last row.
+    fn set(&mut self, rows: &mut Rows, field: &str, value: f64) {
+        match self {
+            Self::Untold(name) if value.is_nan() => *self = Self::Words(rows.add_words(name)),
+            Self::Untold(name) => *self = Self::Numbers(rows.add_numbers(name)),
+            Self::Numbers(column) if value.is_nan() => {
+                *self = Self::Words(rows.words_of_numbers(*column));
+            }
+            _ => {}
+        }
+        match self {
+            Self::Words(column) => rows.set_word(*column, field),
+            Self::Numbers(column) => rows.set_number(*column, value),
+            Self::Untold(_) => {}
+        }
+    }
+}
+
+/// Returns an angle in radians, counter-clockwise from +x.
+fn radians(value: f64, angle: Angle, largest: &mut f64) -> f64 {
+    match angle {
+        Angle::Untold => {
+            *largest = largest.max(value.abs());
+            value
+        }
+        Angle::Radians => value,
+        Angle::Degrees => value.to_radians(),
+        Angle::ClockwiseFromNorth => FRAC_PI_2 - value.to_radians(),
+    }
+}
+
+fn is_no(field: &str) -> bool {
+    field == "0" || field.eq_ignore_ascii_case("false")
+}

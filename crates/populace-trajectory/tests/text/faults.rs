@@ -1,0 +1,90 @@
+//! Broken files: an error with its line and a remedy, or a warning and a sensible reading.
+
+use populace_trajectory::{Error, Location, ReadSettings, parse};
+
+use super::fixtures::{self, PETRACK, error, menge, read, recording, track};
+
+#[test]
+fn one_broken_row_of_any_family_is_a_warning_with_its_line() {
+    for fixture in fixtures::all() {
+        let Ok(text) = String::from_utf8(fixture.bytes) else { continue };
+        if text.contains('\0') {
+            continue;
+        }
+        let line = text.lines().count() + 1;
+        let recording = recording(format!("{text}rubbish\n"));
+        let warning = recording.warnings.last().expect("a warning");
+        assert_eq!(warning.first, Some(Location::Line(line as u64)), "{}", fixture.name);
+        assert_eq!(warning.rows, 1);
+        assert_eq!(recording.agents.len(), 2, "{}", fixture.name);
+    }
+}
+
+#[test]
+fn strict_settings_refuse_a_broken_row() {
+    let settings = ReadSettings { strict: true, ..ReadSettings::default() };
+    let result = parse("file".as_ref(), format!("{PETRACK}1 x\n").into(), &settings);
+    assert!(matches!(result, Err(Error::Strict { .. })));
+}
+
+#[test]
+fn a_file_of_mostly_broken_rows_is_an_error_with_the_first_of_them() {
+    let message = error("# id frame x/m y/m z/m\n1 0 1 2 1.7\n1 one 1 2 1.7\n1 two 1 2 1.7\n");
+    assert!(message.contains("line 3") && message.contains("2 of 3 rows"), "{message}");
+    assert!(message.contains("--format"), "{message}");
+}
+
+#[test]
+fn an_empty_file_and_one_without_rows_are_errors() {
+    assert!(matches!(read(""), Err(Error::Empty { .. })));
+    assert!(matches!(read("# id frame x/m y/m z/m\n"), Err(Error::Empty { .. })));
+    assert!(matches!(read("id,frame,x,y\n"), Err(Error::Empty { .. })));
+}
+
+#[test]
+fn missing_values_are_left_out() {
+    let recording = recording("id,t,x,y,v\n1,0,0,0,\n1,1,,0,1\n1,2,2,0,nan\n1,3,3,0,2\n,4,4,0,2\n");
+    assert_eq!(track(&recording, "1").times, [0.0, 2.0, 3.0]);
+    let texts: Vec<_> = recording.warnings.iter().map(ToString::to_string).collect();
+    assert!(texts[0].contains("line 3") && texts[1].contains("without an id"), "{texts:?}");
+}
+
+#[test]
+fn rows_twice_and_times_running_backwards_are_sorted_out() {
+    let recording = recording("id,t,x,y\n1,1,1,0\n1,0,0,0\n1,1,9,9\n");
+    assert_eq!(track(&recording, "1").positions, [[0.0, 0.0], [1.0, 0.0]]);
+    assert_eq!(recording.warnings.len(), 2);
+}
+
+#[test]
+fn numbers_out_of_any_range_do_not_count_as_positions() {
+    let recording = recording("id,t,x,y\n1,0,0,0\n1,1,1e300,0\n1,inf,1,0\n1,2,1,0\n1,3,2,0\n");
+    assert_eq!(recording.row_count(), 3);
+    assert_eq!(recording.warnings[0].rows, 2);
+}
+
+#[test]
+fn a_line_without_end_is_an_error() {
+    let message = error(format!("id,frame,x,y\n{}", "1".repeat(3 << 20)));
+    assert!(message.contains("line 2") && message.contains("longer"), "{message}");
+}
+
+#[test]
+fn menge_that_ends_early_loses_its_last_frame_only() {
+    let bytes = menge("2.1", 4);
+    let recording = recording(&bytes[..bytes.len() - 1]);
+    assert_eq!(recording.row_count(), 2);
+    let warning = recording.warnings[0].to_string();
+    assert!(warning.contains("cut off") && warning.contains("byte 52"), "{warning}");
+    let message = error(&bytes[..14]);
+    assert!(message.contains("byte 12") && message.contains("classes"), "{message}");
+}
+
+#[test]
+fn menge_with_an_impossible_header_is_an_error() {
+    for (at, with, hint) in [(0, b'7', "not a trajectory"), (11, 0xff, "frames of")] {
+        let mut bytes = menge("2.1", 4);
+        bytes[at] = with;
+        assert!(error(bytes).contains(hint));
+    }
+}
