@@ -154,7 +154,7 @@ fn lines(text: &str) -> Result<Format, Refusal> {
         !line.is_empty() && !line.starts_with('#')
     });
     let first = rows.next().unwrap_or_default();
-    if text.starts_with("#IDXCOL") || vadere::is_header(first) {
+    if text.starts_with("#IDXCOL") || first.contains("-PID") || vadere::is_header(first) {
         return Ok(Format::Vadere);
     }
     if comments().any(jpscore::names_columns) {
