@@ -7,10 +7,12 @@
 #[cfg(unix)]
 mod aborts;
 mod aim;
+mod camera;
 mod cli;
 mod commands;
 mod crowd_renderer;
 mod draw;
+mod exposure;
 mod failure;
 mod fit;
 mod frame_loop;
@@ -24,6 +26,7 @@ mod population;
 mod progress;
 mod report;
 mod roles;
+mod sinks;
 mod skin;
 mod unfinished;
 
