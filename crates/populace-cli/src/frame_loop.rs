@@ -9,6 +9,7 @@ use populace::character::Image;
 use populace_render::{Camera, Drawn, PassTimes, Scene};
 
 use crate::crowd_renderer::CrowdRenderer;
+use crate::exposure::Exposure;
 use crate::failure::Failure;
 use crate::frames::{Frames, single};
 use crate::progress::Progress;
@@ -30,7 +31,10 @@ pub(crate) trait Action {
 
 /// Where the pictures go.
 pub(crate) trait FrameSink {
-    /// Takes over the picture of a frame.
+    /// Returns true if the picture of a frame is wanted; otherwise it is not drawn.
+    fn wants(&self, frame: u32) -> bool;
+
+    /// Takes over the picture of a frame. Called in the order of frames.
     fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure>;
 }
 
@@ -48,7 +52,7 @@ pub(crate) struct FrameLoop<'a> {
 
 impl FrameLoop<'_> {
     /// Evaluates all frames, and draws and hands on those that are wanted. Returns how long they
-    /// took, and what the last picture shows.
+    /// took, and what the last picture shows. Does nothing if no frame is wanted.
     ///
     /// Without a renderer, the frames up to the first picture are evaluated and their time is
     /// reported before the error is returned.
@@ -60,34 +64,54 @@ impl FrameLoop<'_> {
         sink: &mut dyn FrameSink,
     ) -> Result<(FrameTimes, Drawn), Failure> {
         let mut times = FrameTimes::default();
-        let mut animate_ms = self.lead_in(crowd, action, &mut times)?;
+        let wanted = |frame: &u32| sink.wants(*frame);
+        let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
+            return Ok((times, Drawn::default()));
+        };
+        let mut spent = Spent { animate: self.lead_in(crowd, action, &mut times)?, draw: 0.0 };
         let mut renderer = renderer.inspect_err(|_| {
-            let ms = median(&times.animate).unwrap_or_default();
+            let ms = median(&times.animate).unwrap_or(spent.animate);
             message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
         })?;
         message!("drawn by {}", renderer.driver());
         message!("palettes {}", renderer.palette_transport());
-        let mut progress = Progress::new("frames", self.frames.last as usize + 1);
-        for frame in 0..=self.frames.last {
-            if frame > 0 {
-                animate_ms = self.advance(crowd, action, frame, &mut times)?;
+        let mut progress = Progress::new("frames", last as usize + 1);
+        let mut exposure = Exposure::new();
+        let mut moments = self.frames.moments(last).peekable();
+        let mut now_secs = 0.0;
+        while let Some(moment) = moments.next() {
+            // The lead-in ends at the first moment.
+            if moment.secs > now_secs {
+                self.look(crowd, action, moment.secs)?;
+                spent.animate += animate(crowd, action, single(moment.secs - now_secs))?;
+                now_secs = moment.secs;
             }
-            if frame >= self.frames.first {
+            let is_drawn = moment.frame >= self.frames.first && sink.wants(moment.frame);
+            if is_drawn && moment.sample.is_some() {
                 let start = Instant::now();
-                let camera = action.camera(self.frames.secs(frame))?;
-                let picture = renderer.picture(crowd, &camera, self.scene)?;
-                times.draw.push(ms_since(start));
+                let camera = action.camera(moment.secs)?;
+                exposure.add(renderer.picture(crowd, &camera, self.scene)?);
+                spent.draw += ms_since(start);
+            }
+            if moments.peek().is_some_and(|next| next.frame == moment.frame) {
+                continue;
+            }
+            let spent = std::mem::take(&mut spent);
+            times.animate.push(spent.animate);
+            if let Some(picture) = exposure.develop() {
+                times.draw.push(spent.draw);
                 times.passes.push(renderer.pass_times()?);
-                sink.take(frame, picture)?;
-                times.total.push(animate_ms + ms_since(start));
+                let start = Instant::now();
+                sink.take(moment.frame, picture)?;
+                times.total.push(spent.animate + spent.draw + ms_since(start));
             }
             progress.step();
         }
         Ok((times, renderer.drawn()))
     }
 
-    /// Evaluates the frames up to frame 0, and returns the time of the last of them. The first
-    /// evaluation includes all uploads, so it is counted only if it is the only one.
+    /// Evaluates the frames up to frame 0, and returns the milliseconds of the last of them. The
+    /// first evaluation includes all uploads, so it is counted only if it is the only one.
     fn lead_in(
         &self,
         crowd: &mut Crowd,
@@ -95,29 +119,16 @@ impl FrameLoop<'_> {
         times: &mut FrameTimes,
     ) -> Result<f64, Failure> {
         self.look(crowd, action, 0.0)?;
-        let mut ms = times.animate(crowd, action, 0.0)?;
-        if self.lead_in > 0 {
-            times.animate.clear();
-        }
+        let mut ms = animate(crowd, action, 0.0)?;
         let mut progress = Progress::new("evaluating", self.lead_in as usize);
-        for _ in 0..self.lead_in {
-            ms = times.animate(crowd, action, LEAD_IN_SECS)?;
+        for number in 0..self.lead_in {
+            if number > 0 {
+                times.animate.push(ms);
+            }
+            ms = animate(crowd, action, LEAD_IN_SECS)?;
             progress.step();
         }
         Ok(ms)
-    }
-
-    /// Advances from the frame before to `frame`, and returns the time that it took.
-    fn advance(
-        &self,
-        crowd: &mut Crowd,
-        action: &mut dyn Action,
-        frame: u32,
-        times: &mut FrameTimes,
-    ) -> Result<f64, Failure> {
-        let secs = self.frames.secs(frame);
-        self.look(crowd, action, secs)?;
-        times.animate(crowd, action, single(secs - self.frames.secs(frame - 1)))
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -139,6 +150,13 @@ pub(crate) struct FrameTimes {
     passes: Vec<PassTimes>,
 }
 
+/// Milliseconds that a frame has taken so far.
+#[derive(Default)]
+struct Spent {
+    animate: f64,
+    draw: f64,
+}
+
 /// Returns the milliseconds since `start`.
 fn ms_since(start: Instant) -> f64 {
     start.elapsed().as_secs_f64() * 1e3
@@ -152,21 +170,15 @@ fn median(ms: &[f64]) -> Option<f64> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-impl FrameTimes {
-    fn animate(
-        &mut self,
-        crowd: &mut Crowd,
-        action: &mut dyn Action,
-        secs: f32,
-    ) -> Result<f64, Failure> {
-        let start = Instant::now();
-        action.advance(crowd, secs)?;
-        crowd.finish()?;
-        let ms = ms_since(start);
-        self.animate.push(ms);
-        Ok(ms)
-    }
+/// Advances the action, waits for the device, and returns the milliseconds that it took.
+fn animate(crowd: &mut Crowd, action: &mut dyn Action, secs: f32) -> Result<f64, Failure> {
+    let start = Instant::now();
+    action.advance(crowd, secs)?;
+    crowd.finish()?;
+    Ok(ms_since(start))
+}
 
+impl FrameTimes {
     /// Returns the median of one pass.
     pub(crate) fn pass(&self, of: fn(&PassTimes) -> f64) -> f64 {
         median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()

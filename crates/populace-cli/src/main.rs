@@ -7,10 +7,12 @@
 #[cfg(unix)]
 mod aborts;
 mod aim;
+mod camera;
 mod cli;
 mod commands;
 mod crowd_renderer;
 mod draw;
+mod exposure;
 mod failure;
 mod fit;
 mod frame_loop;
@@ -25,6 +27,7 @@ mod progress;
 mod replay;
 mod report;
 mod roles;
+mod sinks;
 mod skin;
 mod trajectory;
 mod unfinished;

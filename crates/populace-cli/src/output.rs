@@ -2,46 +2,114 @@
 
 use std::ffi::OsStr;
 use std::fs::OpenOptions;
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
+use populace_film::Format;
+
+use crate::cli::ImageKind;
 use crate::failure::Failure;
 use crate::unfinished::Unfinished;
 
 /// Symbolic links followed from an output's name; more are taken for a cycle.
 const MAX_LINKS: usize = 40;
 
-/// The picture files of one run: a single file, or numbered files.
-pub(crate) struct Pictures {
+/// The files of one run: a picture, numbered pictures, or a film, and images beside them.
+pub(crate) struct Outputs {
     out: PathBuf,
-    frames: Option<u32>,
+    form: Form,
+    /// Numbers of the frames.
+    frames: RangeInclusive<u32>,
+    images: Vec<ImageKind>,
 }
 
-impl Pictures {
-    /// Names `frames` numbered pictures after `out`, or the single picture `out` if `frames` is
-    /// `None`. Refuses names that do not end in `.png`.
-    pub(crate) fn new(out: &Path, frames: Option<u32>) -> Result<Self, Failure> {
-        check_kind(out, "png")?;
-        Ok(Self { out: out.to_owned(), frames })
+/// How frames are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// One PNG file.
+    Picture,
+    /// A PNG file for each frame, with its number.
+    Numbered,
+    /// A film.
+    Film,
+}
+
+impl Outputs {
+    /// Names the files of `frames` after `out`. Its extension decides between PNG files, numbered
+    /// if `is_series`, and a film, which must be a series.
+    pub(crate) fn new(
+        out: &Path,
+        frames: RangeInclusive<u32>,
+        is_series: bool,
+        images: &[ImageKind],
+    ) -> Result<Self, Failure> {
+        let is_png = out.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        let form = match (Format::of(out), is_series) {
+            (Some(_), true) => Form::Film,
+            (Some(_), false) => {
+                return Err(Failure::usage(format!(
+                    "{} is a film; say with --frames N how many frames it has",
+                    out.display()
+                )));
+            }
+            (None, true) if is_png => Form::Numbered,
+            (None, false) if is_png => Form::Picture,
+            (None, _) => {
+                return Err(Failure::usage(format!(
+                    "{} does not end in .png, .mp4 or .gif; the output is written as PNG, MP4 or \
+                     GIF",
+                    out.display()
+                )));
+            }
+        };
+        Ok(Self { out: out.to_owned(), form, frames, images: images.to_owned() })
     }
 
-    pub(crate) fn count(&self) -> u32 {
-        self.frames.unwrap_or(1)
+    pub(crate) fn form(&self) -> Form {
+        self.form
     }
 
-    /// Returns the path of picture `index`.
-    pub(crate) fn path(&self, index: u32) -> PathBuf {
-        if self.frames.is_some() { frame_path(&self.out, index) } else { self.out.clone() }
+    pub(crate) fn frames(&self) -> RangeInclusive<u32> {
+        self.frames.clone()
     }
 
+    /// Returns the path of a frame's picture, or of the film.
+    pub(crate) fn path(&self, frame: u32) -> PathBuf {
+        match self.form {
+            Form::Numbered => numbered(&self.out, frame),
+            Form::Picture | Form::Film => self.out.clone(),
+        }
+    }
+
+    /// Returns the path of the first picture, or of the film.
+    pub(crate) fn first(&self) -> PathBuf {
+        self.path(*self.frames.start())
+    }
+
+    /// Returns the images beside a frame's picture: `film_0007.depth.png`.
+    pub(crate) fn images(&self, frame: u32) -> impl Iterator<Item = (ImageKind, PathBuf)> {
+        let beside = match self.form {
+            Form::Picture => self.out.clone(),
+            Form::Numbered | Form::Film => numbered(&self.out, frame),
+        };
+        self.images
+            .iter()
+            .map(move |kind| (*kind, beside.with_extension(format!("{}.png", kind.name()))))
+    }
+
+    /// Returns the paths of all files.
     pub(crate) fn paths(&self) -> impl Iterator<Item = PathBuf> {
-        (0..self.count()).map(|index| self.path(index))
+        self.frames().flat_map(|frame| {
+            let images = self.images(frame).map(|(_, path)| path);
+            std::iter::once(self.path(frame)).chain(images)
+        })
     }
 }
 
-/// Returns the path of frame `index`: `crowd.png` becomes `crowd_0007.png`.
-fn frame_path(path: &Path, index: u32) -> PathBuf {
+/// Returns the path of a frame: `crowd.png` becomes `crowd_0007.png`.
+fn numbered(path: &Path, frame: u32) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
-    name.push(format!("_{index:04}."));
+    name.push(format!("_{frame:04}."));
     name.push(path.extension().unwrap_or_default());
     path.with_file_name(name)
 }
@@ -118,6 +186,19 @@ pub(crate) fn check_writable(path: &Path) -> Result<(), Failure> {
 /// once it is complete. If writing fails, an existing file is kept. A symbolic link stays, and the
 /// file that it points to is replaced.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_and(path, bytes, Unfinished::finish)
+}
+
+/// Writes the last file of a frame as [`write`] does, and counts the frame as complete.
+pub(crate) fn write_frame(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_and(path, bytes, Unfinished::finish_frame)
+}
+
+fn write_and(
+    path: &Path,
+    bytes: &[u8],
+    finish: impl FnOnce(Unfinished, &Path) -> std::io::Result<()>,
+) -> Result<(), Failure> {
     let target = target(path);
     check_target(path, &target)?;
     let written = || {
@@ -126,7 +207,7 @@ pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
         if let Ok(before) = target.metadata() {
             file.set_permissions(before.permissions())?;
         }
-        file.finish(&target)
+        finish(file, &target)
     };
     written().map_err(|e| cannot_write(path, &e))
 }
@@ -147,7 +228,7 @@ fn cannot_write(path: &Path, reason: impl std::fmt::Display) -> Failure {
 }
 
 /// Follows symbolic links to the final path, which need not exist.
-fn target(path: &Path) -> PathBuf {
+pub(crate) fn target(path: &Path) -> PathBuf {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
         let Ok(next) = target.read_link() else { break };
@@ -167,16 +248,16 @@ mod tests {
 
     #[test]
     fn frame_number_is_added_to_the_name() {
-        assert_eq!(frame_path(Path::new("a/crowd.png"), 7), Path::new("a/crowd_0007.png"));
-        assert_eq!(frame_path(Path::new("b.c.png"), 12345), Path::new("b.c_12345.png"));
+        assert_eq!(numbered(Path::new("a/crowd.png"), 7), Path::new("a/crowd_0007.png"));
+        assert_eq!(numbered(Path::new("b.c.png"), 12345), Path::new("b.c_12345.png"));
     }
 
     #[cfg(unix)]
     #[test]
-    fn frame_path_keeps_non_utf8_bytes() {
+    fn numbered_path_keeps_non_utf8_bytes() {
         use std::os::unix::ffi::OsStrExt;
         let [name, frame] =
             [&b"f\xFF.png"[..], b"f\xFF_0002.png"].map(|b| Path::new(OsStr::from_bytes(b)));
-        assert_eq!(frame_path(name, 2), frame);
+        assert_eq!(numbered(name, 2), frame);
     }
 }

@@ -6,6 +6,7 @@ use populace::{ClipPlayback, Crowd, Placement};
 use populace_testkit::Rng;
 use populace_variety::{Appearance, Variety};
 
+use crate::camera::Pose;
 use crate::failure::Failure;
 use crate::placement::{Place, places};
 use crate::progress::Progress;
@@ -15,22 +16,31 @@ use crate::skin::skinned;
 /// Distance between members in units of their width.
 const SPACING_FACTOR: f32 = 1.3;
 
+/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
+const EYES: f32 = 0.935;
+
 /// A member's placement and motion.
 struct PlacedMember {
     placement: Placement,
+    /// Heading of the placement.
+    yaw_rad: f32,
     /// Root motion of its clip, the factor that scales it, and the starting phase in the clip.
     motion: Option<(RootMotion, f32, f32)>,
     /// Speed at which its clip plays.
     pace: f32,
+    height_m: f32,
 }
 
 impl PlacedMember {
-    /// Returns the member's position at a time.
-    fn position_at(&self, secs: f32) -> [f32; 3] {
-        let offset = self.motion.as_ref().map_or([0.0; 3], |(motion, scale, phase)| {
-            motion.looped(*phase, secs * self.pace).0.map(|metres| metres * scale)
-        });
-        self.placement.world_from_model().transform_point(offset)
+    /// Returns the member's position and heading at a time.
+    fn at(&self, secs: f32) -> ([f32; 3], f32) {
+        let (offset, yaw_rad) =
+            self.motion.as_ref().map_or(([0.0; 3], 0.0), |(motion, scale, phase)| {
+                let (metres, yaw_rad) = motion.looped(*phase, secs * self.pace);
+                (metres.map(|metres| metres * scale), yaw_rad)
+            });
+        let position = self.placement.world_from_model().transform_point(offset);
+        (position, self.yaw_rad + yaw_rad)
     }
 }
 
@@ -85,32 +95,44 @@ impl Population {
         Ok(Self { members, height, spacing })
     }
 
-    /// Returns bounding points of all members at two times in seconds, for the camera.
-    pub(crate) fn bounding_points(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
-        self.members.iter().flat_map(|member| self.around(member, secs)).collect()
+    /// Returns bounding points of all members at some times in seconds, for the camera.
+    pub(crate) fn bounding_points(&self, secs: &[f32]) -> Vec<[f32; 3]> {
+        let (height, half) = (self.height, self.spacing / 2.0);
+        let around = |[x, _, z]: [f32; 3]| {
+            [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
+        };
+        self.members
+            .iter()
+            .flat_map(|member| secs.iter().flat_map(move |secs| around(member.at(*secs).0)))
+            .collect()
     }
 
-    /// Returns bounding points of one of the nearest members, the one that is nearest to the
-    /// middle.
-    pub(crate) fn closest_bounding_points(&self, secs: [f32; 2]) -> Vec<[f32; 3]> {
+    /// Returns one of the nearest members, the one that is nearest to the middle.
+    pub(crate) fn closest(&self) -> Option<usize> {
         let front = self.members.first().map_or(0.0, |member| member.placement.position()[2]);
         let distance = |member: &PlacedMember| {
             let [x, _, z] = member.placement.position();
             x.abs() + 2.0 * (front - z)
         };
-        let middle = self.members.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        middle.into_iter().flat_map(|member| self.around(member, secs)).collect()
+        let numbered = self.members.iter().enumerate();
+        numbered.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1))).map(|(number, _)| number)
     }
 
-    fn around(
-        &self,
-        member: &PlacedMember,
-        secs: [f32; 2],
-    ) -> impl Iterator<Item = [f32; 3]> + use<> {
-        let (height, half) = (self.height, self.spacing / 2.0);
-        secs.map(|secs| member.position_at(secs)).into_iter().flat_map(move |[x, _, z]| {
-            [[x, height, z], [x - half, 0.0, z], [x + half, 0.0, z], [x, 0.0, z + half]]
-        })
+    /// Returns where a member is at a time.
+    pub(crate) fn pose(&self, number: usize, secs: f32) -> Option<Pose> {
+        let member = self.members.get(number)?;
+        let (position, heading_rad) = member.at(secs);
+        Some(Pose { position, heading_rad, eye_m: EYES * member.height_m })
+    }
+
+    /// Returns the number of members.
+    pub(crate) fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    /// Returns height and half the width of the largest member in metres.
+    pub(crate) fn figure_m(&self) -> [f32; 2] {
+        [self.height, self.spacing / 2.0]
     }
 }
 
@@ -160,7 +182,8 @@ fn spawn(
         }
         motion = clip.motion.clone().map(|(motion, scale)| (motion, scale, phase));
     }
-    Ok(PlacedMember { placement, motion, pace })
+    let height_m = role.character.height_m() * role.scale * height;
+    Ok(PlacedMember { placement, yaw_rad: place.yaw_rad, motion, pace, height_m })
 }
 
 /// Returns the larger horizontal side of a member's visible parts at the start of its first clip.

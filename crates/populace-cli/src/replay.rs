@@ -1,35 +1,39 @@
 //! Draws the people of a trajectory file: `populace render bottleneck.sqlite`.
 
+mod agents;
 mod people;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use populace::Crowd;
+use populace_film::{FilmSettings, FrameRate};
 use populace_locomotion::SkateMeter;
 use populace_render::{Camera, Renderer};
-use populace_scene::{Motion, Motions, Replay};
+use populace_scene::{Motions, Replay};
 use populace_trajectory::{Origin, ReadSettings, Recording};
 use serde_json::{Value, json};
 
-use crate::cli::{PictureArgs, TrajectoryArgs, build};
+use crate::camera::Cameras;
+use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs, TrajectoryArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, FrameLoop};
-use crate::frames::{Frames, single};
-use crate::output::Pictures;
+use crate::frames::{Frames, Shutter, single};
+use crate::output::{Outputs, check_inputs, check_writable};
 use crate::report::{self, message};
-use crate::roles::{self, ClipChoice};
+use crate::roles::{self, ClipChoice, CrowdRole};
+use crate::sinks::Sink;
+use crate::unfinished;
+use agents::Agents;
 use people::CastSettings;
 
 /// People whose feet are measured when most are there.
 const METERED: usize = 16;
 /// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
 const STEP_SECS: f32 = 0.041;
-/// Seconds between positions that the camera frames.
-const FRAMED_SECS: f64 = 1.0;
-/// Height of a body for the camera in metres.
-const BODY_M: f32 = 1.8;
+/// Frames per second, if none are given.
+const DEFAULT_FPS: u32 = 25;
 
 /// A job of drawing the people of a trajectory file.
 pub(crate) struct ReplayJob<'a> {
@@ -48,50 +52,33 @@ impl ReplayJob<'_> {
         let recording = self.recording()?;
         describe(&recording);
         let motions = Motions::new(&recording);
-        let start_secs = recording.secs()[0];
-        let frames = self.frames(&recording);
-        let renderer = self.out.map(|_| Renderer::headless(args.size.0));
-        let spans = motions.agents.iter().flat_map(Motion::secs);
-        let capacity = people::peak(spans).max(1);
-        let builder = args.device.crowd().capacity(capacity);
-        let builder = match &renderer {
-            Some(renderer) => builder_for(builder, renderer),
-            None => builder,
-        };
-        let mut crowd = build(builder)?;
-        let inputs = if self.cast.is_empty() { vec!["@people".into()] } else { self.cast.to_vec() };
-        let loaded = roles::load(
-            &mut crowd,
-            &args.input,
-            &inputs,
-            &args.clips,
-            ClipChoice::default(),
-            args.height,
-            !args.full_detail,
-            !args.plain,
-        )?;
-        let gaits = people::gaits(&mut crowd, &loaded.roles)?;
-        let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
-        let people = people::cast(&recording, &loaded.roles, &settings);
-        let mut action = ReplayAction {
-            replay: Replay::new(&recording, motions, &people, gaits, start_secs)?,
-            camera: self.camera(&recording),
-            meter: SkateMeter::new(),
-            every: capacity.div_ceil(METERED),
-        };
-        message!(
-            "{} on {}, {}",
-            counted(recording.agents.len(), "agent"),
-            devices_and_shares(&crowd),
-            crowd.device_info().schedule
-        );
-        let Some((out, renderer)) = self.out.zip(renderer) else {
+        let frames = self.frames(&recording, &motions)?;
+        let Some(out) = self.out else {
+            let mut crowd = build(args.device.crowd().capacity(capacity(&motions)))?;
+            let (mut action, _) = self.people(&mut crowd, &recording, motions)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
-        let pictures = Pictures::new(out, args.frames)?;
-        let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
-            CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide)
-        });
+        let film = &args.film;
+        let outputs = Outputs::new(out, frames.first..=frames.last, self.is_film(), &film.images)?;
+        check_inputs(outputs.paths(), &[self.file])?;
+        check_writable(&outputs.first())?;
+        let settings =
+            FilmSettings { encoder: film.encoder, ..FilmSettings::new(args.size.0, frames.rate) };
+        let mut sink = Sink::open(&outputs, &settings, film.skip_existing)?;
+        let skipped = sink.skipped();
+        unfinished::expect_frames(frames.count() - u32::try_from(skipped).unwrap_or_default());
+        let renderer = Renderer::headless(args.size.0);
+        let builder = args.device.crowd().capacity(capacity(&motions));
+        let mut crowd = build(builder_for(builder, &renderer))?;
+        #[cfg(unix)]
+        crate::aborts::exit_on_abort();
+        let (mut action, roles) = self.people(&mut crowd, &recording, motions)?;
+        let [width, height] = args.size.0;
+        action.cameras =
+            Some(Cameras::new(&args.camera, &action.subject, width as f32 / height as f32)?);
+        let renderer = renderer
+            .map_err(Failure::from)
+            .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let scene = args.sky.scene();
         let frame_loop = FrameLoop {
             frames,
@@ -100,9 +87,46 @@ impl ReplayJob<'_> {
             scene: &scene,
             detail: (!args.full_detail).then_some(args.detail),
         };
-        let mut sink = &pictures;
-        frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
-        report::path(&pictures.path(0))
+        let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
+        let out = sink.finish()?;
+        report::path(&out)
+    }
+
+    /// Brings the people into the crowd.
+    fn people(
+        &self,
+        crowd: &mut Crowd,
+        recording: &Recording,
+        motions: Motions,
+    ) -> Result<(ReplayAction, Vec<CrowdRole>), Failure> {
+        let args = self.picture;
+        let everybody = [PathBuf::from("@people")];
+        let roles = roles::load(
+            crowd,
+            &args.input,
+            if self.cast.is_empty() { &everybody } else { self.cast },
+            &args.clips,
+            ClipChoice::default(),
+            args.height,
+            !args.full_detail,
+            !args.plain,
+        )?
+        .roles;
+        let gaits = people::gaits(crowd, &roles)?;
+        let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
+        let people = people::cast(recording, &roles, &settings);
+        let every = capacity(&motions).div_ceil(METERED);
+        let subject = Agents::new(recording, motions.clone());
+        let replay = Replay::new(recording, motions, &people, gaits, recording.secs()[0])?;
+        message!(
+            "{} on {}, {}",
+            counted(recording.agents.len(), "agent"),
+            devices_and_shares(crowd),
+            crowd.device_info().schedule
+        );
+        let action =
+            ReplayAction { replay, subject, cameras: None, meter: SkateMeter::new(), every };
+        Ok((action, roles))
     }
 
     /// Evaluates all frames without drawing them.
@@ -113,13 +137,14 @@ impl ReplayJob<'_> {
         frames: Frames,
     ) -> Result<(), Failure> {
         let start = Instant::now();
-        action.advance(crowd, 0.0)?;
-        for frame in 1..=frames.last {
-            action.advance(crowd, single(frames.secs(frame) - frames.secs(frame - 1)))?;
+        let mut last_secs = 0.0;
+        for moment in frames.moments(frames.last) {
+            action.advance(crowd, single(moment.secs - last_secs))?;
+            last_secs = moment.secs;
         }
         crowd.finish()?;
         let took_secs = start.elapsed().as_secs_f64();
-        let film_secs = frames.secs(frames.last);
+        let film_secs = frames.rate.secs(frames.last);
         message!(
             "{film_secs:.1} s in {took_secs:.1} s, {:.1} times real time",
             film_secs / took_secs
@@ -140,37 +165,49 @@ impl ReplayJob<'_> {
         Ok(populace_trajectory::load(self.file, &settings)?)
     }
 
-    fn frames(&self, recording: &Recording) -> Frames {
-        let fps = f64::from(self.picture.fps);
+    /// Returns the frames that are drawn: those asked for, else the whole recording for a film, and
+    /// the moment when most people are there for a picture.
+    fn frames(&self, recording: &Recording, motions: &Motions) -> Result<Frames, Failure> {
+        let film = &self.picture.film;
+        let rate = match film.fps {
+            Some(rate) => rate,
+            None => FrameRate::new(DEFAULT_FPS, 1)?,
+        };
+        let shutter = Shutter::degrees(film.shutter);
         let [from, until] = recording.secs();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let all = ((until - from) * fps).floor() as u32;
-        let last = self.picture.frames.map_or(all, |count| count - 1);
-        Frames { first: 0, last, fps }
+        let all = ((until - from) * rate.per_sec() + 1e-6).floor() as u32;
+        let whole = 0..=all.min(MOST_FRAMES - 1);
+        let range = match &film.frames {
+            Some(FrameRange(range)) => range.clone(),
+            None if self.is_film() => whole,
+            None => {
+                let secs = film.at.unwrap_or_else(|| people::busiest(motions) - from);
+                return Ok(Frames { shutter, ..Frames::still(secs, rate) });
+            }
+        };
+        Ok(Frames { first: *range.start(), last: *range.end(), rate, shutter, late_secs: 0.0 })
     }
 
-    fn camera(&self, recording: &Recording) -> Camera {
-        let [width, height] = self.picture.size.0;
-        let points = recording.agents.iter().flat_map(|agent| {
-            let track = recording.track(agent);
-            let mut next = f64::MIN;
-            let rows = track.times.iter().zip(track.positions).filter(move |(secs, _)| {
-                let framed = **secs >= next;
-                if framed {
-                    next = **secs + FRAMED_SECS;
-                }
-                framed
-            });
-            rows.flat_map(|(_, [x, y])| [[*x, 0.0, -y], [*x, BODY_M, -y]]).collect::<Vec<_>>()
-        });
-        Camera::framing(points, width as f32 / height as f32)
+    /// Returns true unless one picture is drawn.
+    fn is_film(&self) -> bool {
+        let film = &self.picture.film;
+        let is_film = |out: &Path| populace_film::Format::of(out).is_some();
+        film.frames.is_some() || film.at.is_none() && self.out.is_none_or(is_film)
     }
+}
+
+/// Returns the number of people who are there at the same time.
+fn capacity(motions: &Motions) -> usize {
+    people::peak(motions).max(1)
 }
 
 /// People who follow trajectories.
 struct ReplayAction {
     replay: Replay,
-    camera: Camera,
+    subject: Agents,
+    /// `None` if nothing is drawn.
+    cameras: Option<Cameras>,
     meter: SkateMeter,
     /// The feet of every so many agents are measured.
     every: usize,
@@ -212,8 +249,9 @@ impl Action for ReplayAction {
         Ok(())
     }
 
-    fn camera(&self, _secs: f64) -> Result<Camera, Failure> {
-        Ok(self.camera)
+    fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+        let cameras = self.cameras.as_ref();
+        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))
     }
 }
 

@@ -11,24 +11,55 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// The file being written, and the number of complete files.
+/// What is being written.
 struct State {
     /// The temporary file; removed if the program ends early.
     path: Option<PathBuf>,
+    /// The part of a film that is being written; stays if the program ends early.
+    part: Option<PathBuf>,
+    /// Number of complete frames.
     complete: u32,
-    /// The total number of files, if the command knows it.
+    /// The total number of frames, if the command knows it.
     total: Option<u32>,
 }
 
-static STATE: Mutex<State> = Mutex::new(State { path: None, complete: 0, total: None });
+static STATE: Mutex<State> = Mutex::new(State { path: None, part: None, complete: 0, total: None });
 
 fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sets the total number of pictures, for the message of an interrupted run.
-pub(crate) fn expect_pictures(count: u32) {
+/// Sets the total number of frames, for the message of an interrupted run.
+pub(crate) fn expect_frames(count: u32) {
     state().total = Some(count);
+}
+
+/// Counts one more frame as complete.
+pub(crate) fn count_frame() {
+    state().complete += 1;
+}
+
+/// Sets the part of the film that is being written, for the message of an interrupted run.
+pub(crate) fn film_part(part: Option<&Path>) {
+    state().part = part.map(Path::to_owned);
+}
+
+/// Sets a file of another writer to remove if the program ends early.
+pub(crate) fn draft(path: Option<&Path>) {
+    state().path = path.map(Path::to_owned);
+}
+
+/// Says where the beginning of a film is. Removes a part that is empty.
+pub(crate) fn describe_part(part: &Path) -> Option<String> {
+    match part.metadata() {
+        Ok(metadata) if metadata.len() > 0 => {
+            Some(format!("{} holds the film up to its last whole second", part.display()))
+        }
+        _ => {
+            let _ = std::fs::remove_file(part);
+            None
+        }
+    }
 }
 
 /// A temporary file. Dropping it before [`finish`](Self::finish) removes it.
@@ -64,7 +95,16 @@ impl Unfinished {
 
     /// Renames the file to `target`, replacing an existing file. Syncs first, because some file
     /// systems report a full disk only then.
-    pub(crate) fn finish(mut self, target: &Path) -> io::Result<()> {
+    pub(crate) fn finish(self, target: &Path) -> io::Result<()> {
+        self.rename(target, 0)
+    }
+
+    /// Finishes the last file of a frame, and counts the frame at once.
+    pub(crate) fn finish_frame(self, target: &Path) -> io::Result<()> {
+        self.rename(target, 1)
+    }
+
+    fn rename(mut self, target: &Path, frames: u32) -> io::Result<()> {
         self.file()?.as_file().sync_all()?;
         let mut state = state();
         if let Some(file) = self.0.take() {
@@ -72,7 +112,7 @@ impl Unfinished {
             path.persist(target).map_err(|e| e.error)?;
         }
         state.path = None;
-        state.complete += 1;
+        state.complete += frames;
         Ok(())
     }
 }
@@ -123,7 +163,9 @@ pub(crate) fn exit_on_signals() -> io::Result<()> {
                 .total
                 .map(|total| format!("; {} of {total} frames are complete", state.complete));
             crate::progress::clear();
-            crate::report::message!("interrupted{}", progress.unwrap_or_default());
+            let part = state.part.as_deref().and_then(describe_part);
+            let part = part.map(|part| format!("; {part}")).unwrap_or_default();
+            crate::report::message!("interrupted{}{part}", progress.unwrap_or_default());
             low_level::exit(128 + signal);
         }
     })?;

@@ -92,6 +92,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-bench",
             "populace-bodies",
             "populace-cast",
+            "populace-film",
             "populace-locomotion",
             "populace-lod",
             "populace-render",

@@ -13,7 +13,8 @@ use crate::writer::FrameWriter;
 
 const NAME: &str = "ffmpeg";
 /// Conversion to even sides and to BT.709.
-const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv";
+const FILTERS: &str = "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv,\
+                       setparams=color_primaries=bt709:color_trc=bt709:colorspace=bt709";
 
 /// A running `ffmpeg` that takes frames on its standard input and writes the part.
 pub(crate) struct FfmpegWriter {

@@ -21,11 +21,7 @@ impl FromStr for Size {
 
 /// Parses the frame rate of a file.
 pub(super) fn data_rate(text: &str) -> Result<f64, String> {
-    frame_rate(text).map(f64::from)
-}
-
-pub(super) fn frame_rate(text: &str) -> Result<f32, String> {
-    match text.parse::<f32>() {
+    match text.parse::<f64>() {
         Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
         _ => Err("write a number from 0.001 to 1000".into()),
     }
@@ -44,38 +40,6 @@ pub(super) fn height(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {
         Ok(metres) if (1e-3..=1e4).contains(&metres) => Ok(metres),
         _ => Err("write metres from 0.001 to 10000".into()),
-    }
-}
-
-/// The camera of a picture.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum View {
-    /// Shows all members.
-    Crowd,
-    /// Shows one member.
-    Close,
-    /// Looks from a position to a target, in metres.
-    At { eye: [f32; 3], target: [f32; 3] },
-}
-
-impl FromStr for View {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text {
-            "crowd" => return Ok(Self::Crowd),
-            "close" => return Ok(Self::Close),
-            _ => {}
-        }
-        let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
-        match numbers.as_deref() {
-            Ok(&[a, b, c, x, y, z]) if [a, b, c, x, y, z].iter().all(|v| v.is_finite()) => {
-                Ok(Self::At { eye: [a, b, c], target: [x, y, z] })
-            }
-            _ => Err("write crowd, close, or the positions of camera and target, for example \
-                      0,1.6,5,0,1,0"
-                .into()),
-        }
     }
 }
 
@@ -109,14 +73,8 @@ mod tests {
         for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
             assert!(bad.parse::<Size>().is_err(), "{bad}");
         }
-        assert_eq!("close".parse(), Ok(View::Close));
-        let wanted = View::At { eye: [0.0, 1.5, -5.0], target: [0.0; 3] };
-        assert_eq!("0,1.5,-5,0,0,0".parse(), Ok(wanted));
-        for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan"] {
-            assert!(bad.parse::<View>().is_err(), "{bad}");
-        }
         for bad in ["0", "-1", "inf", "1e-30", "x"] {
-            assert!(frame_rate(bad).is_err() && height(bad).is_err(), "{bad}");
+            assert!(height(bad).is_err(), "{bad}");
         }
         assert_eq!("5,0,17".parse(), Ok(VertexId { node: 5, primitive: 0, vertex: 17 }));
         for bad in ["", "5,0", "5,0,1,2", "a,b,c", "5,-1,0"] {

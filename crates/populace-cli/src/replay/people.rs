@@ -3,7 +3,7 @@
 use populace::Crowd;
 use populace::character::Character;
 use populace_locomotion::GaitSpace;
-use populace_scene::Person;
+use populace_scene::{Motion, Motions, Person};
 use populace_testkit::Rng;
 use populace_trajectory::{Agent, Kind, Recording};
 use populace_variety::Variety;
@@ -103,15 +103,30 @@ fn role_of_height(roles: &[CrowdRole], height_m: Option<f32>, random: &mut Rng) 
     fitting[random.below(fitting.len())]
 }
 
-/// Returns the largest number of agents who are there at the same time.
-pub(crate) fn peak(spans: impl Iterator<Item = [f64; 2]>) -> usize {
-    let mut changes: Vec<(f64, i32)> =
-        spans.flat_map(|[from, until]| [(from, 1), (until, -1)]).collect();
+/// Returns the times in seconds at which the number of agents changes, and that number, in order.
+fn counts(motions: &Motions) -> Vec<(f64, usize)> {
+    let spans = motions.agents.iter().flat_map(Motion::secs);
+    let mut changes: Vec<(f64, bool)> =
+        spans.flat_map(|[from, until]| [(from, true), (until, false)]).collect();
     // At equal times, those who come count before those who leave.
     changes.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-    let counts = changes.iter().scan(0, |count, (_, change)| {
-        *count += change;
-        Some(*count)
-    });
-    usize::try_from(counts.max().unwrap_or(0)).unwrap_or(0)
+    let mut count = 0;
+    let mut next = |(secs, comes): (f64, bool)| {
+        count = if comes { count + 1 } else { count - 1 };
+        (secs, count)
+    };
+    changes.into_iter().map(&mut next).collect()
+}
+
+/// Returns the largest number of agents who are there at the same time.
+pub(super) fn peak(motions: &Motions) -> usize {
+    counts(motions).into_iter().map(|(_, count)| count).max().unwrap_or(0)
+}
+
+/// Returns the middle of the longest time in which most agents are there, in seconds.
+pub(super) fn busiest(motions: &Motions) -> f64 {
+    let (counts, peak) = (counts(motions), peak(motions));
+    let busy = counts.windows(2).filter(|pair| pair[0].1 == peak);
+    let longest = busy.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)));
+    longest.map_or(0.0, |pair| f64::midpoint(pair[0].0, pair[1].0))
 }

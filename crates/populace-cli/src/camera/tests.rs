@@ -1,0 +1,107 @@
+//! Tests of cameras with people who walk on straight lines.
+
+use super::*;
+
+/// Two people: 0 walks along +X from the origin at 1.5 m/s, and 1 stands at z = -4.
+struct Two;
+
+impl Subject for Two {
+    fn bounds(&self) -> Vec<[f32; 3]> {
+        vec![[0.0, 0.0, 0.0], [6.0, 1.8, 0.0], [0.0, 1.8, -4.0]]
+    }
+
+    fn figure_m(&self) -> [f32; 2] {
+        [1.8, 0.4]
+    }
+
+    fn closest(&self) -> Option<u64> {
+        Some(0)
+    }
+
+    fn pose(&self, id: u64, secs: f64) -> Option<Pose> {
+        let (position, heading_rad) = match id {
+            0 => ([single(1.5 * secs), 0.0, 0.0], TAU / 4.0),
+            1 => ([0.0, 0.0, -4.0], 0.0),
+            _ => return None,
+        };
+        Some(Pose { position, heading_rad, eye_m: 1.7 })
+    }
+
+    fn describe_ids(&self) -> String {
+        "people have the numbers 0 and 1".into()
+    }
+}
+
+fn camera(view: &str, secs: f64) -> Camera {
+    let view = view.parse().unwrap();
+    Cameras::new(&view, &Two, 1.5).unwrap().at(&Two, secs)
+}
+
+/// Returns where a point is in the picture, from -1 to 1 to the right and upwards, and its depth.
+fn seen(camera: &Camera, point: [f32; 3]) -> [f32; 3] {
+    let [eye, target, up, point] = [camera.eye, camera.target, camera.up, point].map(Vec3::from);
+    let forward = (target - eye).normalize();
+    let right = forward.cross(up).normalize();
+    let (to, slope) = (point - eye, (0.5 * camera.fov_y_rad).tan());
+    let depth = to.dot(forward);
+    [to.dot(right) / depth / slope / 1.5, to.dot(right.cross(forward)) / depth / slope, depth]
+}
+
+#[test]
+fn everybody_is_in_the_picture() {
+    for (view, secs) in [
+        ("crowd", 0.0),
+        ("top", 0.0),
+        ("iso", 0.0),
+        ("orbit", 0.0),
+        ("orbit", 17.0),
+        ("orbit", 44.0),
+    ] {
+        let camera = camera(view, secs);
+        let mut largest: f32 = 0.0;
+        for point in Two.bounds() {
+            let [x, y, depth] = seen(&camera, point);
+            assert!(depth > camera.near && depth < camera.far / 10.0, "{view}: in haze");
+            largest = largest.max(x.abs()).max(y.abs());
+        }
+        assert!(largest < 1.0 && (largest > 0.8 || view == "orbit"), "{view} {secs}: {largest}");
+    }
+}
+
+#[test]
+fn plans_have_x_to_the_right_and_z_downwards() {
+    let top = camera("top", 0.0);
+    let middle = [3.0, 0.0, -2.0];
+    let [x, y, _] = seen(&top, middle);
+    assert!(seen(&top, [4.0, 0.0, -2.0])[0] > x && seen(&top, [3.0, 0.0, -1.0])[1] < y);
+}
+
+#[test]
+fn cameras_go_with_people() {
+    for view in ["close", "follow:0", "eye:0"] {
+        let [start, later] = [0.0, 2.0].map(|secs| camera(view, secs));
+        for (a, b) in [(start.eye, later.eye), (start.target, later.target)] {
+            let moved = Vec3::from(b) - Vec3::from(a);
+            assert!((moved - Vec3::new(3.0, 0.0, 0.0)).length() < 1e-4, "{view}: {moved}");
+        }
+    }
+    let follow = camera("follow:0", 0.0);
+    assert!(follow.eye[0] < -3.0 && follow.target[0] > 1.0, "behind, looking ahead");
+    let eye = camera("eye:1", 5.0);
+    assert!((eye.eye[1] - 1.7).abs() < 1e-4 && eye.target[2] > eye.eye[2]);
+    let still = camera("crowd", 0.0);
+    assert_eq!((still, still), (camera("crowd", 9.0), camera("crowd", 0.1)));
+}
+
+#[test]
+fn orbits_come_round_in_a_minute() {
+    let [start, half, whole] = [0.0, 30.0, 60.0].map(|secs| Vec3::from(camera("orbit", secs).eye));
+    assert!((start - whole).length() < 1e-3 && half.z < -4.0 && start.z > 0.0);
+}
+
+#[test]
+fn unknown_people_are_refused_with_those_that_exist() {
+    let refused = Cameras::new(&"follow:7".parse().unwrap(), &Two, 1.5).err().unwrap();
+    let message = refused.error().unwrap().to_string();
+    assert!(message.contains('7') && message.contains("0 and 1"), "{message}");
+}

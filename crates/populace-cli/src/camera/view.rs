@@ -1,0 +1,85 @@
+//! The argument `--camera`.
+
+use std::path::Path;
+use std::str::FromStr;
+
+use super::keys::Keys;
+
+/// The camera that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum View {
+    /// Shows all people from the front.
+    Crowd,
+    /// Shows one of the nearest people, and goes with it.
+    Close,
+    /// Looks straight down; +X is to the right.
+    Top,
+    /// Looks at a slant from far away.
+    Iso,
+    /// Circles all people once a minute.
+    Orbit,
+    /// Looks from a position to a target, in metres.
+    At { eye: [f32; 3], target: [f32; 3] },
+    /// Goes behind a person.
+    Follow { id: String },
+    /// Sees with the eyes of a person.
+    Eye { id: String },
+    /// Moves by key frames.
+    Keys(Keys),
+}
+
+impl FromStr for View {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "crowd" => return Ok(Self::Crowd),
+            "close" => return Ok(Self::Close),
+            "top" => return Ok(Self::Top),
+            "iso" => return Ok(Self::Iso),
+            "orbit" => return Ok(Self::Orbit),
+            _ => {}
+        }
+        if Path::new(text).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
+            return Keys::read(Path::new(text)).map(Self::Keys);
+        }
+        if let Some((kind @ ("follow" | "eye"), id)) = text.split_once(':') {
+            if id.is_empty() {
+                return Err(format!("write {kind}: and whom, for example {kind}:0"));
+            }
+            let id = id.to_owned();
+            return Ok(if kind == "eye" { Self::Eye { id } } else { Self::Follow { id } });
+        }
+        let numbers: Result<Vec<f32>, _> = text.split(',').map(|n| n.trim().parse()).collect();
+        match numbers.as_deref() {
+            Ok(&[a, b, c, x, y, z]) if [a, b, c, x, y, z].iter().all(|v| v.is_finite()) => {
+                Ok(Self::At { eye: [a, b, c], target: [x, y, z] })
+            }
+            _ => {
+                Err("write crowd, close, top, iso, orbit, follow:ID, eye:ID, the path of a .toml \
+                      file, or the positions of camera and target, for example 0,1.6,5,0,1,0"
+                    .into())
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn known_views_parse_and_others_are_refused() {
+        assert_eq!("close".parse(), Ok(View::Close));
+        assert_eq!("orbit".parse(), Ok(View::Orbit));
+        assert_eq!("follow:12".parse(), Ok(View::Follow { id: "12".into() }));
+        assert_eq!("eye:0".parse(), Ok(View::Eye { id: "0".into() }));
+        let wanted = View::At { eye: [0.0, 1.5, -5.0], target: [0.0; 3] };
+        assert_eq!("0,1.5,-5,0,0,0".parse(), Ok(wanted));
+        for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan", "follow", "follow:", "look:3"] {
+            assert!(bad.parse::<View>().is_err(), "{bad}");
+        }
+        let missing = "no-such.toml".parse::<View>().expect_err("no file");
+        assert!(missing.contains("no-such.toml"), "{missing}");
+    }
+}

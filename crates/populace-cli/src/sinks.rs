@@ -1,0 +1,111 @@
+//! Where frames go: PNG files, or a film.
+
+use std::path::{Path, PathBuf};
+
+use populace::character::Image;
+use populace_film::{Film, FilmSettings, Pixels, encode_png};
+
+use crate::failure::Failure;
+use crate::frame_loop::FrameSink;
+use crate::output::{self, Form, Outputs};
+use crate::report::message;
+use crate::unfinished;
+
+/// The files of a run that is going on.
+pub(crate) struct Sink<'a> {
+    outputs: &'a Outputs,
+    /// The film, if it is one.
+    film: Option<Film>,
+    /// True to leave out frames whose files exist.
+    skip_existing: bool,
+}
+
+impl<'a> Sink<'a> {
+    /// Begins to write the outputs. A film that cannot be encoded fails here.
+    pub(crate) fn open(
+        outputs: &'a Outputs,
+        settings: &FilmSettings,
+        skip_existing: bool,
+    ) -> Result<Self, Failure> {
+        let film = match outputs.form() {
+            Form::Film => {
+                let film = Film::create(output::target(&outputs.first()), settings)?;
+                unfinished::film_part(Some(film.part()));
+                Some(film)
+            }
+            Form::Picture | Form::Numbered => None,
+        };
+        if film.is_some() && skip_existing {
+            return Err(Failure::usage(
+                "--skip-existing leaves out numbered PNG files, and a film is written as a whole; \
+                 name --out FILE.png",
+            ));
+        }
+        Ok(Self { outputs, film, skip_existing })
+    }
+
+    /// Returns the number of frames that are left out.
+    pub(crate) fn skipped(&self) -> usize {
+        self.outputs.frames().filter(|frame| !self.wants(*frame)).count()
+    }
+
+    /// Completes the film, if it is one, and returns the path of the result.
+    pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
+        let Some(film) = self.film.take() else { return Ok(self.outputs.first()) };
+        let part = film.part().to_owned();
+        unfinished::draft(Some(film.draft()));
+        let finished = film.finish();
+        unfinished::draft(None);
+        unfinished::film_part(None);
+        match finished {
+            Ok(_) => Ok(self.outputs.first()),
+            Err(error) => {
+                report_part(&part);
+                Err(error.into())
+            }
+        }
+    }
+}
+
+/// Says where the film is as far as it goes.
+fn report_part(part: &Path) {
+    if let Some(text) = unfinished::describe_part(part) {
+        message!("{text}");
+    }
+}
+
+impl FrameSink for Sink<'_> {
+    fn wants(&self, frame: u32) -> bool {
+        let mut files = std::iter::once(self.outputs.path(frame))
+            .chain(self.outputs.images(frame).map(|i| i.1));
+        !(self.skip_existing && files.all(|file| file.is_file()))
+    }
+
+    fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure> {
+        match &mut self.film {
+            Some(film) => {
+                film.push(picture.rgba)?;
+                unfinished::count_frame();
+                Ok(())
+            }
+            None => {
+                let png = encode_png([picture.width, picture.height], Pixels::Rgba(&picture.rgba))?;
+                output::write_frame(&self.outputs.path(frame), &png)
+            }
+        }
+    }
+}
+
+impl Drop for Sink<'_> {
+    /// Says where the film is that an error has ended.
+    fn drop(&mut self) {
+        if let Some(film) = self.film.take() {
+            let (part, has_frames) = (film.part().to_owned(), film.frame_count() > 0);
+            drop(film);
+            unfinished::film_part(None);
+            if has_frames {
+                report_part(&part);
+            }
+        }
+    }
+}
