@@ -42,6 +42,6 @@ pub use playback::{
 pub use stage::{After, StageFn, StageJoint, StageUse, UserStage};
 pub use stage_buffer::{Stage, StageBuffer};
 pub use tables::{
-    BodyIndex, Condition, Ground, LiveNewest, MachineState, Table, Tables, Transition,
+    BodyIndex, Condition, Epochs, Ground, LiveNewest, MachineState, Table, Tables, Transition,
 };
 pub use view::{VIEW_PLANES, View, Visibility};

@@ -352,6 +352,20 @@ impl Tables {
         result
     }
 
+    /// Returns the numbers that the last owners of a device's history got.
+    #[must_use]
+    pub const fn epochs(&self) -> Epochs {
+        let controls = self.control_spaces.last_epoch();
+        Epochs { controls, machines: self.instance_space.last_epoch() }
+    }
+
+    /// Gives the next owners of history numbers after these. Tables that go back to an earlier state
+    /// need it: devices still hold the history of owners that came later, under their numbers.
+    pub fn continue_epochs(&mut self, after: Epochs) {
+        self.control_spaces.continue_after(after.controls);
+        self.instance_space.continue_after(after.machines);
+    }
+
     /// Marks every element as changed, for a device that has copied nothing yet.
     pub fn mark_dirty(&mut self) {
         self.mark_controls_dirty();
@@ -359,6 +373,13 @@ impl Tables {
         self.blocks.mark_dirty();
         self.page_lists.mark_dirty();
     }
+}
+
+/// Numbers that the last owners of a device's history got.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Epochs {
+    controls: u32,
+    machines: u32,
 }
 
 /// Returns the planes of a pose, padded to whole blocks of joints.

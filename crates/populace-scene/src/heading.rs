@@ -82,3 +82,53 @@ fn limited(headings: impl Iterator<Item = f64>, step_secs: f64) -> Vec<f64> {
 fn wrapped(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STEP_SECS: f64 = 0.04;
+
+    /// Returns velocities that last for a number of rows each.
+    fn rows(parts: &[([f64; 2], usize)]) -> Vec<[f64; 2]> {
+        parts.iter().flat_map(|(velocity, count)| vec![*velocity; *count]).collect()
+    }
+
+    #[test]
+    fn the_heading_is_that_of_motion_and_is_held_while_standing() {
+        let headings =
+            of_motion(&rows(&[([0.0, 1.2], 100), ([0.0, 0.0], 200), ([1.2, 0.0], 100)]), STEP_SECS);
+        assert!((headings[50] - PI / 2.0).abs() < 0.01, "{}", headings[50]);
+        assert!((headings[200] - PI / 2.0).abs() < 0.05, "{}", headings[200]);
+        assert!(headings[380].abs() < 0.01, "{}", headings[380]);
+    }
+
+    #[test]
+    fn nobody_who_creeps_spins() {
+        // Four centimetres to and fro at half a metre per second at most.
+        let sway: Vec<[f64; 2]> =
+            (0..400).map(|nth| [0.15, 0.4 * (f64::from(nth) * 0.2).sin()]).collect();
+        let headings = of_motion(&sway, STEP_SECS);
+        assert!(headings.iter().all(|heading| heading.abs() < 1.0), "{headings:.2?}");
+    }
+
+    #[test]
+    fn turns_are_no_faster_than_peoples() {
+        let headings = of_motion(&rows(&[([1.0, 0.0], 100), ([-1.0, 0.01], 100)]), STEP_SECS);
+        let fastest = headings
+            .windows(2)
+            .map(|pair| (pair[1] - pair[0]).abs() / STEP_SECS)
+            .fold(0.0, f64::max);
+        assert!(fastest <= TURN_RATE + 1e-6, "{fastest}");
+        assert!((wrapped(headings[199]).abs() - PI).abs() < 0.05, "{}", headings[199]);
+    }
+
+    #[test]
+    fn data_may_wrap_and_have_gaps() {
+        let given = [3.1, f64::NAN, -3.1, -3.05, f64::NAN].map(|heading| [heading; 30]).concat();
+        let headings = of_data(&given, STEP_SECS);
+        assert!(headings.windows(2).all(|pair| (pair[1] - pair[0]).abs() < 0.1), "{headings:?}");
+        assert!((headings[149] - (2.0 * PI - 3.05)).abs() < 0.01, "{}", headings[149]);
+        assert_eq!(of_data(&[f64::NAN; 3], STEP_SECS), [0.0; 3]);
+    }
+}

@@ -3,16 +3,21 @@
 use std::f32::consts::FRAC_PI_2;
 
 use populace::MemberLook;
+use populace::model::{Role, RoleMap};
 use populace::{CharacterId, Crowd, MemberId, Placement};
 use populace_locomotion::{GaitSpace, Lead, WalkerSettings, Walkers};
 use populace_trajectory::{Kind, Recording};
 
 use crate::Error;
+use crate::gaze::{Gazes, Somebody};
 use crate::motion::{Moment, Motions};
 
 /// The part of a cycle by which neighbouring agents step apart: the golden ratio spreads them
 /// evenly.
 const PHASES: f64 = 0.618_033_988_749_895;
+
+/// Height of the eyes as a fraction of that of the body.
+const EYES: f32 = 0.93;
 
 /// The body of an agent.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +53,11 @@ pub struct Replay {
     agents: Vec<usize>,
     present: Vec<bool>,
     leads: Vec<Lead>,
+    gazes: Gazes,
+    /// Those who are there, in the order of agents.
+    somebodies: Vec<Somebody>,
+    /// Heights of the eyes above the ground in metres, by agent; 0 for bodies that cannot look.
+    eyes_m: Vec<f32>,
     secs: f64,
     error: PositionError,
 }
@@ -83,6 +93,9 @@ impl Replay {
             agents: Vec::new(),
             present: vec![false; agents],
             leads: Vec::new(),
+            gazes: Gazes::new(agents),
+            somebodies: Vec::new(),
+            eyes_m: vec![0.0; agents],
             secs,
             error: PositionError { max_m: 0.0, max_raw_m },
         })
@@ -105,6 +118,7 @@ impl Replay {
         }
         self.walkers.follow(crowd, &self.leads, secs)?;
         self.appear(crowd)?;
+        self.gaze(crowd, secs)?;
         for (agent, at) in self.agents.iter().zip(self.walkers.positions()) {
             let filtered = self.motions.agents[*agent].filtered_at(self.secs);
             let off = filtered.map_or(0.0, |[x, y]| (at[0] - x).hypot(at[1] + y));
@@ -149,6 +163,7 @@ impl Replay {
             crowd.despawn(member)?;
             self.agents.swap_remove(index);
             self.present[agent] = false;
+            self.gazes.forget(agent);
         }
         Ok(())
     }
@@ -170,9 +185,32 @@ impl Replay {
             self.walkers.add_led(crowd, member, &lead, phase)?;
             self.agents.push(agent);
             self.present[agent] = true;
+            self.eyes_m[agent] = eye_m(crowd, person)?;
         }
         Ok(())
     }
+
+    /// Turns the heads of people.
+    fn gaze(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
+        self.somebodies.clear();
+        let people = self.agents.iter().zip(self.walkers.members());
+        self.somebodies.extend(people.filter_map(|(agent, member)| {
+            let moment = self.motions.agents[*agent].at(self.secs)?;
+            Some(Somebody { agent: *agent, member: *member, moment, eye_m: self.eyes_m[*agent] })
+        }));
+        self.somebodies.sort_unstable_by_key(|somebody| somebody.agent);
+        self.gazes.turn(crowd, &self.somebodies, (self.secs, secs))
+    }
+}
+
+/// Returns the height of a person's eyes above the ground in metres; 0 for a body without a head
+/// that turns.
+fn eye_m(crowd: &Crowd, person: Person) -> Result<f32, Error> {
+    let character = crowd.character(person.character)?;
+    let asset = character.asset();
+    let roles = RoleMap::detect(&asset.skeleton);
+    let can_look = roles.is_some_and(|roles| roles.joint(Role::Head).is_some());
+    Ok(if can_look { EYES * asset.height_m() * person.scale } else { 0.0 })
 }
 
 /// Returns how an agent is led at a time; `None` while it is not there.

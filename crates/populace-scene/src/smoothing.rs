@@ -147,7 +147,7 @@ fn box_radius(step_secs: f64, width_secs: f64) -> usize {
     (((4.0 * width * width + 1.0).sqrt() - 1.0) / 2.0).round() as usize
 }
 
-/// Returns means over the values around each one; fewer at the ends, as many on both sides.
+/// Returns means over the values around each one; fewer at the ends.
 fn boxed(values: &[[f64; 2]], radius: usize) -> Vec<[f64; 2]> {
     let mut sums = vec![[0.0; 2]];
     for (nth, value) in values.iter().enumerate() {
@@ -155,10 +155,85 @@ fn boxed(values: &[[f64; 2]], radius: usize) -> Vec<[f64; 2]> {
         sums.push([sum[0] + value[0], sum[1] + value[1]]);
     }
     let mean = |nth: usize| {
-        let radius = radius.min(nth).min(values.len() - 1 - nth);
-        let [from, until] = [sums[nth - radius], sums[nth + radius + 1]];
-        let count = (2 * radius + 1) as f64;
+        let (first, end) = (nth.saturating_sub(radius), (nth + radius + 1).min(values.len()));
+        let [from, until] = [sums[first], sums[end]];
+        let count = (end - first) as f64;
         [(until[0] - from[0]) / count, (until[1] - from[1]) / count]
     };
     (0..values.len()).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use super::*;
+
+    const STEP_SECS: f64 = 0.04;
+
+    fn wave(hz: f64) -> Vec<f64> {
+        (0..1000).map(|nth| (TAU * hz * STEP_SECS * f64::from(nth)).sin()).collect()
+    }
+
+    /// Returns the largest value away from the ends.
+    fn amplitude(values: &[f64]) -> f64 {
+        values[200..800].iter().fold(0.0, |most, value| value.abs().max(most))
+    }
+
+    #[test]
+    fn amplitudes_follow_the_filters_formula() {
+        for (hz, expected) in [(0.1, 0.998), (0.5, 0.5), (1.0, 1.0 / 17.0), (2.0, 1.0 / 257.0)] {
+            let mut values = wave(hz);
+            low_pass(&mut values, STEP_SECS, 0.5);
+            let found = amplitude(&values);
+            assert!((found - expected).abs() < 0.01, "{hz} Hz: {found}, not {expected}");
+        }
+    }
+
+    #[test]
+    fn straight_lines_stay_and_nothing_is_delayed() {
+        let line: Vec<f64> = (0..200).map(|nth| 3.0 - 0.05 * f64::from(nth)).collect();
+        let mut smooth = line.clone();
+        low_pass(&mut smooth, STEP_SECS, 0.5);
+        for (nth, (found, expected)) in smooth.iter().zip(&line).enumerate() {
+            assert!((found - expected).abs() < 0.01, "{nth}: {found}, not {expected}");
+        }
+        let mut hump: Vec<f64> =
+            (-100..=100).map(|nth| (-(f64::from(nth) * 0.03).powi(2)).exp()).collect();
+        low_pass(&mut hump, STEP_SECS, 0.5);
+        for nth in 0..100 {
+            assert!((hump[nth] - hump[200 - nth]).abs() < 1e-3, "{nth}");
+        }
+        let mut short = vec![1.0, 2.0];
+        low_pass(&mut short, STEP_SECS, 0.5);
+        assert_eq!(short, [1.0, 2.0]);
+    }
+
+    #[test]
+    fn curves_pass_through_points_and_do_not_overshoot() {
+        let (times, values) = ([0.0, 1.0, 2.0, 3.0, 3.5], [0.0, 0.0, 4.0, 4.0, 5.0]);
+        let curve = at_even_times(&times, &values, 0.0, 0.1, 36);
+        for (time, value) in times.iter().zip(values) {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "small")]
+            let nth = (time * 10.0_f64).round() as usize;
+            assert!((curve[nth] - value).abs() < 1e-9, "{time}: {}", curve[nth]);
+        }
+        assert!(curve.windows(2).all(|pair| pair[1] >= pair[0] - 1e-12), "{curve:?}");
+        assert_eq!(at_even_times(&[2.0], &[7.0], 2.0, 0.1, 2), [7.0, 7.0]);
+    }
+
+    #[test]
+    fn a_bell_has_the_width_asked_for() {
+        let mut peak = vec![[0.0; 2]; 201];
+        peak[100] = [1.0, -1.0];
+        let smooth = bell(&peak, STEP_SECS, 0.4);
+        let variance: f64 = smooth
+            .iter()
+            .enumerate()
+            .map(|(nth, value)| value[0] * ((nth as f64 - 100.0) * STEP_SECS).powi(2))
+            .sum();
+        assert!((variance.sqrt() - 0.4).abs() < 0.02, "{}", variance.sqrt());
+        let sum: f64 = smooth.iter().map(|value| value[1]).sum();
+        assert!((sum + 1.0).abs() < 1e-9, "{sum}");
+    }
 }

@@ -89,6 +89,16 @@ impl ControlSpaces {
         self.runs.get(control as usize).map_or(0, |runs| runs.joint_count)
     }
 
+    /// Returns the number of the last owner of history state.
+    pub(super) const fn last_epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Gives the next owners numbers after this one.
+    pub(super) fn continue_after(&mut self, epoch: u32) {
+        self.epoch = self.epoch.max(epoch);
+    }
+
     /// Returns a number for the next owner of history state.
     fn next_epoch(&mut self) -> u32 {
         self.epoch = self.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);

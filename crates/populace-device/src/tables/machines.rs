@@ -84,6 +84,16 @@ impl InstanceSpace {
     pub(super) fn new() -> Self {
         Self { space: Space::new(usize::MAX), uses: Vec::new(), epoch: 0 }
     }
+
+    /// Returns the number of the last instance.
+    pub(super) const fn last_epoch(&self) -> u32 {
+        self.epoch
+    }
+
+    /// Gives the next instances numbers after this one.
+    pub(super) fn continue_after(&mut self, epoch: u32) {
+        self.epoch = self.epoch.max(epoch);
+    }
 }
 
 fn bad(what: &'static str, value: u32) -> Error {

@@ -8,18 +8,20 @@ use crate::feet::Feet;
 use crate::strides::Planting;
 use crate::{Error, Gait};
 
-/// A clip of a character.
+/// A clip of a character that has played.
 #[derive(Clone, Debug)]
 struct KnownClip {
     id: ClipId,
     /// The time on its own axis at which it starts; its gait starts at 0.
     start_secs: f32,
-    gait: Gait,
+    /// `None` for a clip whose feet never stand.
+    gait: Option<Gait>,
 }
 
-/// The feet of a character, and the gaits of its clips.
+/// The feet of a character, and the gaits of the clips that it has played.
 #[derive(Clone, Debug)]
 pub(super) struct Body {
+    id: CharacterId,
     pub(super) feet: Feet,
     clips: Vec<KnownClip>,
 }
@@ -53,50 +55,57 @@ impl Sole {
 }
 
 impl Body {
-    /// Measures the clips that a character has in a crowd. `None` for a body without two feet.
+    /// Finds the feet of a character of a crowd. `None` for a body without two feet.
     pub(super) fn new(crowd: &Crowd, id: CharacterId) -> Result<Option<Self>, Error> {
-        let view = crowd.character(id)?;
-        let character = view.asset();
-        let Some(feet) = Feet::find(character) else { return Ok(None) };
-        let mut clips = Vec::new();
-        for (id, clip) in view.clips() {
-            let start_secs = clip.start_secs();
-            let gait = Gait::measure(character, &clip)?;
-            clips.extend(gait.map(|gait| KnownClip { id, start_secs, gait }));
-        }
-        Ok(Some(Self { feet, clips }))
+        let feet = Feet::find(crowd.character(id)?.asset());
+        Ok(feet.map(|feet| Self { id, feet, clips: Vec::new() }))
     }
 
-    /// Returns the gait of a clip.
-    pub(super) fn gait(&self, clip: ClipId) -> Option<&Gait> {
-        self.clips.iter().find(|known| known.id == clip).map(|known| &known.gait)
+    /// Returns the gait of a clip, which is measured when it is first asked for.
+    pub(super) fn gait(&mut self, crowd: &Crowd, clip: ClipId) -> Result<Option<&Gait>, Error> {
+        let index = self.known(crowd, clip)?;
+        Ok(self.clips[index].gait.as_ref())
+    }
+
+    fn known(&mut self, crowd: &Crowd, clip: ClipId) -> Result<usize, Error> {
+        if let Some(index) = self.clips.iter().position(|known| known.id == clip) {
+            return Ok(index);
+        }
+        let view = crowd.character(self.id)?;
+        let found = view.clips().into_iter().find(|(id, _)| *id == clip);
+        let (start_secs, gait) = match found {
+            Some((_, clip)) => (clip.start_secs(), Gait::measure(view.asset(), &clip)?),
+            None => (0.0, None),
+        };
+        self.clips.push(KnownClip { id: clip, start_secs, gait });
+        Ok(self.clips.len() - 1)
     }
 
     /// Returns whether the clips that play have each foot in contact.
-    fn planted(&self, playing: &[ActiveClip]) -> [bool; 2] {
-        [Side::Left, Side::Right].map(|foot| {
-            let mut planting = Planting::default();
-            for active in playing.iter().filter(|active| active.weight > 0.0) {
-                let known = self.clips.iter().find(|known| known.id == active.clip);
-                if let Some(KnownClip { start_secs, gait, .. }) = known {
-                    let secs = active.time_secs - start_secs;
-                    planting.add(gait, foot, secs, active.weight);
-                }
+    fn planted(&mut self, crowd: &Crowd, playing: &[ActiveClip]) -> Result<[bool; 2], Error> {
+        let mut plantings = [Planting::default(); 2];
+        for active in playing.iter().filter(|active| active.weight > 0.0) {
+            let index = self.known(crowd, active.clip)?;
+            let KnownClip { start_secs, gait, .. } = &self.clips[index];
+            let Some(gait) = gait else { continue };
+            let secs = active.time_secs - start_secs;
+            for (planting, foot) in plantings.iter_mut().zip([Side::Left, Side::Right]) {
+                planting.add(gait, foot, secs, active.weight);
             }
-            planting.is_planted()
-        })
+        }
+        Ok(plantings.map(Planting::is_planted))
     }
 
     /// Returns both feet of a member whose joints are at transforms of model space.
     pub(super) fn soles(
-        &self,
+        &mut self,
         crowd: &Crowd,
         member: MemberId,
         model_from_joints: &[Affine],
     ) -> Result<[Sole; 2], Error> {
         let member = crowd.member(member)?;
         let world = member.placement().world_from_model();
-        let planted = self.planted(&member.active_clips());
+        let planted = self.planted(crowd, &member.active_clips())?;
         Ok([0, 1].map(|nth: usize| {
             let foot = &self.feet.feet[nth];
             let place = |point: &crate::feet::Carried| point.place(model_from_joints);

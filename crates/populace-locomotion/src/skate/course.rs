@@ -173,7 +173,8 @@ impl Course {
         for clip in &self.moving {
             let member = self.crowd.spawn(self.id, Placement::at([0.0; 3]))?;
             self.crowd.member_mut(member)?.play(*clip, ClipPlayback::looping())?;
-            let cycle_secs = self.body.gait(*clip).map_or(1.0, |gait| gait.duration_secs);
+            let gait = self.body.gait(&self.crowd, *clip)?;
+            let cycle_secs = gait.map_or(1.0, |gait| gait.duration_secs);
             let cycle_secs = cycle_secs.clamp(0.1, 10.0);
             let mut last = Vec::new();
             for _ in frames(2.0 * cycle_secs) {

@@ -51,7 +51,7 @@ impl SkateMeter {
                 self.bodies.len() - 1
             }
         };
-        let Some(body) = &self.bodies[index].1 else { return Ok(()) };
+        let Some(body) = &mut self.bodies[index].1 else { return Ok(()) };
         let models = crowd.member_mut(member)?.model_from_joints()?;
         let now = body.soles(crowd, member, &models)?;
         if let Some(last) = self.last.get(&member).filter(|_| secs > 0.0) {

@@ -14,6 +14,7 @@
 mod fixture;
 mod goals;
 mod ground;
+mod led;
 mod limits;
 mod refusals;
 mod replay;

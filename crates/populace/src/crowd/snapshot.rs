@@ -64,7 +64,9 @@ impl Crowd {
         if now.is_any() || then.is_any() {
             self.device.backend_mut().set_stages(then.as_slice())?;
         }
+        let epochs = self.state.base.tables.epochs();
         self.state.clone_from(&snapshot.state);
+        self.state.base.tables.continue_epochs(epochs);
         self.state.base.tables.mark_dirty();
         self.device.take_history(snapshot.history.clone());
         Ok(())

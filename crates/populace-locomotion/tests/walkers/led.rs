@@ -1,0 +1,97 @@
+//! Walkers that are led through a motion.
+
+use populace::Placement;
+use populace_locomotion::{Error, Lead, SkateMeter};
+
+use crate::fixture::{FRAME_SECS, Town};
+
+/// Radius in metres and speed in metres per second of the circle that leads go round.
+const RADIUS_M: f32 = 4.0;
+const SPEED: f32 = 1.3;
+
+/// Returns the lead round a circle at a time in seconds.
+fn round(secs: f32) -> Lead {
+    let angle = SPEED * secs / RADIUS_M;
+    let (sin, cos) = angle.sin_cos();
+    Lead {
+        position: [RADIUS_M * sin, RADIUS_M * cos],
+        velocity: [SPEED * cos, -SPEED * sin],
+        soon_m_per_sec: SPEED,
+        yaw_rad: angle + std::f32::consts::FRAC_PI_2,
+        height_m: 0.0,
+    }
+}
+
+/// Returns a town in which one walker is led.
+fn town() -> Town {
+    let mut town = Town::new();
+    let member = town.crowd.spawn(town.person, Placement::at([0.0; 3])).unwrap();
+    town.walkers.add_led(&mut town.crowd, member, &round(0.0), 0.3).unwrap();
+    town
+}
+
+#[test]
+fn it_is_where_it_is_led_and_its_feet_hold() {
+    let mut town = town();
+    let member = town.walkers.members()[0];
+    let mut meter = SkateMeter::new();
+    for frame in 1..300_u16 {
+        let lead = round(f32::from(frame) * FRAME_SECS);
+        town.walkers.follow(&mut town.crowd, &[lead], FRAME_SECS).unwrap();
+        town.crowd.update(FRAME_SECS).unwrap();
+        let [x, _, z] = town.crowd.member(member).unwrap().placement().position();
+        assert!([x, z] == lead.position, "{frame}: {x} {z} is not {lead:?}");
+        meter.sample(&mut town.crowd, member, FRAME_SECS).unwrap();
+    }
+    let skate = meter.skate().unwrap();
+    assert!(skate.mean_m_per_sec < 0.01 && skate.p95_m_per_sec < 0.04, "{skate:?}");
+    // Half of the frames of two feet or more.
+    assert!(skate.samples > 250, "{skate:?}");
+}
+
+#[test]
+fn the_meter_sees_feet_that_slide() {
+    let mut town = town();
+    let member = town.walkers.members()[0];
+    let mut meter = SkateMeter::new();
+    for frame in 1..60_u16 {
+        let lead = round(f32::from(frame) * FRAME_SECS);
+        // Told to stand while it is carried along.
+        let carried = Lead { velocity: [0.0; 2], soon_m_per_sec: 0.0, ..lead };
+        town.crowd.member_mut(member).unwrap().plant_feet(0.0).unwrap();
+        town.walkers.follow(&mut town.crowd, &[carried], FRAME_SECS).unwrap();
+        town.crowd.update(FRAME_SECS).unwrap();
+        meter.sample(&mut town.crowd, member, FRAME_SECS).unwrap();
+    }
+    let skate = meter.skate().unwrap();
+    assert!(skate.mean_m_per_sec > 0.5, "{skate:?}");
+}
+
+#[test]
+fn it_begins_under_way() {
+    let mut town = town();
+    let member = town.walkers.members()[0];
+    town.crowd.update(0.0).unwrap();
+    let playing = town.crowd.member(member).unwrap().active_clips();
+    let weight = |clip: &populace::ActiveClip| clip.weight;
+    let moving: f32 = playing.iter().filter(|clip| clip.time_secs > 0.0).map(weight).sum();
+    assert!(moving > 0.5, "{playing:?}");
+}
+
+#[test]
+fn wrong_leads_move_nobody() {
+    let mut town = town();
+    let before = town.walkers.positions().to_vec();
+    let wrong = town.walkers.follow(&mut town.crowd, &[], FRAME_SECS);
+    assert!(matches!(wrong, Err(Error::UnequalLengths { found: 0, walkers: 1 })), "{wrong:?}");
+    for bad in [
+        Lead { position: [f32::NAN, 0.0], ..round(0.5) },
+        Lead { velocity: [0.0, f32::INFINITY], ..round(0.5) },
+        Lead { yaw_rad: f32::NAN, ..round(0.5) },
+        Lead { height_m: 1e9, ..round(0.5) },
+    ] {
+        let wrong = town.walkers.follow(&mut town.crowd, &[bad], FRAME_SECS);
+        assert!(matches!(wrong, Err(Error::BadValue { .. })), "{bad:?}: {wrong:?}");
+    }
+    assert_eq!(town.walkers.positions(), before);
+}

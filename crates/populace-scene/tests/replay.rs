@@ -1,0 +1,191 @@
+//! People who follow trajectories, on the native device.
+
+#![expect(clippy::unwrap_used, reason = "tests panic on errors")]
+#![expect(clippy::disallowed_methods, reason = "tests need not give the same bits everywhere")]
+
+use std::f64::consts::TAU;
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+use populace::character::Character;
+use populace::{Affine, Crowd, Device};
+use populace_cast::Look;
+use populace_locomotion::{GaitSpace, SkateMeter};
+use populace_scene::{Error, Motions, Person, Replay};
+use populace_trajectory::{ReadSettings, Recording, parse};
+
+const FPS: u32 = 25;
+const FRAME_SECS: f32 = 1.0 / FPS as f32;
+
+/// Returns a recording of heads that sway, 25 rows in a second: id, first frame, last frame, start,
+/// velocity.
+fn recording(agents: &[(u32, u32, u32, [f64; 2], [f64; 2])], sway_m: f64) -> Recording {
+    let mut text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n".to_owned();
+    for (id, first, last, at, velocity) in agents {
+        for frame in *first..=*last {
+            let secs = f64::from(frame - first) / f64::from(FPS);
+            let speed = velocity[0].hypot(velocity[1]).max(1e-9);
+            let aside = sway_m * (TAU * 0.95 * secs).sin() / speed;
+            let x = at[0] + velocity[0] * secs - velocity[1] * aside;
+            let y = at[1] + velocity[1] * secs + velocity[0] * aside;
+            writeln!(text, "{id} {frame} {x:.5} {y:.5} 1.7").unwrap();
+        }
+    }
+    parse(Path::new("walk.txt"), text.into_bytes(), &ReadSettings::default()).unwrap()
+}
+
+fn man() -> Arc<Character> {
+    static MAN: OnceLock<Arc<Character>> = OnceLock::new();
+    Arc::clone(MAN.get_or_init(|| Arc::new(populace_cast::person(&Look::man()).unwrap())))
+}
+
+/// Returns a crowd and a replay at the first time of a recording.
+fn stage(recording: &Recording) -> (Crowd, Replay) {
+    let device = Device::Native { threads: 1 };
+    let mut crowd = Crowd::builder().device(device).capacity(8).build().unwrap();
+    let character = crowd.add_character(man()).unwrap();
+    let gaits = GaitSpace::of(&mut crowd, character).unwrap();
+    let people = vec![Person { character, scale: 1.0, look: None }; recording.agents.len()];
+    let motions = Motions::new(recording);
+    let replay =
+        Replay::new(recording, motions, &people, vec![gaits], recording.secs()[0]).unwrap();
+    (crowd, replay)
+}
+
+fn step(crowd: &mut Crowd, replay: &mut Replay, secs: f32) {
+    replay.advance(crowd, secs).unwrap();
+    crowd.update(secs).unwrap();
+}
+
+fn palettes(crowd: &mut Crowd) -> Vec<u32> {
+    let mut bits = Vec::new();
+    let mut read = |_, palette: &[Affine]| {
+        bits.extend(palette.iter().flat_map(|m| m.rows.as_flattened()).map(|v| v.to_bits()));
+    };
+    crowd.palettes(&mut read).unwrap();
+    bits
+}
+
+#[test]
+fn sway_is_found_and_the_path_without_it_is_kept() {
+    let swaying = recording(&[(1, 0, 250, [0.0; 2], [1.3, 0.0])], 0.03);
+    let (mut crowd, mut replay) = stage(&swaying);
+    assert!((0.01..0.03).contains(&replay.motions().sway_m), "{}", replay.motions().sway_m);
+    assert!(replay.motions().cutoff_hz == 0.5);
+    step(&mut crowd, &mut replay, 0.0);
+    for frame in 1..=250_u16 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        let (_, member) = replay.present().next().unwrap();
+        let [x, _, z] = crowd.member(member).unwrap().placement().position();
+        let secs = f32::from(frame) * FRAME_SECS;
+        // The ends see half of a filter.
+        if (25..225).contains(&frame) {
+            assert!((x - 1.3 * secs).abs() < 0.01 && z.abs() < 0.006, "{frame}: {x} {z}");
+        }
+    }
+    let error = replay.position_error();
+    assert!(error.max_m < 1e-3 && (0.02..0.04).contains(&error.max_raw_m), "{error:?}");
+    let steady = recording(&[(1, 0, 250, [0.0; 2], [1.3, 0.0])], 0.0);
+    assert!(Motions::new(&steady).cutoff_hz == 1.0);
+}
+
+#[test]
+fn the_plan_lies_on_the_ground_and_people_face_the_way_they_go() {
+    let north = recording(&[(1, 0, 100, [2.0, 5.0], [0.0, 1.2])], 0.0);
+    let (mut crowd, mut replay) = stage(&north);
+    step(&mut crowd, &mut replay, 0.0);
+    let (_, member) = replay.present().next().unwrap();
+    let placement = crowd.member(member).unwrap().placement();
+    let [x, y, z] = placement.position();
+    assert!((x - 2.0).abs() < 1e-3 && y == 0.0 && (z + 5.0).abs() < 0.02, "{x} {y} {z}");
+    let ahead = placement.world_from_model().transform_point([0.0, 0.0, 1.0]);
+    assert!((ahead[2] - z + 1.0).abs() < 1e-3, "{ahead:?}");
+}
+
+#[test]
+fn people_come_and_leave_as_in_the_data() {
+    let data = recording(
+        &[
+            (7, 0, 50, [0.0; 2], [1.0, 0.0]),
+            (8, 25, 100, [0.0, 3.0], [1.0, 0.0]),
+            (9, 60, 100, [0.0, 6.0], [0.0; 2]),
+        ],
+        0.0,
+    );
+    let (mut crowd, mut replay) = stage(&data);
+    step(&mut crowd, &mut replay, 0.0);
+    for frame in 1..=110_u16 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        let mut present: Vec<usize> = replay.present().map(|(agent, _)| agent).collect();
+        present.sort_unstable();
+        let there =
+            [(0..=50).contains(&frame), (25..=100).contains(&frame), frame >= 60 && frame <= 100];
+        let expected: Vec<usize> = (0..3).filter(|agent| there[*agent]).collect();
+        // Sums of frame lengths are a little off the rows' times.
+        if ![25, 50, 51, 60, 100, 101].contains(&frame) {
+            assert_eq!(present, expected, "{frame}");
+        }
+        assert_eq!(crowd.member_count(), present.len());
+    }
+}
+
+#[test]
+fn feet_hold_while_people_walk_turn_and_stop() {
+    let mut text = "# framerate: 25 fps\n# id frame x/m y/m z/m\n".to_owned();
+    let mut at = [0.0, 0.0];
+    for frame in 0..500 {
+        let secs = f64::from(frame) / 25.0;
+        let speed = if (8.0..12.0).contains(&secs) { 0.0 } else { 1.2 };
+        let angle = 0.4 * secs;
+        at = [at[0] + speed * angle.cos() / 25.0, at[1] + speed * angle.sin() / 25.0];
+        writeln!(text, "1 {frame} {:.4} {:.4} 1.7", at[0], at[1]).unwrap();
+    }
+    let data = parse(Path::new("t.txt"), text.into_bytes(), &ReadSettings::default()).unwrap();
+    let (mut crowd, mut replay) = stage(&data);
+    let mut meter = SkateMeter::new();
+    step(&mut crowd, &mut replay, 0.0);
+    for _ in 1..490 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        let (_, member) = replay.present().next().unwrap();
+        meter.sample(&mut crowd, member, FRAME_SECS).unwrap();
+    }
+    let skate = meter.skate().unwrap();
+    assert!(skate.mean_m_per_sec < 0.02 && skate.p95_m_per_sec < 0.08, "{skate:?}");
+}
+
+#[test]
+fn a_clone_and_a_snapshot_go_on_as_the_original() {
+    let data =
+        recording(&[(1, 0, 120, [0.0; 2], [1.2, 0.3]), (2, 40, 120, [0.0, 3.0], [0.6, 0.0])], 0.02);
+    let (mut crowd, mut replay) = stage(&data);
+    step(&mut crowd, &mut replay, 0.0);
+    for _ in 0..30 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+    }
+    let (kept, snapshot) = (replay.clone(), crowd.snapshot().unwrap());
+    let run = |mut replay: Replay, crowd: &mut Crowd| -> Vec<Vec<u32>> {
+        let mut frame = |_| {
+            step(crowd, &mut replay, FRAME_SECS);
+            palettes(crowd)
+        };
+        (0..40).map(&mut frame).collect()
+    };
+    let first = run(replay, &mut crowd);
+    crowd.restore(&snapshot).unwrap();
+    let again = run(kept, &mut crowd);
+    let differs = first.iter().zip(&again).position(|(a, b)| a != b);
+    assert_eq!(
+        differs,
+        None,
+        "{:?}",
+        [&first, &again].map(|frames| frames[differs.unwrap_or(0)].len())
+    );
+}
+
+#[test]
+fn there_is_one_person_for_each_agent() {
+    let data = recording(&[(1, 0, 10, [0.0; 2], [1.0, 0.0])], 0.0);
+    let wrong = Replay::new(&data, Motions::new(&data), &[], Vec::new(), 0.0);
+    assert!(matches!(wrong, Err(Error::UnequalLengths { people: 0, agents: 1 })), "{wrong:?}");
+}
