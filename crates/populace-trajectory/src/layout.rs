@@ -79,7 +79,7 @@ impl Layout {
     ///
     /// The problem, if a column is missing or in a unit that cannot be read.
     pub(crate) fn of(names: &[Name<'_>], customs: Customs) -> Result<Self, String> {
-        let find = |meaning| names.iter().position(|name| name.meaning == Some(meaning));
+        let find = |meaning| Name::find(names, meaning);
         let (time, frame) = (find(Meaning::Time), find(Meaning::Frame));
         let (x, y) = (find(Meaning::X), find(Meaning::Y));
         let (Some(id), Some(clock), Some(x), Some(y)) = (find(Meaning::Id), time.or(frame), x, y)
@@ -112,7 +112,7 @@ impl Layout {
     }
 
     fn add_roles(&mut self, names: &[Name<'_>], customs: Customs) {
-        let find = |meaning| names.iter().position(|name| name.meaning == Some(meaning));
+        let find = |meaning| Name::find(names, meaning);
         let pair = |x, y| find(x).zip(find(y));
         let heading = pair(Meaning::HeadingX, Meaning::HeadingY);
         let view = pair(Meaning::ViewX, Meaning::ViewY);
