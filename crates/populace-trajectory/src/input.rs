@@ -11,6 +11,9 @@ const HEAD_BYTES: u64 = 16 * 1024;
 /// Bytes of the longest line. Longer ones are no rows, and would fill the memory.
 const LINE_BYTES: u64 = 1 << 20;
 
+/// First bytes of files that gzip compressed.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
 /// A file to read.
 pub(crate) struct Input {
     path: PathBuf,
@@ -38,13 +41,32 @@ impl Input {
         self.bytes.is_none().then_some(&*self.path)
     }
 
+    /// Returns the path if the file is on disk and not compressed.
+    pub(crate) fn plain_on_disk(&self) -> Result<Option<&Path>, Error> {
+        let Some(path) = self.on_disk() else { return Ok(None) };
+        let mut start = Vec::new();
+        let file = File::open(path).map_err(self.unreadable())?;
+        file.take(GZIP.len() as u64).read_to_end(&mut start).map_err(self.unreadable())?;
+        Ok((start != GZIP).then_some(path))
+    }
+
+    /// Returns the path of a file beside this one: with the same name up to the extension, if it is
+    /// on disk.
+    pub(crate) fn beside(&self, extension: &str) -> Option<PathBuf> {
+        let path = self.on_disk()?;
+        let is_gzip = path.extension().is_some_and(|end| end == "gz");
+        let path = if is_gzip { path.with_extension("") } else { path.to_owned() };
+        let path = path.with_extension(extension);
+        (path != self.path && path.is_file()).then_some(path)
+    }
+
     /// Opens the bytes; compressed files (gzip) are decompressed on the way.
     pub(crate) fn open(&self) -> Result<Box<dyn BufRead + '_>, Error> {
         let mut raw: Box<dyn BufRead> = match &self.bytes {
             Some(bytes) => Box::new(Cursor::new(bytes)),
             None => Box::new(BufReader::new(File::open(&self.path).map_err(self.unreadable())?)),
         };
-        let is_gzip = raw.fill_buf().map_err(self.unreadable())?.starts_with(&[0x1f, 0x8b]);
+        let is_gzip = raw.fill_buf().map_err(self.unreadable())?.starts_with(&GZIP);
         if is_gzip {
             return Ok(Box::new(BufReader::new(flate2::bufread::MultiGzDecoder::new(raw))));
         }

@@ -27,9 +27,18 @@ pub struct Place {
     pub changes: Vec<PlaceChange>,
     /// Obstacles in the walkable areas, beside their holes.
     pub obstacles: Vec<Polygon>,
+    /// Areas in which agents appear.
+    pub sources: Vec<Polygon>,
+    /// Areas to which agents go.
+    pub targets: Vec<Polygon>,
 }
 
 impl Polygon {
+    /// The number of points of all rings.
+    pub(crate) fn point_count(&self) -> usize {
+        self.outline.len() + self.holes.iter().map(Vec::len).sum::<usize>()
+    }
+
     fn move_by(&mut self, by: [f64; 2]) {
         let rings = std::iter::once(&mut self.outline).chain(&mut self.holes);
         for at in rings.flatten() {
@@ -42,7 +51,8 @@ impl Place {
     /// Returns the place with its points relative to an origin.
     pub(crate) fn relative_to(mut self, origin_m: [f64; 2]) -> Self {
         let areas = self.changes.iter_mut().flat_map(|change| &mut change.walkable);
-        for polygon in areas.chain(&mut self.obstacles) {
+        let others = [&mut self.obstacles, &mut self.sources, &mut self.targets];
+        for polygon in areas.chain(others.into_iter().flatten()) {
             polygon.move_by(origin_m.map(|v| -v));
         }
         self

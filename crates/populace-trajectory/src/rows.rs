@@ -65,6 +65,7 @@ impl Words {
 pub(crate) struct Rows {
     /// People and vehicles, which may have equal ids.
     by_id: [HashMap<Box<str>, u32>; 2],
+    by_number: HashMap<i64, u32>,
     agents: Vec<Agent>,
     owners: Vec<u32>,
     clocks: Vec<f64>,
@@ -101,6 +102,16 @@ impl Rows {
         by_id.insert(id.into(), index);
         let (id, rows, steps) = (id.to_owned(), 0..0, 0..0);
         self.agents.push(Agent { id, kind, height_m: None, rows, steps });
+        index
+    }
+
+    /// Returns the index of the agent whose id is a number.
+    pub(crate) fn agent_of_number(&mut self, id: i64) -> u32 {
+        if let Some(index) = self.by_number.get(&id) {
+            return *index;
+        }
+        let index = self.agent(&id.to_string());
+        self.by_number.insert(id, index);
         index
     }
 
