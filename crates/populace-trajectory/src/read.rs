@@ -2,11 +2,15 @@
 
 use std::path::Path;
 
+#[cfg(feature = "hdf5")]
+use crate::hdf5;
 use crate::input::Input;
+#[cfg(feature = "sqlite")]
+use crate::jupedsim;
 use crate::recognise::recognise;
 use crate::{
-    Error, Format, ReadSettings, Recording, jpscore, menge, named, obsmat, petrack, trajnet,
-    trajnet_plus_plus,
+    Error, Format, ReadSettings, Recording, area, jpscore, menge, named, obsmat, pathfinder_json,
+    petrack, sumo, trajnet, trajnet_plus_plus, vadere,
 };
 
 /// Reads a file. Its format is recognised by its content.
@@ -31,16 +35,27 @@ pub fn parse(name: &Path, bytes: Vec<u8>, settings: &ReadSettings) -> Result<Rec
 
 fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let format = settings.format.map_or_else(|| recognise(input), Ok)?;
-    match format {
+    let recording = match format {
         Format::PeTrack => petrack::read(input, settings),
         Format::Jpscore => jpscore::read(input, settings),
+        #[cfg(feature = "sqlite")]
+        Format::JuPedSim => jupedsim::read(input, settings),
+        #[cfg(feature = "hdf5")]
+        Format::Hdf5 => hdf5::read(input, settings),
+        Format::Vadere => vadere::read(input, settings),
+        Format::Sumo => sumo::read(input, settings),
         Format::PathfinderCsv | Format::Viswalk | Format::CrowdIt | Format::Csv => {
             named::read(input, format, settings)
         }
+        Format::PathfinderJson => pathfinder_json::read(input, settings),
         Format::Obsmat => obsmat::read(input, settings),
         Format::TrajNet => trajnet::read(input, settings),
         Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
         Format::Menge => menge::read(input, settings),
-        _ => Err(input.malformed(None, "the format is not supported")),
-    }
+        #[cfg(not(all(feature = "sqlite", feature = "hdf5")))]
+        Format::JuPedSim | Format::Hdf5 => {
+            Err(input.malformed(None, format!("this build was made without {format}")))
+        }
+    };
+    area::with_area(recording?, input, settings)
 }

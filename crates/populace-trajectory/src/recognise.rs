@@ -6,7 +6,7 @@ use crate::comment;
 use crate::fields::{Fields, Separator, Splitter, number};
 use crate::input::Input;
 use crate::layout::shortened;
-use crate::{Error, Format, jpscore, menge, named, petrack};
+use crate::{Error, Format, jpscore, menge, named, petrack, vadere};
 
 /// Beginnings of binary files that can be read.
 const BINARY: [(&[u8], Format); 2] =
@@ -157,7 +157,8 @@ fn lines(text: &str) -> Result<Format, Refusal> {
         !line.is_empty() && !line.starts_with('#')
     });
     let first = rows.next().unwrap_or_default();
-    if text.starts_with("#IDXCOL") || first.contains("-PID") {
+    let is_vadere = text.starts_with("#IDXCOL") || first.contains("-PID");
+    if is_vadere || vadere::is_header(first) {
         return Ok(Format::Vadere);
     }
     if comments().any(jpscore::names_columns) {

@@ -1,0 +1,80 @@
+//! Small good files with bytes changed or cut off must be read or refused, never more.
+
+use std::path::Path;
+
+use populace_trajectory::{Format, ReadSettings, parse};
+use proptest::prelude::*;
+
+/// Good files of all families that these tests write.
+fn seeds() -> Vec<(Format, Vec<u8>)> {
+    let mut seeds = vec![
+        (Format::Vadere, super::vadere::small().into_bytes()),
+        (Format::Sumo, super::sumo::small().into_bytes()),
+        (Format::PathfinderJson, super::pathfinder_json::small().into_bytes()),
+    ];
+    #[cfg(feature = "sqlite")]
+    seeds.push((Format::JuPedSim, super::jupedsim::small()));
+    #[cfg(feature = "hdf5")]
+    seeds.extend([(Format::Hdf5, super::hdf5::jupedsim()), (Format::Hdf5, super::hdf5::petrack())]);
+    seeds
+}
+
+/// Reads bytes as a format, and looks at all of what it gives.
+fn survives(format: Format, bytes: Vec<u8>) {
+    let settings = ReadSettings { format: Some(format), ..ReadSettings::default() };
+    match parse(Path::new("file"), bytes, &settings) {
+        Ok(recording) => {
+            let summary = recording.summary();
+            assert!(summary.agents > 0 && summary.frames > 0);
+            assert!(recording.extent().as_flattened().iter().all(|v| v.is_finite()));
+            for agent in &recording.agents {
+                let track = recording.track(agent);
+                assert!(track.times.windows(2).all(|pair| pair[0] < pair[1]));
+                assert_eq!(track.times.len(), track.positions.len());
+            }
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+#[test]
+fn seeds_can_be_read() {
+    for (index, (format, bytes)) in seeds().into_iter().enumerate() {
+        if let Some(folder) = std::env::var_os("POPULACE_WRITE_SEEDS") {
+            let folder = Path::new(&folder).join(format.name());
+            std::fs::create_dir_all(&folder).expect("a folder");
+            std::fs::write(folder.join(index.to_string()), &bytes).expect("a file");
+        }
+        let settings = ReadSettings::default();
+        let recording = parse(Path::new("file"), bytes, &settings).expect("a good file");
+        assert_eq!(recording.source.format, format);
+    }
+}
+
+#[test]
+fn every_beginning_of_a_file_is_read_or_refused() {
+    for (format, bytes) in seeds() {
+        let step = (bytes.len() / 300).max(1);
+        for end in (0..bytes.len()).step_by(step) {
+            survives(format, bytes[..end].to_vec());
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn changed_bytes_are_read_or_refused(
+        changes in proptest::collection::vec((0.0..1.0_f64, any::<u8>()), 1..8),
+    ) {
+        for (format, mut bytes) in seeds() {
+            for (place, byte) in &changes {
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "an index")]
+                let index = (place * bytes.len() as f64) as usize;
+                bytes[index] = *byte;
+            }
+            survives(format, bytes);
+        }
+    }
+}
