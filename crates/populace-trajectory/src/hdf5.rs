@@ -4,10 +4,12 @@ use std::io::Write;
 
 use rust_hdf5::{FileLocking, H5Attribute, H5Dataset, H5File, LinkClass};
 
+use crate::areas::Areas;
 use crate::extra::Extras;
+use crate::ids::Ids;
 use crate::input::Input;
 use crate::rows::{Clock, Found, Rows};
-use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit, area};
+use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit};
 
 mod people;
 mod table;
@@ -28,7 +30,7 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
     let unit = unit(&dataset);
     let table = file.table(&dataset, "trajectory")?;
     let mut rows = Rows::default();
-    file.read_rows(&table, &mut rows)?;
+    file.read_rows(&table, unit.value.in_metres(), &mut rows)?;
     let place = file.place(fps.unless_set(settings.fps).value, &mut rows)?;
     let version = file.version();
     let found = Found { format: (Format::Hdf5, version), unit, clock: Clock::Frames(fps), place };
@@ -138,7 +140,8 @@ impl<'a> Hdf5<'a> {
         words.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
-    fn read_rows(&self, table: &Table, rows: &mut Rows) -> Result<(), Error> {
+    /// Reads the rows, whose unit is so many metres.
+    fn read_rows(&self, table: &Table, metres: f64, rows: &mut Rows) -> Result<(), Error> {
         let [id, frame, x, y, z, ox, oy] = MEMBERS.map(|name| table.member(name));
         let (Some(id), Some(frame), Some(x), Some(y)) = (id, frame, x, y) else {
             let has: Vec<_> = table.names().collect();
@@ -150,7 +153,7 @@ impl<'a> Hdf5<'a> {
         };
         // JuPedSim stores the ground's elevation, experiments that of heads or the body height.
         let has_ground = ox.is_some() || self.root_text("producer").as_deref() == Some("JuPedSim");
-        let mut extras = Extras::default();
+        let (mut extras, mut ids) = (Extras::default(), Ids::default());
         let others: Vec<(usize, usize)> = (table.names().enumerate())
             .filter(|(_, name)| !MEMBERS.iter().any(|known| name.eq_ignore_ascii_case(known)))
             .filter_map(|(member, name)| Some((member, extras.index(name, rows)?)))
@@ -163,13 +166,15 @@ impl<'a> Hdf5<'a> {
                 rows.leave_out("rows without a whole number as id were left out", at);
                 continue;
             };
-            let agent = rows.agent_of_number(number);
+            let agent = ids.agent(number, rows);
             let position = [table.number(row, x), table.number(row, y)];
             rows.push(agent, table.number(row, frame), position, at);
-            match z.map(|z| table.number(row, z)) {
-                Some(z) if has_ground => rows.set_elevation(z),
-                Some(z) => rows.raise_height(agent, z),
-                None => {}
+            let known_m = details.as_mut().and_then(|details| details.set(rows, number));
+            match (z.map(|z| table.number(row, z)), known_m) {
+                (Some(z), _) if has_ground => rows.set_elevation(z),
+                (_, Some(height_m)) => rows.raise_height(agent, height_m / metres),
+                (Some(z), None) => rows.raise_height(agent, z),
+                (None, None) => {}
             }
             if let (Some(x), Some(y)) = (ox, oy) {
                 rows.set_heading_vector([table.number(row, x), table.number(row, y)]);
@@ -181,9 +186,6 @@ impl<'a> Hdf5<'a> {
                 && let Some(view_rad) = views.of(number, frame)
             {
                 rows.set_view(view_rad);
-            }
-            if let Some(details) = &mut details {
-                details.set(rows, agent, number);
             }
         }
         Ok(())
@@ -218,7 +220,7 @@ impl<'a> Hdf5<'a> {
             }));
         }
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(area::Areas::parse(texts, &mut rows.warnings).place(&changes, &mut rows.warnings))
+        Ok(Areas::parse(texts, &mut rows.warnings).place(&changes, &mut rows.warnings))
     }
 }
 

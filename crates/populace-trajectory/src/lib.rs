@@ -4,12 +4,16 @@
 //! Angles are in radians, counter-clockwise from +x. Times are in seconds, as the file counts them.
 
 mod area;
+#[cfg(any(feature = "hdf5", feature = "sqlite"))]
+mod areas;
 mod comment;
 mod error;
 mod extra;
 mod fields;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+#[cfg(any(feature = "hdf5", feature = "sqlite"))]
+mod ids;
 mod input;
 mod jpscore;
 #[cfg(feature = "sqlite")]

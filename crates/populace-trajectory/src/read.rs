@@ -52,10 +52,10 @@ fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
         Format::TrajNet => trajnet::read(input, settings),
         Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
         Format::Menge => menge::read(input, settings),
-        #[cfg(not(all(feature = "sqlite", feature = "hdf5")))]
-        Format::JuPedSim | Format::Hdf5 => {
-            Err(input.malformed(None, format!("this build was made without {format}")))
-        }
+        #[cfg(not(feature = "sqlite"))]
+        Format::JuPedSim => Err(input.malformed(None, "this build was made without SQLite")),
+        #[cfg(not(feature = "hdf5"))]
+        Format::Hdf5 => Err(input.malformed(None, "this build was made without HDF5")),
     };
     area::with_area(recording?, input, settings)
 }

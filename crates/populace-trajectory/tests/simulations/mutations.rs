@@ -7,15 +7,18 @@ use proptest::prelude::*;
 
 /// Good files of all families that these tests write.
 fn seeds() -> Vec<(Format, Vec<u8>)> {
-    let mut seeds = vec![
+    let seeds = vec![
         (Format::Vadere, super::vadere::small().into_bytes()),
         (Format::Sumo, super::sumo::small().into_bytes()),
         (Format::PathfinderJson, super::pathfinder_json::small().into_bytes()),
     ];
     #[cfg(feature = "sqlite")]
-    seeds.push((Format::JuPedSim, super::jupedsim::small()));
+    let seeds = [seeds, vec![(Format::JuPedSim, super::jupedsim::small())]].concat();
     #[cfg(feature = "hdf5")]
-    seeds.extend([(Format::Hdf5, super::hdf5::jupedsim()), (Format::Hdf5, super::hdf5::petrack())]);
+    let seeds = {
+        let files = [super::hdf5::jupedsim(), super::hdf5::petrack()];
+        [seeds, files.map(|bytes| (Format::Hdf5, bytes)).to_vec()].concat()
+    };
     seeds
 }
 
