@@ -63,7 +63,11 @@ pub(crate) fn recognise(input: &Input) -> Result<Format, Error> {
     let head = input.head()?;
     format(&head).map_err(|(seen, remedy)| {
         let path = input.path().to_owned();
-        if head.is_empty() { Error::Empty { path } } else { Error::Unknown { path, seen, remedy } }
+        if head.trim_ascii().is_empty() {
+            Error::Empty { path }
+        } else {
+            Error::Unknown { path, seen, remedy }
+        }
     })
 }
 
@@ -161,7 +165,7 @@ fn lines(text: &str) -> Result<Format, Refusal> {
     if is_vadere || vadere::is_header(first) {
         return Ok(Format::Vadere);
     }
-    if comments().any(jpscore::names_columns) {
+    if comments().any(|text| jpscore::names_columns(text) || text.contains("jpscore")) {
         return Ok(Format::Jpscore);
     }
     if comments().any(petrack::names_columns) {
@@ -177,6 +181,9 @@ fn lines(text: &str) -> Result<Format, Refusal> {
     }
     if named::is_header(first) || comments().any(named::is_header) {
         return Ok(Format::Csv);
+    }
+    if first.is_empty() {
+        return Err(unknown("comments alone".to_owned()));
     }
     let rows: Vec<_> = std::iter::once(first).chain(rows.take(200)).collect();
     let has_rate = comments().any(|text| comment::frame_rate(text).is_some());
@@ -266,6 +273,7 @@ mod tests {
             ("780 1 8.4 3.6\n780 2 1.4 5.8\n790 1 9.1 3.7\n790 2 1.9 5.8\n7", Format::TrajNet),
             ("1 780 8.4 3.6\n1 790 9.1 3.7\n2 780 1.4 5.8\n2 790 1.9 5.8\n2", Format::PeTrack),
             ("1 1 8.4 3.6\n2 1 9.1 3.7\n3 1 9.4 3.8\n", Format::TrajNet),
+            ("#description: jpscore\n1 1 8.4 3.6 0\n2 1 9.1 3.7 0\n", Format::Jpscore),
             ("# framerate: 8\n1 1 8.4 3.6\n2 1 9.1 3.7\n", Format::PeTrack),
         ] {
             assert_eq!(format(head.as_bytes()), Ok(expected), "{head}");

@@ -41,8 +41,9 @@ fn write(seeds: impl Iterator<Item = fixtures::Fixture>) {
         if let Some(folder) = &folder {
             // The variable is relative to the workspace, while tests run in the crate's folder.
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
-            std::fs::create_dir_all(&folder).unwrap();
-            std::fs::write(folder.join(format!("{index}-{}", seed.name)), seed.bytes).unwrap();
+            std::fs::create_dir_all(&folder).expect("a folder");
+            std::fs::write(folder.join(format!("{index}-{}", seed.name)), seed.bytes)
+                .expect("a file");
         }
     }
 }

@@ -82,6 +82,19 @@ fn kinds_make_vehicles() {
 }
 
 #[test]
+fn ids_of_vehicles_make_vehicles() {
+    let recording = recording("time,vehicle_id,x,y\n0,a,0,0\n1,a,8,0\n");
+    assert_eq!(recording.agents[0].kind, Kind::Vehicle);
+}
+
+#[test]
+fn a_column_without_a_name_is_no_extra_column() {
+    let recording = recording(",id,t,x,y,v\n0,1,0,0,0,1\n1,1,1,1,0,1\n");
+    let names: Vec<_> = recording.columns.iter().map(|column| &*column.name).collect();
+    assert_eq!(names, ["v"]);
+}
+
+#[test]
 fn sumo_tables_hold_people_and_vehicles_with_compass_angles() {
     let recording = recording(SUMO);
     let agents: Vec<_> = recording.agents.iter().map(|agent| (&*agent.id, agent.kind)).collect();
