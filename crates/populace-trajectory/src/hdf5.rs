@@ -20,6 +20,9 @@ use table::Table;
 /// Members of `/trajectory` with a meaning.
 const MEMBERS: [&str; 7] = ["id", "frame", "x", "y", "z", "ox", "oy"];
 
+/// Most walkable areas of a file.
+const MOST_AREAS: usize = 4096;
+
 pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let file = Hdf5::open(input)?;
     let Some(dataset) = file.dataset("trajectory")? else {
@@ -113,13 +116,14 @@ impl<'a> Hdf5<'a> {
             Ok(_) => return Err(self.refused(&format!("{path} is in another file"))),
             Err(_) => return Ok(None),
         }
-        let dataset = self.file.dataset(path);
-        dataset.map(Some).map_err(|error| self.refused(&error.to_string()))
+        let dataset = self.file.dataset(path).map_err(|error| self.refused(&error.to_string()))?;
+        table::check_size(&dataset, self.bytes)
+            .map_err(|reason| self.refused(&format!("dataset {path}: {reason}")))?;
+        Ok(Some(dataset))
     }
 
     fn table(&self, dataset: &H5Dataset, name: &str) -> Result<Table, Error> {
-        Table::read(dataset, self.bytes)
-            .map_err(|reason| self.refused(&format!("dataset {name}: {reason}")))
+        Table::read(dataset).map_err(|reason| self.refused(&format!("dataset {name}: {reason}")))
     }
 
     fn table_of(&self, path: &str) -> Result<Option<Table>, Error> {
@@ -197,7 +201,10 @@ impl<'a> Hdf5<'a> {
         let mut texts: Vec<(i64, String)> = Vec::new();
         let wkt = self.dataset("geometry/wkt")?;
         let hashes = self.dataset("geometry/hash")?;
-        if let (Some(wkt), Some(hashes)) = (wkt, hashes) {
+        // Many texts may be the same bytes of the file.
+        if wkt.as_ref().is_some_and(|wkt| wkt.total_elements() > MOST_AREAS) {
+            rows.warnings.whole(format!("more than {MOST_AREAS} walkable areas were left out"));
+        } else if let (Some(wkt), Some(hashes)) = (wkt, hashes) {
             let broken = |error: rust_hdf5::Hdf5Error| self.refused(&error.to_string());
             let hashes = hashes.read_numeric_as::<i64>().map_err(broken)?;
             let wkt = wkt.read_vlen_strings().or_else(|_| wkt.read_strings()).map_err(broken)?;

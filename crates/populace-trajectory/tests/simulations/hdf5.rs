@@ -187,6 +187,26 @@ fn rows_in_other_files_are_refused() {
 }
 
 #[test]
+fn sizes_far_beyond_the_file_are_refused() {
+    let compound = CompoundType {
+        members: ["id", "frame", "x", "y"]
+            .map(|name| (name.to_owned(), DatatypeMessage::f64_type(), 0))
+            .to_vec(),
+        total_size: 8,
+    };
+    let with = |rows: usize, part: usize| {
+        file(|file| {
+            let builder = file.new_dataset::<u8>().datatype(compound.to_datatype());
+            let builder = builder.shape([rows]).chunk(&[part]).max_shape(&[None]).deflate(1);
+            set_fps(&builder.create("trajectory").expect("a dataset"), 1.0);
+        })
+    };
+    assert!(problem(with(1 << 40, 100)).contains("far beyond"));
+    assert!(problem(with(100, 1 << 25)).contains("far beyond"));
+    assert_eq!(read(with(100, 100)).row_count(), 1, "all rows are the same");
+}
+
+#[test]
 fn truncated_files_are_refused() {
     let bytes = jupedsim();
     for part in [8, 60, bytes.len() / 2, bytes.len() - 10] {

@@ -1,6 +1,6 @@
 //! Small good files with bytes changed or cut off must be read or refused, never more.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use populace_trajectory::{Format, ReadSettings, parse};
 use proptest::prelude::*;
@@ -40,11 +40,18 @@ fn survives(format: Format, bytes: Vec<u8>) {
     }
 }
 
+/// The folder of `POPULACE_WRITE_SEEDS`, relative to the workspace, in which each fuzz target has a
+/// corpus.
+fn corpora() -> Option<PathBuf> {
+    let folder = std::env::var_os("POPULACE_WRITE_SEEDS")?;
+    Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder))
+}
+
 #[test]
-fn seeds_can_be_read() {
+fn simulation_seeds_can_be_read_and_written() {
     for (index, (format, bytes)) in seeds().into_iter().enumerate() {
-        if let Some(folder) = std::env::var_os("POPULACE_WRITE_SEEDS") {
-            let folder = Path::new(&folder).join(format.name());
+        if let Some(folder) = corpora() {
+            let folder = folder.join(format!("trajectory_{}", format.name().replace('-', "_")));
             std::fs::create_dir_all(&folder).expect("a folder");
             std::fs::write(folder.join(index.to_string()), &bytes).expect("a file");
         }
