@@ -24,8 +24,8 @@ impl Areas {
         Self(texts.into_iter().map(parse).collect())
     }
 
-    /// Returns the place, whose area changes at times in seconds, in their order, to one with a hash.
-    /// Without changes it is the first area.
+    /// Returns the place. Its area changes to the one with a hash at times in seconds, which are in
+    /// order. Without changes it is the first area.
     pub(crate) fn place(&self, changes: &[(f64, i64)], warnings: &mut Warnings) -> Place {
         let mut place = Place::default();
         let (mut last, mut points) = (None, 0);

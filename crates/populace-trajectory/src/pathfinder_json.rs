@@ -23,7 +23,8 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
         Err(error) => {
             let at = Some(Location::Line(error.line() as u64));
             let problem = format!(
-                "it is no JSON of Pathfinder: {error}; expected are agents with times with positions"
+                "it is no JSON of Pathfinder ({error}); expected are agents, each with times, each \
+                 with a position"
             );
             return Err(input.malformed(at, problem));
         }

@@ -88,8 +88,8 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
             return Ok(());
         }
         columns = Columns::of_header(line);
-        let problem = "no header with pedestrianId, simTime, endTime, startX, startY, endX and endY; \
-                       let Vadere write them by a FootStepProcessor";
+        let problem = "no header with pedestrianId, simTime, endTime, startX, startY, endX and \
+                       endY; let Vadere write them by a FootStepProcessor";
         let at = Some(Location::Line(number));
         if columns.is_some() { Ok(()) } else { Err(input.malformed(at, problem)) }
     })?;

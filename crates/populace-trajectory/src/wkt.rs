@@ -226,7 +226,8 @@ mod tests {
         let square = "((0 0,1 0,1 1,0 1,0 0))";
         let text = format!(
             "SRID=4326;geometrycollection(POLYGON{square}, MULTIPOLYGON ({square},{square}),\n\
-             GEOMETRYCOLLECTION (POLYGON Z((0 0 5, 1 0 5, 1 1 5))), POLYGON EMPTY);\nPolygon{square}\n"
+             GEOMETRYCOLLECTION (POLYGON Z((0 0 5, 1 0 5, 1 1 5))), POLYGON EMPTY);\n\
+             Polygon{square}\n"
         );
         let found = polygons(&text).unwrap();
         assert_eq!(found.len(), 5);
