@@ -19,6 +19,7 @@ mod jpscore;
 #[cfg(feature = "sqlite")]
 mod jupedsim;
 mod layout;
+mod location;
 mod menge;
 mod named;
 mod names;
@@ -43,7 +44,8 @@ mod vadere;
 mod warnings;
 mod wkt;
 
-pub use error::{Error, Location};
+pub use error::Error;
+pub use location::Location;
 pub use place::{Place, PlaceChange, Polygon};
 pub use read::{load, parse};
 pub use recording::{Agent, Column, Footstep, Kind, Recording, Track, Values};
