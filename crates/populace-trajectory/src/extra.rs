@@ -6,12 +6,13 @@ use crate::rows::Rows;
 const MOST: usize = 64;
 
 /// An extra column. It holds numbers until a row has a word.
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Extra {
     name: String,
     kind: Option<Kind>,
 }
 
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Numbers(usize),
     Words(usize),
@@ -47,11 +48,16 @@ impl Extra {
 
     /// Sets the value of the last row to the number that a text is, or to the text as a word.
     pub(crate) fn set_text(&mut self, rows: &mut Rows, text: &str) {
-        match text.parse() {
-            Ok(number) if f64::is_finite(number) && !self.has_words() => {
-                self.set_number(rows, number);
-            }
-            _ => self.set_word(rows, text),
+        self.set(rows, text, text.parse().unwrap_or(f64::NAN));
+    }
+
+    /// Sets the value of the last row to a number, or to its text as a word if it is not finite or
+    /// the column has words.
+    pub(crate) fn set(&mut self, rows: &mut Rows, text: &str, number: f64) {
+        if number.is_finite() && !self.has_words() {
+            self.set_number(rows, number);
+        } else {
+            self.set_word(rows, text);
         }
     }
 }

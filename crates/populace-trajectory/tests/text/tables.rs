@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use populace_trajectory::{Fact, Format, Kind, Origin, Unit};
+use populace_trajectory::{Fact, Format, Kind, Origin, Unit, Values};
 
 use super::fixtures::{CSV, SUMO, error, recording, track};
 use super::formats::words;
@@ -21,6 +21,15 @@ fn decimal_commas_units_and_angles_are_understood() {
 fn a_column_that_turns_out_to_hold_words_keeps_its_numbers_as_words() {
     let recording = recording(CSV);
     assert_eq!(words(&recording, "group"), [Some("1"), Some("1"), Some("2"), Some("staff")]);
+}
+
+#[test]
+fn infinity_makes_no_column_of_words() {
+    let recording = recording("id,t,x,y,gap\n1,0,0,0,inf\n1,1,1,0,2.5\n1,2,2,0,-inf\n");
+    let Some(Values::Numbers(gaps)) = recording.column("gap").map(|column| &column.values) else {
+        panic!("no numbers");
+    };
+    assert_eq!((gaps[0].is_nan(), gaps[1], gaps[2].is_nan()), (true, 2.5, true));
 }
 
 #[test]
