@@ -4,10 +4,12 @@ use std::io::Write;
 
 use rust_hdf5::{FileLocking, H5Attribute, H5Dataset, H5File, LinkClass};
 
-use crate::extra::Extra;
+use crate::areas::Areas;
+use crate::extra::Extras;
+use crate::ids::Ids;
 use crate::input::Input;
 use crate::rows::{Clock, Found, Rows};
-use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit, area};
+use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit};
 
 mod people;
 mod table;
@@ -17,6 +19,9 @@ use table::Table;
 
 /// Members of `/trajectory` with a meaning.
 const MEMBERS: [&str; 7] = ["id", "frame", "x", "y", "z", "ox", "oy"];
+
+/// Most walkable areas of a file.
+const MOST_AREAS: usize = 4096;
 
 pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let file = Hdf5::open(input)?;
@@ -28,7 +33,7 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
     let unit = unit(&dataset);
     let table = file.table(&dataset, "trajectory")?;
     let mut rows = Rows::default();
-    file.read_rows(&table, &mut rows)?;
+    file.read_rows(&table, unit.value.in_metres(), &mut rows)?;
     let place = file.place(fps.unless_set(settings.fps).value, &mut rows)?;
     let version = file.version();
     let found = Found { format: (Format::Hdf5, version), unit, clock: Clock::Frames(fps), place };
@@ -111,13 +116,14 @@ impl<'a> Hdf5<'a> {
             Ok(_) => return Err(self.refused(&format!("{path} is in another file"))),
             Err(_) => return Ok(None),
         }
-        let dataset = self.file.dataset(path);
-        dataset.map(Some).map_err(|error| self.refused(&error.to_string()))
+        let dataset = self.file.dataset(path).map_err(|error| self.refused(&error.to_string()))?;
+        table::check_size(&dataset, self.bytes)
+            .map_err(|reason| self.refused(&format!("dataset {path}: {reason}")))?;
+        Ok(Some(dataset))
     }
 
     fn table(&self, dataset: &H5Dataset, name: &str) -> Result<Table, Error> {
-        Table::read(dataset, self.bytes)
-            .map_err(|reason| self.refused(&format!("dataset {name}: {reason}")))
+        Table::read(dataset).map_err(|reason| self.refused(&format!("dataset {name}: {reason}")))
     }
 
     fn table_of(&self, path: &str) -> Result<Option<Table>, Error> {
@@ -138,7 +144,8 @@ impl<'a> Hdf5<'a> {
         words.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
-    fn read_rows(&self, table: &Table, rows: &mut Rows) -> Result<(), Error> {
+    /// Reads the rows, whose unit is so many metres.
+    fn read_rows(&self, table: &Table, metres: f64, rows: &mut Rows) -> Result<(), Error> {
         let [id, frame, x, y, z, ox, oy] = MEMBERS.map(|name| table.member(name));
         let (Some(id), Some(frame), Some(x), Some(y)) = (id, frame, x, y) else {
             let has: Vec<_> = table.names().collect();
@@ -150,9 +157,10 @@ impl<'a> Hdf5<'a> {
         };
         // JuPedSim stores the ground's elevation, experiments that of heads or the body height.
         let has_ground = ox.is_some() || self.root_text("producer").as_deref() == Some("JuPedSim");
-        let mut extras: Vec<(usize, Extra)> = (table.names().enumerate())
+        let (mut extras, mut ids) = (Extras::default(), Ids::default());
+        let others: Vec<(usize, usize)> = (table.names().enumerate())
             .filter(|(_, name)| !MEMBERS.iter().any(|known| name.eq_ignore_ascii_case(known)))
-            .map(|(member, name)| (member, Extra::new(name)))
+            .filter_map(|(member, name)| Some((member, extras.index(name, rows)?)))
             .collect();
         let views = self.table_of("petrack_data")?.and_then(Views::new);
         let mut details = self.table_of("personal_details")?.and_then(Details::new);
@@ -162,27 +170,26 @@ impl<'a> Hdf5<'a> {
                 rows.leave_out("rows without a whole number as id were left out", at);
                 continue;
             };
-            let agent = rows.agent_of_number(number);
+            let agent = ids.agent(number, rows);
             let position = [table.number(row, x), table.number(row, y)];
             rows.push(agent, table.number(row, frame), position, at);
-            match z.map(|z| table.number(row, z)) {
-                Some(z) if has_ground => rows.set_elevation(z),
-                Some(z) => rows.raise_height(agent, z),
-                None => {}
+            let known_m = details.as_mut().and_then(|details| details.set(rows, number));
+            match (z.map(|z| table.number(row, z)), known_m) {
+                (Some(z), _) if has_ground => rows.set_elevation(z),
+                (_, Some(height_m)) => rows.raise_height(agent, height_m / metres),
+                (Some(z), None) => rows.raise_height(agent, z),
+                (None, None) => {}
             }
             if let (Some(x), Some(y)) = (ox, oy) {
                 rows.set_heading_vector([table.number(row, x), table.number(row, y)]);
             }
-            for (member, extra) in &mut extras {
-                extra.set_number(rows, table.number(row, *member));
+            for (member, extra) in &others {
+                extras.get(*extra).set_number(rows, table.number(row, *member));
             }
             if let (Some(views), Some(frame)) = (&views, table.integer(row, frame))
                 && let Some(view_rad) = views.of(number, frame)
             {
                 rows.set_view(view_rad);
-            }
-            if let Some(details) = &mut details {
-                details.set(rows, agent, number);
             }
         }
         Ok(())
@@ -194,7 +201,10 @@ impl<'a> Hdf5<'a> {
         let mut texts: Vec<(i64, String)> = Vec::new();
         let wkt = self.dataset("geometry/wkt")?;
         let hashes = self.dataset("geometry/hash")?;
-        if let (Some(wkt), Some(hashes)) = (wkt, hashes) {
+        // Many texts may be the same bytes of the file.
+        if wkt.as_ref().is_some_and(|wkt| wkt.total_elements() > MOST_AREAS) {
+            rows.warnings.whole(format!("more than {MOST_AREAS} walkable areas were left out"));
+        } else if let (Some(wkt), Some(hashes)) = (wkt, hashes) {
             let broken = |error: rust_hdf5::Hdf5Error| self.refused(&error.to_string());
             let hashes = hashes.read_numeric_as::<i64>().map_err(broken)?;
             let wkt = wkt.read_vlen_strings().or_else(|_| wkt.read_strings()).map_err(broken)?;
@@ -217,7 +227,7 @@ impl<'a> Hdf5<'a> {
             }));
         }
         changes.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(area::Areas::parse(texts, &mut rows.warnings).place(&changes, &mut rows.warnings))
+        Ok(Areas::parse(texts, &mut rows.warnings).place(&changes, &mut rows.warnings))
     }
 }
 

@@ -42,6 +42,7 @@ impl Input {
     }
 
     /// Returns the path if the file is on disk and not compressed.
+    #[cfg(any(feature = "hdf5", feature = "sqlite"))]
     pub(crate) fn plain_on_disk(&self) -> Result<Option<&Path>, Error> {
         let Some(path) = self.on_disk() else { return Ok(None) };
         let mut start = Vec::new();

@@ -5,10 +5,12 @@ use std::path::Path;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags, OptionalExtension, Row};
 
-use crate::extra::Extra;
+use crate::areas::Areas;
+use crate::extra::Extras;
+use crate::ids::Ids;
 use crate::input::Input;
 use crate::rows::{Clock, Found, Rows};
-use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit, area};
+use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit};
 
 /// Bytes of a file's header that say if it is written through a log beside it, and the value of
 /// those that are not.
@@ -172,9 +174,10 @@ impl Database<'_> {
             );
             return Err(self.input.malformed(None, problem));
         };
-        let mut extras: Vec<(usize, Extra)> = (columns.iter().enumerate())
+        let (mut extras, mut ids) = (Extras::default(), Ids::default());
+        let others: Vec<(usize, usize)> = (columns.iter().enumerate())
             .filter(|(_, name)| !COLUMNS.iter().any(|known| name.eq_ignore_ascii_case(known)))
-            .map(|(index, name)| (index, Extra::new(name)))
+            .filter_map(|(index, name)| Some((index, extras.index(name, rows)?)))
             .collect();
         let quoted: Vec<_> =
             columns.iter().map(|name| format!("\"{}\"", name.replace('"', "\"\""))).collect();
@@ -185,7 +188,7 @@ impl Database<'_> {
             let at = Some(Location::Row(number));
             let next = found.next().map_err(|error| refused(self.input, at, &error))?;
             let Some(row) = next else { break };
-            let Some(agent) = agent(rows, value(row, id)) else {
+            let Some(agent) = agent(&mut ids, rows, value(row, id)) else {
                 rows.leave_out("rows without an id were left out", at);
                 continue;
             };
@@ -194,7 +197,8 @@ impl Database<'_> {
             if let (Some(x), Some(y)) = (ori_x, ori_y) {
                 rows.set_heading_vector([x, y].map(|column| number_of(value(row, column))));
             }
-            for (column, extra) in &mut extras {
+            for (column, extra) in &others {
+                let extra = extras.get(*extra);
                 match value(row, *column) {
                     ValueRef::Text(text) => {
                         extra.set_word(rows, &String::from_utf8_lossy(text));
@@ -223,9 +227,10 @@ impl Database<'_> {
             let text: Option<String> = row.get(1)?;
             Ok((row.get(0)?, text.unwrap_or_default()))
         })?;
-        let areas = area::Areas::parse(texts, &mut rows.warnings);
+        let changes = texts.len() > 1;
+        let areas = Areas::parse(texts, &mut rows.warnings);
         let by_frame = has("hash") && self.has_table("frame_data")?;
-        let frames = if by_frame && areas.len() > 1 {
+        let frames = if by_frame && changes {
             let sql = "SELECT frame, geometry_hash FROM frame_data ORDER BY frame";
             self.pairs(sql, |row| Ok((number_of(value(row, 0)) / fps, row.get(1)?)))?
         } else {
@@ -264,9 +269,9 @@ fn number_of(value: ValueRef<'_>) -> f64 {
 }
 
 /// Returns the agent with an id of any type.
-fn agent(rows: &mut Rows, id: ValueRef<'_>) -> Option<u32> {
+fn agent(ids: &mut Ids, rows: &mut Rows, id: ValueRef<'_>) -> Option<u32> {
     match id {
-        ValueRef::Integer(id) => Some(rows.agent_of_number(id)),
+        ValueRef::Integer(id) => Some(ids.agent(id, rows)),
         ValueRef::Real(id) => Some(rows.agent(&id.to_string())),
         ValueRef::Text(id) if !id.is_empty() => Some(rows.agent(&String::from_utf8_lossy(id))),
         ValueRef::Text(_) | ValueRef::Null | ValueRef::Blob(_) => None,

@@ -1,6 +1,7 @@
 //! Columns of a table: which holds what.
 
 use crate::Unit;
+use crate::extra::Extra;
 use crate::names::{Meaning, Name, NamedUnit};
 use crate::recording::Kind;
 
@@ -48,14 +49,6 @@ pub(crate) enum Role {
     Extra(Extra),
 }
 
-/// An extra column, once its first value is known.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Extra {
-    Untold(String),
-    Numbers(usize),
-    Words(usize),
-}
-
 /// Where a row holds what.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
@@ -79,7 +72,7 @@ impl Layout {
     ///
     /// The problem, if a column is missing or in a unit that cannot be read.
     pub(crate) fn of(names: &[Name<'_>], customs: Customs) -> Result<Self, String> {
-        let find = |meaning| names.iter().position(|name| name.meaning == Some(meaning));
+        let find = |meaning| Name::find(names, meaning);
         let (time, frame) = (find(Meaning::Time), find(Meaning::Frame));
         let (x, y) = (find(Meaning::X), find(Meaning::Y));
         let (Some(id), Some(clock), Some(x), Some(y)) = (find(Meaning::Id), time.or(frame), x, y)
@@ -112,7 +105,7 @@ impl Layout {
     }
 
     fn add_roles(&mut self, names: &[Name<'_>], customs: Customs) {
-        let find = |meaning| names.iter().position(|name| name.meaning == Some(meaning));
+        let find = |meaning| Name::find(names, meaning);
         let pair = |x, y| find(x).zip(find(y));
         let heading = pair(Meaning::HeadingX, Meaning::HeadingY);
         let view = pair(Meaning::ViewX, Meaning::ViewY);
@@ -134,7 +127,7 @@ impl Layout {
                 Some(NamedUnit::Radians) if customs.angle == Angle::Untold => Angle::Radians,
                 _ => customs.angle,
             };
-            let extra = || Role::Extra(Extra::Untold(name.text.to_owned()));
+            let extra = || Role::Extra(Extra::new(name.text));
             let role = match name.meaning.filter(|_| is_first) {
                 Some(Meaning::Z) if customs.z_is_body_height => Role::BodyHeight,
                 Some(Meaning::Z) => Role::Elevation,
@@ -208,7 +201,7 @@ mod tests {
     #[test]
     fn a_vector_is_preferred_to_an_angle() {
         let roles = layout("id,frame,x,y,heading,ori_x,ori_y").expect("a layout").roles;
-        let angle = Role::Extra(Extra::Untold("heading".to_owned()));
+        let angle = Role::Extra(Extra::new("heading"));
         assert_eq!(roles, [(4, angle), (5, Role::Heading(6))]);
     }
 }

@@ -4,21 +4,27 @@
 //! Angles are in radians, counter-clockwise from +x. Times are in seconds, as the file counts them.
 
 mod area;
+#[cfg(any(feature = "hdf5", feature = "sqlite"))]
+mod areas;
 mod comment;
 mod error;
 mod extra;
 mod fields;
 #[cfg(feature = "hdf5")]
 mod hdf5;
+#[cfg(any(feature = "hdf5", feature = "sqlite"))]
+mod ids;
 mod input;
 mod jpscore;
 #[cfg(feature = "sqlite")]
 mod jupedsim;
 mod layout;
+mod location;
 mod menge;
 mod named;
 mod names;
 mod obsmat;
+mod pathfinder_json;
 mod petrack;
 mod place;
 mod read;
@@ -29,6 +35,8 @@ mod scenario;
 mod settings;
 mod source;
 mod steps;
+mod summary;
+mod sumo;
 mod table;
 mod trajnet;
 mod trajnet_plus_plus;
@@ -36,10 +44,12 @@ mod vadere;
 mod warnings;
 mod wkt;
 
-pub use error::{Error, Location};
+pub use error::Error;
+pub use location::Location;
 pub use place::{Place, PlaceChange, Polygon};
 pub use read::{load, parse};
 pub use recording::{Agent, Column, Footstep, Kind, Recording, Track, Values};
 pub use settings::ReadSettings;
 pub use source::{Fact, Format, HeadingSource, Origin, Source, Unit};
+pub use summary::{Gaps, Summary};
 pub use warnings::Warning;

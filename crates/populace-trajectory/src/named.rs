@@ -166,9 +166,7 @@ fn layouts(fields: Fields<'_>, customs: Customs) -> Result<Vec<Layout>, String> 
         let names: Vec<_> = (fields.iter())
             .map(|field| match field.strip_prefix(prefix) {
                 Some(rest) => Name { text: field, ..Name::of(rest) },
-                None if others.iter().any(|other| field.starts_with(other)) => {
-                    Name { text: "", meaning: None, unit: None }
-                }
+                None if others.iter().any(|other| field.starts_with(other)) => Name::NONE,
                 None => Name::of(field),
             })
             .collect();

@@ -45,9 +45,11 @@ pub(crate) struct Name<'a> {
     pub(crate) text: &'a str,
     pub(crate) meaning: Option<Meaning>,
     pub(crate) unit: Option<NamedUnit>,
+    /// Of two names with one meaning, that with the lower rank has it.
+    pub(crate) rank: usize,
 }
 
-/// Meanings and their names, in lower case and without signs between words.
+/// Meanings and their names, in lower case and without signs between words, the surest first.
 const MEANINGS: &[(Meaning, &[&str])] = &[
     (
         Meaning::Id,
@@ -129,17 +131,31 @@ impl<'a> Name<'a> {
         // x [m], x (m), x/m, and x_m where x alone has a meaning.
         let bracketed = lower.strip_suffix([']', ')']).and_then(|name| name.split_once(['[', '(']));
         let split = bracketed.or_else(|| lower.rsplit_once('/'));
+        let known = |name, unit| {
+            let (meaning, rank) = meaning(name).unzip();
+            Self { text, meaning, unit, rank: rank.unwrap_or_default() }
+        };
         if let Some((name, unit)) = split
             && let Some(unit) = named_unit(unit)
         {
-            return Self { text, meaning: meaning(name), unit: Some(unit) };
+            return known(name, Some(unit));
         }
         if let Some((name, unit)) = lower.rsplit_once('_')
-            && let (Some(unit), Some(meaning)) = (named_unit(unit), meaning(name))
+            && let (Some(unit), Some(_)) = (named_unit(unit), meaning(name))
         {
-            return Self { text, meaning: Some(meaning), unit: Some(unit) };
+            return known(name, Some(unit));
         }
-        Self { text, meaning: meaning(&lower), unit: None }
+        known(&lower, None)
+    }
+
+    /// A column that holds nothing.
+    pub(crate) const NONE: Self = Self { text: "", meaning: None, unit: None, rank: 0 };
+
+    /// Returns the column with a meaning.
+    pub(crate) fn find(names: &[Self], meaning: Meaning) -> Option<usize> {
+        let named = |(_, name): &(usize, &Self)| name.meaning == Some(meaning);
+        let columns = names.iter().enumerate().filter(named);
+        columns.min_by_key(|(_, name)| name.rank).map(|(column, _)| column)
     }
 
     /// Returns the seconds in 1 of a column of times.
@@ -151,10 +167,12 @@ impl<'a> Name<'a> {
     }
 }
 
-fn meaning(name: &str) -> Option<Meaning> {
+/// Returns the meaning of a name, and its rank among the names with this meaning.
+fn meaning(name: &str) -> Option<(Meaning, usize)> {
     let plain: String = name.chars().filter(|c| c.is_alphanumeric()).collect();
-    let of = |names: &[&str]| names.contains(&&*plain);
-    MEANINGS.iter().find(|(_, names)| of(names)).map(|(meaning, _)| *meaning)
+    MEANINGS.iter().find_map(|(meaning, names)| {
+        names.iter().position(|name| *name == plain).map(|rank| (*meaning, rank))
+    })
 }
 
 /// Returns the unit with a name, for example `cm` or `in m`.
@@ -180,6 +198,13 @@ mod tests {
     fn a_suffix_is_no_unit_where_the_rest_has_no_meaning() {
         let name = Name::of("phase_m");
         assert_eq!((name.text, name.meaning, name.unit), ("phase_m", None, None));
+    }
+
+    #[test]
+    fn the_surest_name_has_the_meaning() {
+        let names = ["no", "px", "id", "x"].map(Name::of);
+        assert_eq!(Name::find(&names, Meaning::Id), Some(2));
+        assert_eq!(Name::find(&names, Meaning::X), Some(3));
     }
 
     #[test]

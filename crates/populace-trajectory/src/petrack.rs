@@ -1,9 +1,10 @@
 //! Text of PeTrack and of the Jülich archive: rows of id, frame, x, y and z.
 
 use crate::comment;
+use crate::extra::Extra;
 use crate::fields::{Separator, Splitter, number};
 use crate::input::Input;
-use crate::layout::{Angle, Customs, Extra, Layout, Role};
+use crate::layout::{Angle, Customs, Layout, Role};
 use crate::names::{Meaning, Name};
 use crate::recording::Kind;
 use crate::rows::{Clock, Found, Rows};
@@ -92,7 +93,7 @@ fn layout(names: Option<&str>, columns: usize) -> Layout {
         // Names with units as words of their own have more words than there are columns.
         let name = name.filter(|_| names.as_ref().is_some_and(|names| names.len() == columns));
         let name = name.map_or_else(|| format!("column {}", column + 1), str::to_owned);
-        (column, Role::Extra(Extra::Untold(name)))
+        (column, Role::Extra(Extra::new(&name)))
     };
     let height = (columns > 4).then_some((4, Role::BodyHeight));
     let (kind, unit, roles) =

@@ -34,11 +34,6 @@ pub struct Place {
 }
 
 impl Polygon {
-    /// The number of points of all rings.
-    pub(crate) fn point_count(&self) -> usize {
-        self.outline.len() + self.holes.iter().map(Vec::len).sum::<usize>()
-    }
-
     fn move_by(&mut self, by: [f64; 2]) {
         let rings = std::iter::once(&mut self.outline).chain(&mut self.holes);
         for at in rings.flatten() {

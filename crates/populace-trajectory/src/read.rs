@@ -9,8 +9,8 @@ use crate::input::Input;
 use crate::jupedsim;
 use crate::recognise::recognise;
 use crate::{
-    Error, Format, ReadSettings, Recording, area, jpscore, menge, named, obsmat, petrack, trajnet,
-    trajnet_plus_plus, vadere,
+    Error, Format, ReadSettings, Recording, area, jpscore, menge, named, obsmat, pathfinder_json,
+    petrack, sumo, trajnet, trajnet_plus_plus, vadere,
 };
 
 /// Reads a file. Its format is recognised by its content.
@@ -38,19 +38,24 @@ fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let recording = match format {
         Format::PeTrack => petrack::read(input, settings),
         Format::Jpscore => jpscore::read(input, settings),
-        Format::PathfinderCsv | Format::Viswalk | Format::CrowdIt | Format::Csv => {
-            named::read(input, format, settings)
-        }
-        Format::Obsmat => obsmat::read(input, settings),
-        Format::TrajNet => trajnet::read(input, settings),
-        Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
-        Format::Menge => menge::read(input, settings),
         #[cfg(feature = "sqlite")]
         Format::JuPedSim => jupedsim::read(input, settings),
         #[cfg(feature = "hdf5")]
         Format::Hdf5 => hdf5::read(input, settings),
         Format::Vadere => vadere::read(input, settings),
-        _ => Err(input.malformed(None, "this build cannot read the format")),
+        Format::Sumo => sumo::read(input, settings),
+        Format::PathfinderCsv | Format::Viswalk | Format::CrowdIt | Format::Csv => {
+            named::read(input, format, settings)
+        }
+        Format::PathfinderJson => pathfinder_json::read(input, settings),
+        Format::Obsmat => obsmat::read(input, settings),
+        Format::TrajNet => trajnet::read(input, settings),
+        Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
+        Format::Menge => menge::read(input, settings),
+        #[cfg(not(feature = "sqlite"))]
+        Format::JuPedSim => Err(input.malformed(None, "this build was made without SQLite")),
+        #[cfg(not(feature = "hdf5"))]
+        Format::Hdf5 => Err(input.malformed(None, "this build was made without HDF5")),
     };
     area::with_area(recording?, input, settings)
 }

@@ -1,5 +1,8 @@
 //! Formats by their content.
 
+use std::collections::BTreeMap;
+
+use crate::comment;
 use crate::fields::{Fields, Separator, Splitter, number};
 use crate::input::Input;
 use crate::layout::shortened;
@@ -60,7 +63,11 @@ pub(crate) fn recognise(input: &Input) -> Result<Format, Error> {
     let head = input.head()?;
     format(&head).map_err(|(seen, remedy)| {
         let path = input.path().to_owned();
-        if head.is_empty() { Error::Empty { path } } else { Error::Unknown { path, seen, remedy } }
+        if head.trim_ascii().is_empty() {
+            Error::Empty { path }
+        } else {
+            Error::Unknown { path, seen, remedy }
+        }
     })
 }
 
@@ -154,10 +161,11 @@ fn lines(text: &str) -> Result<Format, Refusal> {
         !line.is_empty() && !line.starts_with('#')
     });
     let first = rows.next().unwrap_or_default();
-    if text.starts_with("#IDXCOL") || first.contains("-PID") || vadere::is_header(first) {
+    let is_vadere = text.starts_with("#IDXCOL") || first.contains("-PID");
+    if is_vadere || vadere::is_header(first) {
         return Ok(Format::Vadere);
     }
-    if comments().any(jpscore::names_columns) {
+    if comments().any(|text| jpscore::names_columns(text) || text.contains("jpscore")) {
         return Ok(Format::Jpscore);
     }
     if comments().any(petrack::names_columns) {
@@ -174,8 +182,12 @@ fn lines(text: &str) -> Result<Format, Refusal> {
     if named::is_header(first) || comments().any(named::is_header) {
         return Ok(Format::Csv);
     }
+    if first.is_empty() {
+        return Err(unknown("comments alone".to_owned()));
+    }
     let rows: Vec<_> = std::iter::once(first).chain(rows.take(200)).collect();
-    if let Some(format) = by_numbers(&rows)? {
+    let has_rate = comments().any(|text| comment::frame_rate(text).is_some());
+    if let Some(format) = by_numbers(&rows, has_rate)? {
         return Ok(format);
     }
     if let Some(problem) = named::problem_of_header(first) {
@@ -185,8 +197,9 @@ fn lines(text: &str) -> Result<Format, Refusal> {
     Err(unknown(format!("its first line is \"{}\"", shortened(first))))
 }
 
-/// Returns the format of rows of numbers without names, by their columns.
-fn by_numbers(rows: &[&str]) -> Result<Option<Format>, Refusal> {
+/// Returns the format of rows of numbers without names, by their columns. `has_rate`: a comment
+/// says the frame rate.
+fn by_numbers(rows: &[&str], has_rate: bool) -> Result<Option<Format>, Refusal> {
     let mut splitter = Splitter::new(Separator::Blanks);
     // The last row may be cut off.
     let whole = &rows[..rows.len().max(2) - 1];
@@ -208,12 +221,35 @@ fn by_numbers(rows: &[&str]) -> Result<Option<Format>, Refusal> {
     let is_flat = all(&|fields| number(fields.get(3), false).abs() < 0.5);
     Ok(match columns {
         _ if !begins_whole => None,
+        Some(4) if has_rate || begin_with_ids(whole) => Some(Format::PeTrack),
         Some(4) => Some(Format::TrajNet),
         Some(8) if is_flat => Some(Format::Obsmat),
         Some(5..=8) => Some(Format::PeTrack),
         Some(9) => Some(Format::Jpscore),
         _ => None,
     })
+}
+
+/// Returns true if rows of 4 begin with id and frame rather than with frame and id: if positions of
+/// the same number in the first column follow each other more closely.
+fn begin_with_ids(rows: &[&str]) -> bool {
+    let mut splitter = Splitter::new(Separator::Blanks);
+    let [by_first, by_second] = [0, 1].map(|column| {
+        let mut last = BTreeMap::new();
+        let mut lengths: Vec<f64> = Vec::new();
+        for row in rows {
+            let fields = splitter.split(row);
+            let [x, y] = [2, 3].map(|column| number(fields.get(column), false));
+            let id = number(fields.get(column), false).to_bits();
+            if let Some([from_x, from_y]) = last.insert(id, [x, y]) {
+                lengths.push((x - from_x).hypot(y - from_y));
+            }
+        }
+        lengths.retain(|length| length.is_finite());
+        lengths.sort_by(f64::total_cmp);
+        lengths.get(lengths.len() / 2).copied().unwrap_or(f64::MAX)
+    });
+    by_first < by_second
 }
 
 fn are_numbers(fields: Fields<'_>) -> bool {
@@ -234,7 +270,11 @@ mod tests {
             (traj.split_once('\n').expect("lines").1, Format::Vadere),
             (fcd, Format::Sumo),
             ("{\"0\": {\"1.0\": {\"position\": {\"x\": 1}}}}", Format::PathfinderJson),
-            ("1 0 2.5 3.5\n1 1", Format::TrajNet),
+            ("780 1 8.4 3.6\n780 2 1.4 5.8\n790 1 9.1 3.7\n790 2 1.9 5.8\n7", Format::TrajNet),
+            ("1 780 8.4 3.6\n1 790 9.1 3.7\n2 780 1.4 5.8\n2 790 1.9 5.8\n2", Format::PeTrack),
+            ("1 1 8.4 3.6\n2 1 9.1 3.7\n3 1 9.4 3.8\n", Format::TrajNet),
+            ("#description: jpscore\n1 1 8.4 3.6 0\n2 1 9.1 3.7 0\n", Format::Jpscore),
+            ("# framerate: 8\n1 1 8.4 3.6\n2 1 9.1 3.7\n", Format::PeTrack),
         ] {
             assert_eq!(format(head.as_bytes()), Ok(expected), "{head}");
         }

@@ -65,7 +65,6 @@ impl Words {
 pub(crate) struct Rows {
     /// People and vehicles, which may have equal ids.
     by_id: [HashMap<Box<str>, u32>; 2],
-    by_number: HashMap<i64, u32>,
     agents: Vec<Agent>,
     owners: Vec<u32>,
     clocks: Vec<f64>,
@@ -105,25 +104,9 @@ impl Rows {
         index
     }
 
-    /// Returns the index of the agent whose id is a number.
-    pub(crate) fn agent_of_number(&mut self, id: i64) -> u32 {
-        if let Some(index) = self.by_number.get(&id) {
-            return *index;
-        }
-        let index = self.agent(&id.to_string());
-        self.by_number.insert(id, index);
-        index
-    }
-
     /// Sets the kind of an agent.
     pub(crate) fn set_kind(&mut self, agent: u32, kind: Kind) {
         self.agents[agent as usize].kind = kind;
-    }
-
-    /// Raises the body height of an agent to at least a height in metres.
-    pub(crate) fn set_height(&mut self, agent: u32, height_m: f32) {
-        let known = &mut self.agents[agent as usize].height_m;
-        *known = Some(known.map_or(height_m, |known| known.max(height_m)));
     }
 
     /// Raises the body height of an agent to at least a height in the unit of the file. A height

@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::fields::{Fields, Separator, Splitter, is_missing, number, whole_id};
-use crate::layout::{Angle, Customs, Extra, Layout, Role};
+use crate::layout::{Angle, Customs, Layout, Role};
 use crate::names::{NamedUnit, named_unit};
 use crate::recording::Kind;
 use crate::rows::Rows;
@@ -112,10 +112,11 @@ impl Values<'_> {
         largest: &mut [f64; 2],
     ) {
         let field = self.fields.get(column);
-        if is_missing(field) {
+        let value = self.number(column);
+        // Infinity is no word, and as good as no number.
+        if is_missing(field) || value.is_infinite() {
             return;
         }
-        let value = self.number(column);
         match role {
             Role::Elevation => rows.set_elevation(value),
             Role::BodyHeight => rows.raise_height(agent, value),
@@ -133,25 +134,6 @@ impl Values<'_> {
             }
             Role::Kind => {}
             Role::Extra(extra) => extra.set(rows, field, value),
-        }
-    }
-}
-
-impl Extra {
-    /// Sets the value of the last row.
-    fn set(&mut self, rows: &mut Rows, field: &str, value: f64) {
-        match self {
-            Self::Untold(name) if value.is_nan() => *self = Self::Words(rows.add_words(name)),
-            Self::Untold(name) => *self = Self::Numbers(rows.add_numbers(name)),
-            Self::Numbers(column) if value.is_nan() => {
-                *self = Self::Words(rows.words_of_numbers(*column));
-            }
-            _ => {}
-        }
-        match self {
-            Self::Words(column) => rows.set_word(*column, field),
-            Self::Numbers(column) => rows.set_number(*column, value),
-            Self::Untold(_) => {}
         }
     }
 }

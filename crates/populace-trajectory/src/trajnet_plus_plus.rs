@@ -24,7 +24,7 @@ struct Scene {
 #[derive(Deserialize)]
 struct Track {
     f: f64,
-    p: i64,
+    p: f64,
     x: Option<f64>,
     y: Option<f64>,
     /// The number of a prediction; observed rows have none.

@@ -20,7 +20,7 @@ struct Columns {
     end: usize,
     from: [usize; 2],
     to: [usize; 2],
-    extras: Vec<(usize, Extra)>,
+    extras: Vec<Extra>,
 }
 
 impl Columns {
@@ -32,7 +32,7 @@ impl Columns {
             .collect();
         let place = |aliases: &[&str]| {
             let known = |name: &&str| aliases.iter().any(|alias| name.eq_ignore_ascii_case(alias));
-            names.iter().position(|name| known(name))
+            names.iter().position(known)
         };
         let mut columns = Self {
             id: place(&["pedestrianId", "id"])?,
@@ -46,14 +46,14 @@ impl Columns {
         let [to_x, to_y] = columns.to;
         let known = [columns.id, columns.start, columns.end, x, y, to_x, to_y];
         let extras = names.iter().enumerate().filter(|(index, _)| !known.contains(index));
-        columns.extras = extras.map(|(index, name)| (index, Extra::new(name))).collect();
+        columns.extras = extras.map(|(_, name)| Extra::new(name)).collect();
         Some(columns)
     }
 }
 
-/// Returns true if a text is the header of footsteps.
+/// Returns true if a line names the columns of footsteps.
 pub(crate) fn is_header(line: &str) -> bool {
-    line.starts_with("#IDXCOL") || Columns::of_header(line).is_some()
+    Columns::of_header(line).is_some()
 }
 
 /// A step as the file has it.
@@ -88,8 +88,8 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
             return Ok(());
         }
         columns = Columns::of_header(line);
-        let problem = "no header with pedestrianId, simTime, endTime, startX, startY, endX and endY; \
-                       let Vadere write them by a FootStepProcessor";
+        let problem = "no header with pedestrianId, simTime, endTime, startX, startY, endX and \
+                       endY; let Vadere write them by a FootStepProcessor";
         let at = Some(Location::Line(number));
         if columns.is_some() { Ok(()) } else { Err(input.malformed(at, problem)) }
     })?;
@@ -141,7 +141,7 @@ impl Steps {
     }
 
     /// Adds the steps to the rows: a row where each begins and ends, but one where two join.
-    fn finish(mut self, extras: &mut [(usize, Extra)], rows: &mut Rows) {
+    fn finish(mut self, extras: &mut [Extra], rows: &mut Rows) {
         let mut last: Option<&Step> = None;
         self.steps.sort_by(|a, b| {
             a.agent.cmp(&b.agent).then(a.secs[0].total_cmp(&b.secs[0])).then(a.line.cmp(&b.line))
@@ -171,9 +171,9 @@ impl Steps {
         }
     }
 
-    fn set_extras(&self, step: &Step, extras: &mut [(usize, Extra)], rows: &mut Rows) {
+    fn set_extras(&self, step: &Step, extras: &mut [Extra], rows: &mut Rows) {
         let text = self.text.get(step.extras.clone()).unwrap_or_default();
-        for ((_, extra), field) in extras.iter_mut().zip(text.split(' ')) {
+        for (extra, field) in extras.iter_mut().zip(text.split(' ')) {
             extra.set_text(rows, field);
         }
     }

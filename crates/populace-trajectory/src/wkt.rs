@@ -189,7 +189,21 @@ impl<'a> Parser<'a> {
 
 #[cfg(test)]
 mod tests {
+    use proptest::prelude::*;
+
     use super::{WktError, polygons};
+
+    proptest! {
+        #[test]
+        fn any_text_is_read_or_refused(text in "(POLYGON|MULTI|[ (),;Z]|[0-9.e-]{1,4}|é){0,40}") {
+            match polygons(&text) {
+                Ok(found) => {
+                    prop_assert!(found.iter().all(|polygon| polygon.outline.len() > 2));
+                }
+                Err(error) => prop_assert!(error.at <= text.len()),
+            }
+        }
+    }
 
     fn problem(text: &str) -> (usize, String) {
         let WktError { at, problem } = polygons(text).unwrap_err();
@@ -212,7 +226,8 @@ mod tests {
         let square = "((0 0,1 0,1 1,0 1,0 0))";
         let text = format!(
             "SRID=4326;geometrycollection(POLYGON{square}, MULTIPOLYGON ({square},{square}),\n\
-             GEOMETRYCOLLECTION (POLYGON Z((0 0 5, 1 0 5, 1 1 5))), POLYGON EMPTY);\nPolygon{square}\n"
+             GEOMETRYCOLLECTION (POLYGON Z((0 0 5, 1 0 5, 1 1 5))), POLYGON EMPTY);\n\
+             Polygon{square}\n"
         );
         let found = polygons(&text).unwrap();
         assert_eq!(found.len(), 5);

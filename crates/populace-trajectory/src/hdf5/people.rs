@@ -56,15 +56,12 @@ impl Details {
         Some(Self { of_person, marker: Extra::new("marker_id") })
     }
 
-    /// Sets what is known of the person of the last row.
-    pub(super) fn set(&mut self, rows: &mut Rows, agent: u32, id: i64) {
-        let Some(&(height_m, marker)) = self.of_person.get(&id) else { return };
-        if height_m > 0.0 {
-            #[expect(clippy::cast_possible_truncation, reason = "rounding is intended")]
-            rows.set_height(agent, height_m as f32);
-        }
+    /// Sets the marker of the person of the last row, and returns the height in metres.
+    pub(super) fn set(&mut self, rows: &mut Rows, id: i64) -> Option<f64> {
+        let (height_m, marker) = *self.of_person.get(&id)?;
         if marker.is_finite() {
             self.marker.set_number(rows, marker);
         }
+        (height_m > 0.0).then_some(height_m)
     }
 }

@@ -7,6 +7,29 @@ use rust_hdf5::{ByteOrder, DatatypeMessage, H5Dataset};
 const LARGEST_RATIO: u64 = 100;
 /// Tables of up to so many bytes are read from any file.
 const SMALL_BYTES: u64 = 16 << 20;
+/// Parts of a compressed table may have so many bytes, even if the table has fewer.
+const SMALL_PART_BYTES: u64 = 4 << 20;
+
+/// Returns the reason if a dataset of a file of so many bytes needs far more memory than that, or
+/// other files.
+pub(super) fn check_size(dataset: &H5Dataset, file_bytes: u64) -> Result<(), String> {
+    if dataset.virtual_mappings().is_ok_and(|mappings| !mappings.is_empty())
+        || dataset.external_files().is_ok_and(|files| !files.is_empty())
+    {
+        return Err("its rows are in other files".to_owned());
+    }
+    let bytes = |counts: &[usize]| {
+        let count = counts.iter().try_fold(1_usize, |all, count| all.checked_mul(*count))?;
+        Some(count.checked_mul(dataset.element_size())? as u64)
+    };
+    let largest = file_bytes.saturating_mul(LARGEST_RATIO).max(SMALL_BYTES);
+    let total = bytes(&dataset.shape()).filter(|total| *total <= largest);
+    let part = dataset.chunk_dims().map_or(Some(0), |counts| bytes(&counts));
+    match (total, part) {
+        (Some(total), Some(part)) if part <= total.max(SMALL_PART_BYTES) => Ok(()),
+        _ => Err("its size is far beyond that of the file".to_owned()),
+    }
+}
 
 /// A table in memory.
 pub(crate) struct Table {
@@ -30,23 +53,15 @@ enum Kind {
 }
 
 impl Table {
-    /// Reads a dataset of a file of so many bytes, or returns the reason why it cannot be read.
-    pub(crate) fn read(dataset: &H5Dataset, file_bytes: u64) -> Result<Self, String> {
+    /// Reads a dataset, or returns the reason why it cannot be read.
+    pub(crate) fn read(dataset: &H5Dataset) -> Result<Self, String> {
         let datatype = dataset.datatype().map_err(|error| error.to_string())?;
         let DatatypeMessage::Compound { size, members } = datatype else {
             return Err(format!("it is no table with named members, but {datatype}"));
         };
-        if dataset.virtual_mappings().is_ok_and(|mappings| !mappings.is_empty())
-            || dataset.external_files().is_ok_and(|files| !files.is_empty())
-        {
-            return Err("its rows are in other files".to_owned());
-        }
         let row_bytes = size as usize;
-        let count = dataset.shape().iter().try_fold(1_usize, |all, n| all.checked_mul(*n));
-        let total = count.and_then(|count| count.checked_mul(row_bytes));
-        let largest = file_bytes.saturating_mul(LARGEST_RATIO).max(SMALL_BYTES);
-        if row_bytes == 0 || total.is_none_or(|total| total as u64 > largest) {
-            return Err("its size is far beyond that of the file".to_owned());
+        if row_bytes == 0 {
+            return Err("its rows are empty".to_owned());
         }
         let members = members
             .into_iter()

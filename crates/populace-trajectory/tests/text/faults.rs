@@ -37,6 +37,8 @@ fn a_file_of_mostly_broken_rows_is_an_error_with_the_first_of_them() {
 #[test]
 fn an_empty_file_and_one_without_rows_are_errors() {
     assert!(matches!(read(""), Err(Error::Empty { .. })));
+    assert!(matches!(read(" \n\n"), Err(Error::Empty { .. })));
+    assert!(error("# recorded in May\n").contains("comments alone"));
     assert!(matches!(read("# id frame x/m y/m z/m\n"), Err(Error::Empty { .. })));
     assert!(matches!(read("id,frame,x,y\n"), Err(Error::Empty { .. })));
 }
@@ -58,9 +60,20 @@ fn rows_twice_and_times_running_backwards_are_sorted_out() {
 
 #[test]
 fn numbers_out_of_any_range_do_not_count_as_positions() {
-    let recording = recording("id,t,x,y\n1,0,0,0\n1,1,1e300,0\n1,inf,1,0\n1,2,1,0\n1,3,2,0\n");
-    assert_eq!(recording.row_count(), 3);
-    assert_eq!(recording.warnings[0].rows, 2);
+    let recording = recording(
+        "id,t,x,y\n1,0,0,0\n1,1,1e300,0\n1,inf,1,0\n1,1e99,1,0\n1,2,1,0\n1,3,2,0\n1,4,3,0\n",
+    );
+    assert_eq!(recording.row_count(), 4);
+    assert_eq!(recording.warnings[0].rows, 3);
+}
+
+#[test]
+fn impossible_frame_rates_are_errors() {
+    for rate in ["0", "0.0000001", "99999999999"] {
+        let file = PETRACK.replace("12.5", rate);
+        let message = error(file);
+        assert!(message.contains("frame rate") && message.contains("--fps"), "{message}");
+    }
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Small mutations of the seeds of the fuzz target. None of them may panic or hang.
+//! Small mutations of the seeds of the fuzz targets. None of them may panic or hang.
 
 use std::path::Path;
 
@@ -33,21 +33,29 @@ fn survives(bytes: &[u8], format: Format) {
     }
 }
 
-/// Writes the seeds to the folder in `POPULACE_WRITE_SEEDS`, if set, as a corpus for the fuzz
-/// target.
-#[test]
-fn seeds_load_and_can_be_written() {
+/// Writes seeds to the folder in `POPULACE_WRITE_SEEDS`, if set, as a corpus for a fuzz target.
+fn write(seeds: impl Iterator<Item = fixtures::Fixture>) {
     let folder = std::env::var_os("POPULACE_WRITE_SEEDS");
-    for (index, fixture) in fixtures::all().into_iter().enumerate() {
-        survives(&fixture.bytes, fixture.format);
+    for (index, seed) in seeds.enumerate() {
+        survives(&seed.bytes, seed.format);
         if let Some(folder) = &folder {
             // The variable is relative to the workspace, while tests run in the crate's folder.
             let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
-            std::fs::create_dir_all(&folder).unwrap();
-            std::fs::write(folder.join(format!("{index}-{}", fixture.name)), fixture.bytes)
-                .unwrap();
+            std::fs::create_dir_all(&folder).expect("a folder");
+            std::fs::write(folder.join(format!("{index}-{}", seed.name)), seed.bytes)
+                .expect("a file");
         }
     }
+}
+
+#[test]
+fn text_seeds_load_and_can_be_written() {
+    write(fixtures::all().into_iter().filter(|seed| seed.format != Format::Menge));
+}
+
+#[test]
+fn menge_seeds_load_and_can_be_written() {
+    write(fixtures::all().into_iter().filter(|seed| seed.format == Format::Menge));
 }
 
 #[test]

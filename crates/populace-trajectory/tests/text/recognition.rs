@@ -15,6 +15,16 @@ fn compressed_files_are_recognised_inside() {
 }
 
 #[test]
+fn a_compressed_file_that_ends_early_is_an_error() {
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gzip.write_all(PETRACK.repeat(2000).as_bytes()).expect("compressed");
+    let bytes = gzip.finish().expect("compressed");
+    for length in [3, 20, bytes.len() / 2, bytes.len() - 4] {
+        assert!(error(&bytes[..length]).starts_with("cannot read file"));
+    }
+}
+
+#[test]
 fn unsupported_families_are_refused_by_name_with_a_hint() {
     for (head, name, hint) in [
         ("<?xml version=\"1.0\"?>\n<!-- x --><trajectories>", "the former JuPedSim", "plain text"),

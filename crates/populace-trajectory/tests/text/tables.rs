@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use populace_trajectory::{Fact, Format, Kind, Origin, Unit};
+use populace_trajectory::{Fact, Format, Kind, Origin, Unit, Values};
 
 use super::fixtures::{CSV, SUMO, error, recording, track};
 use super::formats::words;
@@ -21,6 +21,15 @@ fn decimal_commas_units_and_angles_are_understood() {
 fn a_column_that_turns_out_to_hold_words_keeps_its_numbers_as_words() {
     let recording = recording(CSV);
     assert_eq!(words(&recording, "group"), [Some("1"), Some("1"), Some("2"), Some("staff")]);
+}
+
+#[test]
+fn infinity_makes_no_column_of_words() {
+    let recording = recording("id,t,x,y,gap\n1,0,0,0,inf\n1,1,1,0,2.5\n1,2,2,0,-inf\n");
+    let Some(Values::Numbers(gaps)) = recording.column("gap").map(|column| &column.values) else {
+        panic!("no numbers");
+    };
+    assert_eq!((gaps[0].is_nan(), gaps[1], gaps[2].is_nan()), (true, 2.5, true));
 }
 
 #[test]
@@ -79,6 +88,19 @@ fn kinds_make_vehicles() {
     let kinds: Vec<_> = recording.agents.iter().map(|agent| agent.kind).collect();
     assert_eq!(kinds, [Kind::Person, Kind::Vehicle]);
     assert_eq!(words(&recording, "type")[2], Some("Veh"));
+}
+
+#[test]
+fn ids_of_vehicles_make_vehicles() {
+    let recording = recording("time,vehicle_id,x,y\n0,a,0,0\n1,a,8,0\n");
+    assert_eq!(recording.agents[0].kind, Kind::Vehicle);
+}
+
+#[test]
+fn a_column_without_a_name_is_no_extra_column() {
+    let recording = recording(",id,t,x,y,v\n0,1,0,0,0,1\n1,1,1,1,0,1\n");
+    let names: Vec<_> = recording.columns.iter().map(|column| &*column.name).collect();
+    assert_eq!(names, ["v"]);
 }
 
 #[test]

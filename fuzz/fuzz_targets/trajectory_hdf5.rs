@@ -1,0 +1,19 @@
+//! Feeds arbitrary bytes to the reader of HDF5, which must return a recording or an error that says
+//! what is wrong. It must never panic, hang or exhaust memory.
+//!
+//! Run with `cargo +nightly fuzz run trajectory_hdf5`. The seeds are also ordinary tests, in
+//! `crates/populace-trajectory/tests/simulations/mutations.rs`. To write them to the corpora, run
+//! `POPULACE_WRITE_SEEDS=fuzz/corpus cargo test -p populace-trajectory simulation_seeds`.
+#![no_main]
+
+use std::path::Path;
+
+use libfuzzer_sys::fuzz_target;
+use populace_trajectory::{Format, ReadSettings, parse};
+
+fuzz_target!(|bytes: &[u8]| {
+    let settings = ReadSettings { format: Some(Format::Hdf5), ..ReadSettings::default() };
+    if let Err(error) = parse(Path::new("fuzz"), bytes.to_vec(), &settings) {
+        assert!(!error.to_string().is_empty());
+    }
+});
