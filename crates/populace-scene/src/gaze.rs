@@ -44,16 +44,20 @@ struct Gaze {
 
 /// The gazes of all agents.
 #[derive(Clone, Debug)]
-pub(crate) struct Gazes(Vec<Gaze>);
+pub(crate) struct Gazes {
+    all: Vec<Gaze>,
+    /// People along the plan's x: where, and their index among those who are there.
+    by_x: Vec<(f32, usize)>,
+}
 
 impl Gazes {
     pub(crate) fn new(agents: usize) -> Self {
-        Self(vec![Gaze::default(); agents])
+        Self { all: vec![Gaze::default(); agents], by_x: Vec::new() }
     }
 
     /// Forgets the gaze of an agent who leaves.
     pub(crate) fn forget(&mut self, agent: usize) {
-        self.0[agent] = Gaze::default();
+        self.all[agent] = Gaze::default();
     }
 
     /// Turns heads for a step that ends at a time in seconds. People are in the order of agents.
@@ -63,12 +67,16 @@ impl Gazes {
         people: &[Somebody],
         (secs, step_secs): (f64, f32),
     ) -> Result<(), Error> {
+        self.by_x.clear();
+        let x = |somebody: &Somebody| somebody.moment.position[0];
+        self.by_x.extend(people.iter().enumerate().map(|(index, of)| (x(of), index)));
+        self.by_x.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         for somebody in people.iter().filter(|somebody| somebody.eye_m > 0.0) {
             if let Some(view_rad) = somebody.moment.view_rad {
                 look(crowd, somebody, along(somebody, view_rad))?;
                 continue;
             }
-            if self.0[somebody.agent].at.is_none() && is_turn(somebody.agent, secs, step_secs) {
+            if self.all[somebody.agent].at.is_none() && is_turn(somebody.agent, secs, step_secs) {
                 self.notice(somebody, people, secs);
             }
             self.glance(crowd, somebody, people, secs)?;
@@ -78,14 +86,17 @@ impl Gazes {
 
     /// Decides whether somebody looks at the nearest of those who pass.
     fn notice(&mut self, somebody: &Somebody, people: &[Somebody], secs: f64) {
-        let gaze = &mut self.0[somebody.agent];
+        let gaze = &mut self.all[somebody.agent];
         if secs < gaze.rests_until {
             return;
         }
+        let x = somebody.moment.position[0];
+        let first = self.by_x.partition_point(|(at, _)| *at < x - NOTICED_M);
+        let near = self.by_x[first..].iter().take_while(|(at, _)| *at <= x + NOTICED_M);
+        let near = near.map(|(_, index)| &people[*index]);
         let passes = |other: &&Somebody| somebody.passes(other);
         let distance = |other: &Somebody| somebody.to(other)[0].hypot(somebody.to(other)[1]);
-        let nearest = people
-            .iter()
+        let nearest = near
             .filter(passes)
             .min_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.agent.cmp(&b.agent)));
         let Some(nearest) = nearest else { return };
@@ -104,7 +115,7 @@ impl Gazes {
         people: &[Somebody],
         secs: f64,
     ) -> Result<(), Error> {
-        let gaze = &mut self.0[somebody.agent];
+        let gaze = &mut self.all[somebody.agent];
         let Some((other, until)) = gaze.at else { return Ok(()) };
         let found = people.binary_search_by_key(&other, |other| other.agent);
         match found.ok().map(|index| &people[index]).filter(|_| secs < until) {
