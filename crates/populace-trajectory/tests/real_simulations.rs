@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use libtest_mimic::{Arguments, Failed, Trial};
-use populace_trajectory::{Format, HeadingSource, Origin, ReadSettings, Recording, Unit, load};
+use populace_trajectory::{
+    Format, Gaps, HeadingSource, Origin, ReadSettings, Recording, Unit, load,
+};
 
 const VARIABLE: &str = "POPULACE_TEST_DATA";
 
@@ -13,6 +15,8 @@ struct Expected {
     format: Format,
     agents: usize,
     rows: usize,
+    /// Distinct times, and the most people at a time.
+    frames: [usize; 2],
     fps: f64,
     secs: [f64; 2],
     /// The corners of all positions.
@@ -28,6 +32,7 @@ const FILES: [Expected; 7] = [
         format: Format::JuPedSim,
         agents: 60,
         rows: 47893,
+        frames: [1501, 60],
         fps: 25.0,
         secs: [0.0, 60.0],
         extent: [[0.9117, 0.1951], [17.0279, 7.1647]],
@@ -39,6 +44,7 @@ const FILES: [Expected; 7] = [
         format: Format::JuPedSim,
         agents: 1000,
         rows: 76440,
+        frames: [101, 1000],
         fps: 2.5,
         secs: [0.0, 40.0],
         extent: [[1.3483, 0.2386], [58.6289, 37.5727]],
@@ -50,6 +56,7 @@ const FILES: [Expected; 7] = [
         format: Format::JuPedSim,
         agents: 30,
         rows: 8083,
+        frames: [491, 30],
         fps: 25.0,
         secs: [0.0, 19.6],
         extent: [[-7.3788, 1.7950], [7.6100, 8.9292]],
@@ -61,6 +68,7 @@ const FILES: [Expected; 7] = [
         format: Format::Hdf5,
         agents: 60,
         rows: 47893,
+        frames: [1501, 60],
         fps: 25.0,
         secs: [0.0, 60.0],
         extent: [[0.9117, 0.1951], [17.0279, 7.1647]],
@@ -73,6 +81,7 @@ const FILES: [Expected; 7] = [
         agents: 20,
         // 493 steps that join, so one row for each step and one more for each agent.
         rows: 513,
+        frames: [494, 20],
         fps: 1.7610,
         secs: [0.4, 25.2660],
         extent: [[1.1626, 1.1062], [6.7947, 8.7976]],
@@ -84,6 +93,7 @@ const FILES: [Expected; 7] = [
         format: Format::Sumo,
         agents: 60,
         rows: 2673,
+        frames: [60, 60],
         fps: 1.0,
         secs: [0.0, 59.0],
         extent: [[-5.44, -5.44], [246.06, 244.29]],
@@ -95,6 +105,7 @@ const FILES: [Expected; 7] = [
         format: Format::Sumo,
         agents: 600,
         rows: 94125,
+        frames: [300, 505],
         fps: 2.0,
         secs: [0.0, 149.5],
         extent: [[-6.08, -6.71], [246.54, 246.72]],
@@ -134,6 +145,9 @@ fn check(recording: &Recording, expected: &Expected) -> Result<(), Failed> {
     let counts = (recording.agents.len(), recording.row_count());
     equal("format", &source.format, &expected.format)?;
     equal("agents and rows", &counts, &(expected.agents, expected.rows))?;
+    let summary = recording.summary();
+    equal("frames", &[summary.frames, summary.peak_agents], &expected.frames)?;
+    equal("gaps", &summary.gaps, &Gaps::default())?;
     equal("unit", &source.unit.value, &Unit::Metres)?;
     equal("origin of the unit", &source.unit.origin, &Origin::File)?;
     equal("heading", &source.heading.value, &expected.heading)?;

@@ -74,7 +74,7 @@ fn every_beginning_of_a_file_is_read_or_refused() {
 
 proptest! {
     #![proptest_config(ProptestConfig {
-        cases: 300,
+        cases: 100,
         failure_persistence: None,
         ..ProptestConfig::default()
     })]
