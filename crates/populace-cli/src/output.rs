@@ -73,6 +73,11 @@ impl Outputs {
         self.frames.clone()
     }
 
+    /// Returns true if there are images beside the pictures.
+    pub(crate) fn has_images(&self) -> bool {
+        !self.images.is_empty()
+    }
+
     /// Returns the path of a frame's picture, or of the film.
     pub(crate) fn path(&self, frame: u32) -> PathBuf {
         match self.form {
