@@ -71,24 +71,28 @@ fn a_frame_is_the_same_whichever_frames_are_drawn() {
                 {time = 0.7, from = [3, 1.6, 3], to = [0, 1, -3], fov = 60}]";
     std::fs::write(folder.path("keys.toml"), keys).expect("written");
     let keys = folder.text("keys.toml");
-    let common = ["render", "@people", "--members", "20", "--fps", "10", "--detail", "3"];
-    for camera in ["crowd", "close", "orbit", "follow:3", "eye:4", &keys] {
-        for shutter in ["0", "90"] {
-            let draw = |frames: &[&str], name: &str| {
-                let out = folder.text(name);
-                let film = ["--camera", camera, "--shutter", shutter, "--out", &out];
-                run(&[&common[..], &SMALL, &film, frames].concat());
-            };
-            draw(&["--frames", "0..7"], "play.png");
-            draw(&["--frames", "7..7"], "seek.png");
-            draw(&["--at", "0.7"], "at.png");
-            draw(&["--at", "0.65"], "between.png");
-            let files = files(&folder);
-            let play = &files["play_0007.png"];
-            assert!(*play == files["seek_0007.png"], "{camera}, shutter {shutter}");
-            assert!(*play == files["at.png"], "{camera}, shutter {shutter}");
-            assert!(*play != files["play_0000.png"] && *play != files["between.png"]);
-        }
+    let common = ["--members", "20", "--fps", "10", "--detail", "3"];
+    for (people, camera, shutter) in [
+        ("@people", "close", "0"),
+        ("@woman", "crowd", "0"),
+        ("@man", "orbit", "90"),
+        ("@woman", "follow:3", "0"),
+        ("@man", &*keys, "90"),
+    ] {
+        let draw = |frames: &[&str], name: &str| {
+            let out = folder.text(name);
+            let film = ["--camera", camera, "--shutter", shutter, "--out", &out];
+            run(&[&["render", people], &common[..], &SMALL, &film, frames].concat());
+        };
+        draw(&["--frames", "0..7"], "play.png");
+        draw(&["--frames", "7..7"], "seek.png");
+        draw(&["--at", "0.7"], "at.png");
+        draw(&["--at", "0.65"], "between.png");
+        let files = files(&folder);
+        let play = &files["play_0007.png"];
+        assert!(*play == files["seek_0007.png"], "{camera}, shutter {shutter}");
+        assert!(*play == files["at.png"], "{camera}, shutter {shutter}");
+        assert!(*play != files["play_0000.png"] && *play != files["between.png"]);
     }
 }
 
