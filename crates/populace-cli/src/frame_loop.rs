@@ -21,8 +21,8 @@ pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
 /// What happens before the camera: moves a crowd through time, and says where the camera is.
 pub(crate) trait Action {
-    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called in
-    /// the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
+    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called
+    /// in the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
     /// depend on those that are drawn before it.
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure>;
 
