@@ -120,6 +120,7 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
 }
 
 /// Refuses a path whose extension is not `kind`.
+#[cfg(feature = "bench")]
 pub(crate) fn check_kind(path: &Path, kind: &str) -> Result<(), Failure> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind)) {
         return Ok(());
