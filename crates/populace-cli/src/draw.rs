@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::Crowd;
+use populace::{Crowd, MemberId};
 use populace_film::{FilmSettings, FrameRate};
 use populace_render::{Camera, Drawn, Renderer, Scene};
 use serde_json::json;
@@ -256,6 +256,10 @@ impl Action for Filmed {
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         Ok(self.cameras.at(&self.action, secs))
+    }
+
+    fn person(&self, member: MemberId) -> Option<u64> {
+        self.action.population.number(member).map(|number| number as u64)
     }
 }
 

@@ -17,6 +17,7 @@ mod failure;
 mod fit;
 mod frame_loop;
 mod frames;
+mod image_files;
 mod input;
 mod mix;
 mod names;

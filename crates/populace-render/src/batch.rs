@@ -153,6 +153,7 @@ impl Batches {
                 look0,
                 look1,
                 palette_first: instance.palette_first % PAGE_ENTRIES,
+                number: u32::try_from(index).unwrap_or(u32::MAX),
             });
         }
         runs

@@ -259,6 +259,8 @@ vertex_struct! {
         look1: Index32x4,
         /// First palette entry, relative to the bound page.
         palette_first: u32,
+        /// Index in the caller's list.
+        number: u32,
     }
 }
 
@@ -286,7 +288,7 @@ mod tests {
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 10) in uint palette_first;"
+            "layout(location = 11) in uint number;"
         );
     }
 

@@ -43,5 +43,6 @@ pub use error::Error;
 pub use palettes::PaletteInterop;
 pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
+pub use renderer::marks::Marks;
 pub use renderer::passes::PassTimes;
 pub use scene::{Ambient, Ground, Highlights, Preset, Scene, Sky, Sun};

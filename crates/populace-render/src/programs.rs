@@ -29,6 +29,8 @@ pub(crate) enum Kind {
     Member(MemberKind),
     /// Members in the shadow map.
     Shadow { influences: u32, alpha: Alpha, textured: bool },
+    /// Depth and number of members.
+    Marks { influences: u32, alpha: Alpha, textured: bool },
     /// The ground plane.
     Ground,
     /// Contact shadows of members on the ground.
@@ -61,6 +63,10 @@ fn sources(kind: Kind) -> [String; 2] {
         Kind::Shadow { influences, alpha, textured } => [
             skinned(influences, &[include_str!("shaders/shadow.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
+        ],
+        Kind::Marks { influences, alpha, textured } => [
+            skinned(influences, &[include_str!("shaders/marks.vert")]),
+            with_blocks(alpha, &[texture_define(textured), include_str!("shaders/marks.frag")]),
         ],
         Kind::Ground => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),

@@ -4,6 +4,7 @@ mod aim;
 mod bench;
 mod clipless;
 mod drivers;
+mod films;
 mod gaits;
 mod input;
 mod mix;

@@ -29,7 +29,7 @@ use crate::Error;
 pub(crate) use buffer::{Buffer, BufferUse};
 pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
-pub(crate) use target::{PictureTarget, ShadowTarget};
+pub(crate) use target::{MarkTarget, PictureTarget, ShadowTarget};
 pub(crate) use texture::{Coding, Sampling, Texture};
 pub(crate) use timer::Timers;
 pub(crate) use vertex_array::{DrawRange, VertexArray};

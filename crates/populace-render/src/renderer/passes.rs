@@ -8,10 +8,10 @@ use crate::model::{Alpha, ModelPart, Skin};
 use crate::programs::{Kind, MemberKind};
 use crate::{Error, Scene};
 
-const PALETTE_BINDING: u32 = 0;
-const TEXTURE_UNIT: u32 = 0;
+pub(super) const PALETTE_BINDING: u32 = 0;
+pub(super) const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
-const MEMBER_UNIT: u32 = 2;
+pub(super) const MEMBER_UNIT: u32 = 2;
 
 /// Milliseconds that the graphics device took for the passes of a picture, by its own timers.
 ///
@@ -159,7 +159,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
-        self.picture.begin_resolve(MEMBER_UNIT);
+        self.picture.begin_resolve(MEMBER_UNIT, 1.0);
         self.gl.set_state(surroundings);
         self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
         if scene.ground.is_some() {
@@ -195,7 +195,7 @@ impl Renderer {
     }
 }
 
-fn range<'a, I>(
+pub(super) fn range<'a, I>(
     part: &'a ModelPart,
     influences: &'a Buffer<I>,
     instances: &'a Buffer<InstanceData>,
