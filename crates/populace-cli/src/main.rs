@@ -14,6 +14,7 @@ mod crowd_renderer;
 mod draw;
 mod exposure;
 mod failure;
+mod filming;
 mod fit;
 mod frame_loop;
 mod frames;

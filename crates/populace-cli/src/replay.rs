@@ -6,25 +6,23 @@ mod people;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use populace::Crowd;
-use populace_film::{FilmSettings, FrameRate};
+use populace::{Crowd, MemberId};
+use populace_film::FrameRate;
 use populace_locomotion::SkateMeter;
-use populace_render::{Camera, Renderer};
+use populace_render::Camera;
 use populace_scene::{Motions, Replay};
 use populace_trajectory::{Origin, ReadSettings, Recording};
 use serde_json::{Value, json};
 
 use crate::camera::Cameras;
 use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs, TrajectoryArgs, build};
-use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
+use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::frame_loop::{Action, FrameLoop};
+use crate::filming::{Filming, counted};
+use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
-use crate::output::{Outputs, check_inputs, check_writable};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
-use crate::sinks::Sink;
-use crate::unfinished;
 use agents::Agents;
 use people::CastSettings;
 
@@ -34,6 +32,8 @@ const METERED: usize = 16;
 const STEP_SECS: f32 = 0.041;
 /// Frames per second, if none are given.
 const DEFAULT_FPS: u32 = 25;
+/// Clips that a member plays at the same time: idle, walk and run.
+const SLOTS: usize = 4;
 
 /// A job of drawing the people of a trajectory file.
 pub(crate) struct ReplayJob<'a> {
@@ -54,42 +54,31 @@ impl ReplayJob<'_> {
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
         let Some(out) = self.out else {
-            let mut crowd = build(args.device.crowd().capacity(capacity(&motions)))?;
-            let (mut action, _) = self.people(&mut crowd, &recording, motions)?;
+            let capacity = capacity(&motions);
+            let mut crowd = build(args.device.crowd().capacity(capacity))?;
+            let (mut action, _) = self.people(&mut crowd, &recording, motions, None)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
-        let film = &args.film;
-        let outputs = Outputs::new(out, frames.first..=frames.last, self.is_film(), &film.images)?;
-        check_inputs(outputs.paths(), &[self.file])?;
-        check_writable(&outputs.first())?;
-        let settings =
-            FilmSettings { encoder: film.encoder, ..FilmSettings::new(args.size.0, frames.rate) };
-        let mut sink = Sink::open(&outputs, &settings, film.skip_existing)?;
-        let skipped = sink.skipped();
-        unfinished::expect_frames(frames.count() - u32::try_from(skipped).unwrap_or_default());
-        let renderer = Renderer::headless(args.size.0);
-        let builder = args.device.crowd().capacity(capacity(&motions));
-        let mut crowd = build(builder_for(builder, &renderer))?;
-        #[cfg(unix)]
-        crate::aborts::exit_on_abort();
-        let (mut action, roles) = self.people(&mut crowd, &recording, motions)?;
+        let filming = Filming::new(args, out, (frames, self.is_film()), &self.given())?;
+        let sink = filming.sink()?;
+        let renderer = filming.renderer();
+        let mut crowd = filming.crowd(&renderer, [capacity(&motions), SLOTS])?;
+        let (mut action, roles) = self.people(&mut crowd, &recording, motions, Some(&filming))?;
         let [width, height] = args.size.0;
-        action.cameras =
-            Some(Cameras::new(&args.camera, &action.subject, width as f32 / height as f32)?);
+        let aspect = width as f32 / height as f32;
+        action.cameras = Some(Cameras::new(&args.camera, &action.subject, aspect)?);
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let scene = args.sky.scene();
-        let frame_loop = FrameLoop {
-            frames,
-            lead_in: 0,
-            size: args.size.0,
-            scene: &scene,
-            detail: (!args.full_detail).then_some(args.detail),
-        };
-        let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
-        let out = sink.finish()?;
-        report::path(&out)
+        let filmed = filming.shoot(&mut crowd, (&mut action, 0), renderer, sink)?;
+        filmed.report(&crowd, args.json, action.measures())
+    }
+
+    /// Returns the files that are read, as far as they are known from the command line.
+    fn given(&self) -> Vec<&Path> {
+        let files = self.cast.iter().chain(&self.picture.clips).chain(&self.trajectory.geometry);
+        let files = files.map(PathBuf::as_path).chain([self.file]);
+        files.filter(|file| roles::built_in_name(file).is_none()).collect()
     }
 
     /// Brings the people into the crowd.
@@ -98,10 +87,11 @@ impl ReplayJob<'_> {
         crowd: &mut Crowd,
         recording: &Recording,
         motions: Motions,
+        filming: Option<&Filming<'_>>,
     ) -> Result<(ReplayAction, Vec<CrowdRole>), Failure> {
         let args = self.picture;
         let everybody = [PathBuf::from("@people")];
-        let roles = roles::load(
+        let loaded = roles::load(
             crowd,
             &args.input,
             if self.cast.is_empty() { &everybody } else { self.cast },
@@ -110,8 +100,11 @@ impl ReplayJob<'_> {
             args.height,
             !args.full_detail,
             !args.plain,
-        )?
-        .roles;
+        )?;
+        let roles = loaded.roles;
+        if let Some(filming) = filming {
+            filming.check(&roles, &loaded.files)?;
+        }
         let gaits = people::gaits(crowd, &roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(recording, &roles, &settings);
@@ -249,6 +242,11 @@ impl Action for ReplayAction {
         Ok(())
     }
 
+    fn person(&self, member: MemberId) -> Option<u64> {
+        let mut people = self.replay.present();
+        people.find(|(_, other)| *other == member).map(|(agent, _)| agent as u64)
+    }
+
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))
@@ -278,8 +276,4 @@ fn describe(recording: &Recording) {
     for warning in &recording.warnings {
         message!("warning: {warning}");
     }
-}
-
-fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
