@@ -106,6 +106,17 @@ impl Camera {
         })
     }
 
+    /// Returns where a point of the world is in a picture of `size` pixels (width, height), from the
+    /// top left corner. `None` for a point that is not before the camera, and for invalid settings.
+    #[must_use]
+    pub fn project(&self, point: [f32; 3], size: [u32; 2]) -> Option<[f32; 2]> {
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+        let [width, height] = size.map(|side| side as f32);
+        let clip = self.clip_from_world(width / height).ok()? * Vec3::from(point).extend(1.0);
+        let [x, y] = [clip.x / clip.w, clip.y / clip.w];
+        (clip.w > self.near).then_some([0.5 * (1.0 + x) * width, 0.5 * (1.0 - y) * height])
+    }
+
     /// Returns the view-projection matrix for a picture of width over height `aspect`.
     pub(crate) fn clip_from_world(&self, aspect: f32) -> Result<Mat4, Error> {
         let [eye, target, up] = [self.eye, self.target, self.up].map(Vec3::from);

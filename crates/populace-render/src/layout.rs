@@ -181,7 +181,7 @@ glsl_block! {
         /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0
         /// without ground.
         ground_color: Float4,
-        /// rgb: colour of the lines on the paving.
+        /// rgb: colour of the lines on the paving. w: height of the ground in metres.
         line_color: Float4,
     }
 }

@@ -79,6 +79,7 @@ impl Renderer {
         self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
             renderer.draw_runs(&batches.opaque, Pass::Opaque, drawn)?;
+            renderer.draw_contacts_on_floors(&batches.opaque, scene, drawn)?;
             renderer.draw_runs(&batches.blended, Pass::Blended, drawn)
         })?;
         self.timed(SURROUNDINGS_PASS, |renderer| {
@@ -166,7 +167,7 @@ impl Renderer {
             self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
-        if scene.ground.is_some() && scene.contact_shadows > 0.0 {
+        if is_at_zero(scene) && scene.contact_shadows > 0.0 {
             self.draw_contacts(runs, drawn)?;
         }
         let resolve = Kind::Resolve { samples: self.picture.samples() };
@@ -176,7 +177,30 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws the contact shadows of instances on the ground.
+    /// Draws contact shadows on what members have at y = 0, if the ground is elsewhere. Members are
+    /// not darkened by their own: those lie under their soles.
+    fn draw_contacts_on_floors(
+        &mut self,
+        runs: &[Run],
+        scene: &Scene,
+        drawn: &mut Drawn,
+    ) -> Result<(), Error> {
+        if scene.ground.is_none() || is_at_zero(scene) || scene.contact_shadows == 0.0 {
+            return Ok(());
+        }
+        // Towards the eye, since a floor lies in the same plane.
+        self.gl.set_state(DrawState {
+            cull: Cull::Nothing,
+            blend: true,
+            keep_alpha: true,
+            depth_write: false,
+            depth_offset: [-1.0, -2.0],
+            ..DrawState::OPAQUE
+        });
+        self.draw_contacts(runs, drawn)
+    }
+
+    /// Draws the contact shadows of instances on the plane y = 0.
     fn draw_contacts(&mut self, runs: &[Run], drawn: &mut Drawn) -> Result<(), Error> {
         self.programs.get(Kind::Contact)?.bind();
         for run in runs {
@@ -193,6 +217,11 @@ impl Renderer {
         }
         Ok(())
     }
+}
+
+/// Returns true if contact shadows lie on the ground.
+fn is_at_zero(scene: &Scene) -> bool {
+    scene.ground.is_some_and(|ground| ground.height_m == 0.0)
 }
 
 pub(super) fn range<'a, I>(

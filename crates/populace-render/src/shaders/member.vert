@@ -35,9 +35,11 @@ void main() {
     texture_uv = uv;
     surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
-    // The ground, which is drawn without depth, hides what lies beyond it. Soles at y = 0 stay
+    // The ground, which is drawn without depth, hides what lies beyond it. Soles on it stay
     // visible: members may sink into the ground by the size of a pixel.
     float sunk_m = ground_color.w * gl_Position.w;
-    gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world_position.y + sunk_m : 1.0;
+    float ground_m = line_color.w;
+    float above_m = sign(eye.y - ground_m) * (world_position.y - ground_m);
+    gl_ClipDistance[0] = ground_color.w > 0.0 ? above_m + sunk_m : 1.0;
     if (is_hidden()) gl_Position = OUTSIDE;
 }
