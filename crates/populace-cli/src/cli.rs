@@ -21,7 +21,7 @@ use crate::mix::{LayerArg, SlotArg};
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use values::{Size, VertexId};
-use values::{data_rate, height, pixels};
+use values::{data_rate, height, pixels, trail_secs, wall_height};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -224,6 +224,63 @@ pub(crate) struct TrajectoryArgs {
     /// Evaluate all frames and print measures as JSON, without drawing
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) no_draw: bool,
+    #[command(flatten)]
+    pub(crate) overlay: OverlayArgs,
+}
+
+impl TrajectoryArgs {
+    /// Returns the first of these flags that was given.
+    pub(crate) fn first_given(&self) -> Option<&'static str> {
+        let overlay = &self.overlay;
+        let given = [
+            ("--format", self.format.is_some()),
+            ("--unit", self.unit.is_some()),
+            ("--data-fps", self.data_fps.is_some()),
+            ("--heading", self.heading.is_some()),
+            ("--geometry", self.geometry.is_some()),
+            ("--strict", self.strict),
+            ("--no-draw", self.no_draw),
+            ("--colour-by", overlay.colour_by.is_some()),
+            ("--trails", overlay.trails.is_some()),
+            ("--ids", overlay.ids),
+            ("--clock", overlay.clock),
+        ];
+        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
+    }
+}
+
+/// Options for what is drawn over pictures of trajectories.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct OverlayArgs {
+    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file, with
+    /// a legend
+    #[arg(long, value_name = "NAME", alias = "color-by", help_heading = "Trajectory files")]
+    pub(crate) colour_by: Option<String>,
+    /// Draw the way that people came in the last seconds
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        num_args = 0..=1,
+        default_missing_value = "3",
+        value_parser = trail_secs,
+        help_heading = "Trajectory files"
+    )]
+    pub(crate) trails: Option<f64>,
+    /// Write ids above heads
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) ids: bool,
+    /// Show the time since the beginning of the file
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) clock: bool,
+    /// Height of walls and obstacles in metres, 0 for none
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.6,
+        value_parser = wall_height,
+        help_heading = "Trajectory files"
+    )]
+    pub(crate) walls: f64,
 }
 
 #[derive(Args, Debug)]

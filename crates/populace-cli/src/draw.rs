@@ -59,7 +59,8 @@ impl DrawJob<'_> {
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let filmed = filming.shoot(&mut crowd, (&mut action, self.lead_in), renderer, sink)?;
+        let played = (&mut action as &mut dyn Action, &filming.scene(), self.lead_in);
+        let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         filmed.report(&crowd, args.json, Value::Null)
     }
 

@@ -81,17 +81,26 @@ impl<'a> Filming<'a> {
         Ok(crowd)
     }
 
+    /// Returns the light and the surroundings.
+    pub(crate) fn scene(&self) -> Scene {
+        let mut scene = self.args.sky.scene();
+        if self.args.full_detail {
+            scene.sun.error_texels = 0.0;
+        }
+        scene
+    }
+
     /// Checks what characters bring: files that no output may destroy, and nodes that can be hidden.
     pub(crate) fn check(&self, roles: &[CrowdRole], files: &[PathBuf]) -> Result<(), Failure> {
         check_inputs(self.outputs.paths(), files)?;
         check_hidden(roles, &self.args.hide)
     }
 
-    /// Evaluates, draws and writes all frames, after `lead_in` frames that are evaluated.
+    /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are evaluated.
     pub(crate) fn shoot(
         &self,
         crowd: &mut Crowd,
-        (action, lead_in): (&mut dyn Action, u32),
+        (action, scene, lead_in): (&mut dyn Action, &Scene, u32),
         renderer: Result<CrowdRenderer, Failure>,
         mut sink: Sink<'_>,
     ) -> Result<Filmed, Failure> {
@@ -100,7 +109,7 @@ impl<'a> Filming<'a> {
             frames,
             lead_in,
             size: args.size.0,
-            scene: &scene(args),
+            scene,
             detail: (!args.full_detail).then_some(args.detail),
         };
         let skipped = sink.skipped();
@@ -163,14 +172,6 @@ impl Filmed {
         }
         report::json(&document)
     }
-}
-
-fn scene(args: &PictureArgs) -> Scene {
-    let mut scene = args.sky.scene();
-    if args.full_detail {
-        scene.sun.error_texels = 0.0;
-    }
-    scene
 }
 
 /// Returns a number of things in words: "1 frame", "2 frames".

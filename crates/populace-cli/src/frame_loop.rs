@@ -29,6 +29,11 @@ pub(crate) trait Action {
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
+    /// Draws over the picture of a frame that was taken by a camera.
+    fn overlay(&self, _picture: &mut Image, _camera: &Camera) -> Result<(), Failure> {
+        Ok(())
+    }
+
     /// Returns the number of the person that a member is; `None` for other things.
     fn person(&self, member: MemberId) -> Option<u64>;
 }
@@ -117,9 +122,10 @@ impl FrameLoop<'_> {
             }
             let spent = std::mem::take(&mut spent);
             times.animate.push(spent.animate);
-            if let Some(picture) = exposure.develop() {
-                times.draw.push(spent.draw);
+            if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
+                action.overlay(&mut picture, &action.camera(moment.secs)?)?;
+                times.draw.push(spent.draw + ms_since(start));
                 sink.take(moment.frame, Shot { picture, facts: facts.take() })?;
                 times.total.push(spent.animate + spent.draw + ms_since(start));
             }

@@ -1,15 +1,18 @@
 //! Draws the people of a trajectory file: `populace render bottleneck.sqlite`.
 
 mod agents;
+mod overlays;
 mod people;
+mod place;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use populace::character::Image;
 use populace::{Crowd, MemberId};
 use populace_film::FrameRate;
 use populace_locomotion::SkateMeter;
-use populace_render::Camera;
+use populace_render::{Camera, Ground};
 use populace_scene::{Motions, Replay};
 use populace_trajectory::{Origin, ReadSettings, Recording};
 use serde_json::{Value, json};
@@ -24,7 +27,9 @@ use crate::frames::{Frames, Shutter, single};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
 use agents::Agents;
+use overlays::Overlays;
 use people::CastSettings;
+use place::{Place, SLAB_M};
 
 /// People whose feet are measured when most are there.
 const METERED: usize = 16;
@@ -56,21 +61,28 @@ impl ReplayJob<'_> {
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
             let mut crowd = build(args.device.crowd().capacity(capacity))?;
-            let (mut action, _) = self.people(&mut crowd, &recording, motions, None)?;
+            let (mut action, _) = self.people(&mut crowd, recording, motions, None)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
         let filming = Filming::new(args, out, (frames, self.is_film()), &self.given())?;
         let sink = filming.sink()?;
         let renderer = filming.renderer();
-        let mut crowd = filming.crowd(&renderer, [capacity(&motions), SLOTS])?;
-        let (mut action, roles) = self.people(&mut crowd, &recording, motions, Some(&filming))?;
+        // One more for the place.
+        let mut crowd = filming.crowd(&renderer, [capacity(&motions) + 1, SLOTS])?;
+        let (mut action, roles) = self.people(&mut crowd, recording, motions, Some(&filming))?;
         let [width, height] = args.size.0;
         let aspect = width as f32 / height as f32;
         action.cameras = Some(Cameras::new(&args.camera, &action.subject, aspect)?);
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let filmed = filming.shoot(&mut crowd, (&mut action, 0), renderer, sink)?;
+        let mut scene = filming.scene();
+        action.place = Place::new(&mut crowd, &action.recording, self.trajectory.overlay.walls)?;
+        if action.place.is_known() {
+            scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
+        }
+        let played = (&mut action as &mut dyn Action, &scene, 0);
+        let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         filmed.report(&crowd, args.json, action.measures())
     }
 
@@ -85,7 +97,7 @@ impl ReplayJob<'_> {
     fn people(
         &self,
         crowd: &mut Crowd,
-        recording: &Recording,
+        recording: Recording,
         motions: Motions,
         filming: Option<&Filming<'_>>,
     ) -> Result<(ReplayAction, Vec<CrowdRole>), Failure> {
@@ -107,18 +119,22 @@ impl ReplayJob<'_> {
         }
         let gaits = people::gaits(crowd, &roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
-        let people = people::cast(recording, &roles, &settings);
+        let people = people::cast(&recording, &roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);
-        let subject = Agents::new(recording, motions.clone());
-        let replay = Replay::new(recording, motions, &people, gaits, recording.secs()[0])?;
+        let subject = Agents::new(&recording, motions.clone());
+        let from_secs = recording.secs()[0];
+        let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
+        let overlay = &self.trajectory.overlay;
+        let overlays = Overlays::new(overlay, &recording, replay.motions(), &roles, people)?;
         message!(
             "{} on {}, {}",
             counted(recording.agents.len(), "agent"),
             devices_and_shares(crowd),
             crowd.device_info().schedule
         );
+        let (cameras, meter, place) = (None, SkateMeter::new(), Place::default());
         let action =
-            ReplayAction { replay, subject, cameras: None, meter: SkateMeter::new(), every };
+            ReplayAction { recording, replay, subject, cameras, meter, every, overlays, place };
         Ok((action, roles))
     }
 
@@ -197,6 +213,7 @@ fn capacity(motions: &Motions) -> usize {
 
 /// People who follow trajectories.
 struct ReplayAction {
+    recording: Recording,
     replay: Replay,
     subject: Agents,
     /// `None` if nothing is drawn.
@@ -204,11 +221,15 @@ struct ReplayAction {
     meter: SkateMeter,
     /// The feet of every so many agents are measured.
     every: usize,
+    overlays: Overlays,
+    place: Place,
 }
 
 impl ReplayAction {
     fn step(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         self.replay.advance(crowd, secs)?;
+        self.place.change(crowd, self.replay.secs())?;
+        self.overlays.dress(crowd, &self.recording, &self.replay)?;
         crowd.update(secs)?;
         let metered = self.replay.present().filter(|(agent, _)| agent % self.every == 0);
         for (_, member) in metered {
@@ -240,6 +261,10 @@ impl Action for ReplayAction {
             done += 1.0;
         }
         Ok(())
+    }
+
+    fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), Failure> {
+        self.overlays.draw(picture, camera, &self.recording, &self.replay)
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {

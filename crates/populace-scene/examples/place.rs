@@ -24,7 +24,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     let person = |i| Person { character: characters[i % characters.len()], scale: 1.0, look: None };
     let people: Vec<_> = (0..recording.agents.len()).map(person).collect();
-    let mut replay = Replay::new(&recording, Motions::new(&recording), &people, gaits, recording.secs()[0])?;
+    let mut replay =
+        Replay::new(&recording, Motions::new(&recording), &people, gaits, recording.secs()[0])?;
     let model = PlaceModel::new(&recording, &PlaceSettings::default());
     for part in model.parts {
         let place = crowd.add_character(part.character)?;

@@ -232,7 +232,7 @@ fn lead(motions: &Motions, agent: usize, secs: f64) -> Option<Lead> {
 /// Returns the largest distance of a motion from the rows of its agent.
 fn max_raw_m(recording: &Recording, motions: &Motions) -> f32 {
     let mut most = 0.0_f32;
-    for (agent, motion) in recording.agents.iter().zip(&motions.agents) {
+    for (agent, motion) in recording.agents.iter().zip(motions.agents.iter()) {
         let track = recording.track(agent);
         for (secs, raw) in track.times.iter().zip(track.positions) {
             let off =

@@ -4,12 +4,8 @@ use populace_character::{Character, Region, RegionFinder};
 use populace_device::MemberLook;
 
 /// Shades of a colour for clothes, from top to toe.
-const SHADES: [(Region, f32); 4] = [
-    (Region::Top, 1.0),
-    (Region::Trousers, 0.45),
-    (Region::Shoes, 0.2),
-    (Region::Accessory, 0.7),
-];
+const SHADES: [(Region, f32); 4] =
+    [(Region::Top, 1.0), (Region::Trousers, 0.45), (Region::Shoes, 0.2), (Region::Accessory, 0.7)];
 /// Light that textures keep of a colour, on average.
 const TEXTURE: f32 = 0.5;
 
@@ -61,9 +57,7 @@ impl Dye {
     pub fn dyed(&self, look: MemberLook, color: [f32; 3]) -> MemberLook {
         let has = |region: &Region| self.0.colors[usize::from(region.number())].is_some();
         if !SHADES.iter().any(|(region, _)| has(region)) {
-            return Region::ALL
-                .iter()
-                .fold(look, |look, region| self.tinted(look, *region, color));
+            return Region::ALL.iter().fold(look, |look, region| self.tinted(look, *region, color));
         }
         let shaded = |look, (region, shade): &(Region, f32)| {
             self.tinted(look, *region, color.map(|channel| channel * shade))

@@ -27,6 +27,22 @@ pub(super) fn data_rate(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Parses the length of trails in seconds.
+pub(super) fn trail_secs(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(secs) if (0.1..=600.0).contains(&secs) => Ok(secs),
+        _ => Err("write seconds from 0.1 to 600".into()),
+    }
+}
+
+/// Parses the height of walls in metres.
+pub(super) fn wall_height(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(height) if (0.0..=100.0).contains(&height) => Ok(height),
+        _ => Err("write a height in metres from 0 to 100".into()),
+    }
+}
+
 /// Parses a distance in pixels.
 pub(super) fn pixels(text: &str) -> Result<f32, String> {
     match text.parse::<f32>() {

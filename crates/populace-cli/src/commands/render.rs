@@ -16,9 +16,12 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(file) = args.inputs.iter().find(is_trajectory) {
         return replay(args, file);
     }
-    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
+    let Some(out) = args.out.as_deref() else {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
+    if let Some(flag) = args.trajectory.first_given() {
+        return Err(Failure::usage(format!("{flag} needs a trajectory file")));
+    }
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
     let job = DrawJob {
         inputs: &inputs,
