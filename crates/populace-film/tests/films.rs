@@ -3,7 +3,7 @@
 
 use std::path::Path;
 
-use populace_film::{Encoder, Error, Film, FilmSettings, Pixels, encode_png};
+use populace_film::{Encoder, Error, Film, FilmSettings, Pixels, encode_png, write_png};
 
 /// Returns a frame: a slope of colours, and a white square that moves.
 fn frame([width, height]: [u32; 2], number: u32) -> Vec<u8> {
@@ -361,6 +361,8 @@ fn pngs_hold_all_bits() {
         image::load_from_memory(&bytes).unwrap().as_luma8().unwrap().as_raw(),
         &[0, 128, 255]
     );
+    let error = write_png("no-such-folder/picture.png", [1, 1], Pixels::Gray(&[0])).unwrap_err();
+    assert!(error.to_string().contains("no-such-folder/picture.png"), "{error}");
     let message = encode_png([2, 1], Pixels::Gray(&[0])).unwrap_err().to_string();
     assert!(message.contains("2x1"), "{message}");
     assert!(encode_png([0, 0], Pixels::Gray(&[])).is_err());
