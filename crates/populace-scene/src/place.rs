@@ -6,6 +6,7 @@ mod doors;
 mod gates;
 mod mesh;
 mod paving;
+mod plan;
 mod walls;
 
 use std::fmt;
@@ -18,14 +19,13 @@ use populace::character::{
 use populace::model::{JointIndex, JointSource, Skeleton, Trs};
 use populace_trajectory::{Polygon, Recording};
 
-use area::{Cells, Point, Ring};
+use area::Cells;
 use doors::Outline;
 use gates::Edges;
 use mesh::{Faces, over};
+use plan::{Point, Ring};
 use walls::{Faced, Sizes, build_sides, build_wall};
 
-/// Side in metres of the square that the floor's texture covers.
-const TILES_M: f64 = 2.0;
 /// Largest coordinate in metres.
 const LARGEST_M: f64 = 1e5;
 /// Least area of a polygon in square metres.
@@ -119,7 +119,7 @@ struct Area {
 
 impl Area {
     fn holds(&self, at: Point) -> bool {
-        area::is_inside(&self.outline, at) && !self.holes.iter().any(|h| area::is_inside(h, at))
+        plan::is_inside(&self.outline, at) && !self.holes.iter().any(|h| plan::is_inside(h, at))
     }
 }
 
@@ -176,8 +176,8 @@ impl PlaceModel {
         let mut ring = ring.to_vec();
         ring.dedup();
         let cells = Cells::new([&ring]);
-        let triangles = cells.triangles(|at| area::is_inside(&ring, at));
-        if triangles.iter().map(|t| area::area(t)).sum::<f64>() < LEAST_M2 {
+        let triangles = cells.triangles(|at| plan::is_inside(&ring, at));
+        if triangles.iter().map(|t| plan::area(t)).sum::<f64>() < LEAST_M2 {
             self.warn(PlaceWarning::EmptyRing { what });
             return None;
         }
@@ -213,15 +213,15 @@ fn build(
     let is_walkable = |at| areas.iter().any(|area| area.holds(at));
     let loops = Cells::new(&rings(areas)).loops(is_walkable);
     let (outer, holes): (Vec<Ring>, Vec<Ring>) =
-        loops.into_iter().partition(|ring| area::area(ring) > 0.0);
+        loops.into_iter().partition(|ring| plan::area(ring) > 0.0);
     let outlines = with_doors(&outer, recording, secs, settings.doors);
     let mut meshes = Meshes::default();
     // The floor has the ends of doors among its corners, so that no gap opens beside them.
-    let solid = |hole: &&Ring| 2.0 * area::area(hole).abs() <= SOLID_M * area::perimeter(hole);
+    let solid = |hole: &&Ring| 2.0 * plan::area(hole).abs() <= SOLID_M * plan::perimeter(hole);
     let cells = Cells::new(outlines.iter().map(|outline| &outline.points).chain(&holes));
     let on_floor = |at| {
-        outer.iter().any(|ring| area::is_inside(ring, at))
-            && !holes.iter().any(|ring| area::is_inside(ring, at))
+        outer.iter().any(|ring| plan::is_inside(ring, at))
+            && !holes.iter().any(|ring| plan::is_inside(ring, at))
     };
     for triangle in cells.triangles(on_floor) {
         meshes.floor.triangle(triangle.map(|p| over(p, 0.0)));
@@ -237,7 +237,7 @@ fn build(
     }
     for hole in &holes {
         if solid(&hole) {
-            block(into.walls, std::slice::from_ref(hole), |at| area::is_inside(hole, at), &sizes);
+            block(into.walls, std::slice::from_ref(hole), |at| plan::is_inside(hole, at), &sizes);
         } else {
             build_wall(&Outline::closed(hole.clone()), sizes, &mut into);
         }

@@ -1,6 +1,6 @@
 //! Edges of rings cut where they cross, on a grid.
 
-use super::area::{Point, Ring};
+use super::plan::{Point, Ring};
 
 /// Points of the grid in a metre. Nearer points are one.
 const GRID: f64 = 1000.0;

@@ -1,6 +1,6 @@
 //! Outlines with gaps where people pass.
 
-use super::area::{Point, Ring, length, minus, plus, turn};
+use super::plan::{Point, Ring, length, minus, plus, turn};
 
 /// Half of the least width of a door in metres.
 const HALF_M: f64 = 0.55;
@@ -39,7 +39,7 @@ impl Outline {
                 Some(start)
             })
             .collect();
-        let all = super::area::perimeter(ring);
+        let all = super::plan::perimeter(ring);
         let mut doors = Vec::new();
         for [low, high] in sides(ring, &starts, all) {
             doors.extend(side_doors(low, high, all, places));

@@ -2,7 +2,7 @@
 
 use populace_trajectory::{Recording, Track};
 
-use super::area::{Point, Ring, cross, dot, is_inside, length, minus, plus};
+use super::plan::{Point, Ring, cross, dot, is_inside, length, minus, plus};
 
 /// Distance in metres from an outline within which people who walk there appear or leave at it.
 const NEAR_M: f64 = 0.6;
@@ -131,7 +131,7 @@ impl<'a> Edges<'a> {
         self.outlines.iter().any(|ring| is_inside(ring, at))
     }
 
-    /// Returns where the agents of a recording cross, appear or leave at the outlines within a time.
+    /// Returns where agents cross, appear or leave at the outlines within a time in seconds.
     pub(super) fn gates(&self, recording: &Recording, secs: [f64; 2]) -> Vec<Gate> {
         let mut gates = Vec::new();
         if self.all.is_empty() {

@@ -2,7 +2,10 @@
 
 use populace::character::{Influences, Mesh};
 
-use super::area::Point;
+use super::plan::Point;
+
+/// Side in metres of the square that a texture covers.
+const TEXTURE_M: f64 = 2.0;
 
 /// A mesh that grows by faces, with a normal and texture coordinates of its own for each vertex.
 #[derive(Default)]
@@ -36,7 +39,7 @@ impl Faces {
         let points = corners.iter().map(|p| p.map(single));
         self.positions.extend(points);
         self.normals.extend(corners.iter().map(|_| normal.map(single)));
-        self.uvs.extend(corners.iter().map(|p| [p[0], p[2]].map(|v| single(v / super::TILES_M))));
+        self.uvs.extend(corners.iter().map(|p| [p[0], p[2]].map(|v| single(v / TEXTURE_M))));
         self.indices.extend(indices.iter().map(|i| first + i));
     }
 

@@ -1,8 +1,8 @@
 //! Walls, door posts, edges of the floor and blocks.
 
-use super::area::{Point, cross, dot, length, minus, plus};
 use super::doors::Outline;
 use super::mesh::{Faces, over};
+use super::plan::{Point, cross, dot, length, minus, plus};
 
 /// Largest length of a mitre in thicknesses.
 const MITRE_MOST: f64 = 2.5;
