@@ -6,8 +6,9 @@ use std::fmt::Write;
 use std::path::Path;
 
 use populace::{Crowd, Device, Placement};
+use populace_film::{Pixels, write_png};
 use populace_locomotion::GaitSpace;
-use populace_render::{Camera, Ground, Renderer, Scene, write_png};
+use populace_render::{Camera, Ground, Renderer, Scene};
 use populace_scene::{Motions, Person, PlaceModel, PlaceSettings, Replay};
 use populace_trajectory::{PlaceChange, Polygon, ReadSettings, Recording};
 
@@ -41,7 +42,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::default();
     scene.ground = scene.ground.map(|ground| Ground { height_m: -0.15, ..ground });
     renderer.draw(&mut crowd, &camera, &scene)?;
-    Ok(write_png(&file, &renderer.read_image()?)?)
+    let image = renderer.read_image()?;
+    Ok(write_png(&file, [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 }
 
 /// Returns people who walk through a room with a niche, two pillars and a courtyard.

@@ -87,7 +87,8 @@ impl Overlays {
             let Some((_, dye)) = dye else { continue };
             let look = person.look.unwrap_or(MemberLook::PLAIN);
             let color = colours.legend.scale.color(value).linear();
-            crowd.member_mut(member)?.set_look(dye.dyed(look, color));
+            let look = dye.dyed(look, color).with_opacity(replay.opacity(agent));
+            crowd.member_mut(member)?.set_look(look);
         }
         Ok(())
     }

@@ -119,6 +119,7 @@ impl Renderer {
                         alpha,
                         textured,
                         vertex_lit: level.is_coarse && !part.double_sided,
+                        faded: run.faded,
                         maps,
                     }),
                 };
