@@ -190,6 +190,28 @@ mod tests {
     use super::*;
 
     #[test]
+    fn points_are_projected_from_the_top_left_corner() {
+        let camera = Camera {
+            eye: [0.0, 1.0, 5.0],
+            target: [0.0, 1.0, 0.0],
+            ..Camera::framing([[0.0; 3]], 2.0)
+        };
+        let size = [200, 100];
+        let near = |found: Option<[f32; 2]>, wanted: [f32; 2]| {
+            let found = found.expect("a point before the camera");
+            let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
+            assert!(off < 0.01, "{found:?} is not {wanted:?}");
+        };
+        near(camera.project([0.0, 1.0, 0.0], size), [100.0, 50.0]);
+        // The upper edge at five metres.
+        let high = 5.0 * (0.5 * camera.fov_y_rad).tan();
+        near(camera.project([0.0, 1.0 + high, 0.0], size), [100.0, 0.0]);
+        near(camera.project([2.0 * high, 1.0, 0.0], size), [200.0, 50.0]);
+        assert_eq!(camera.project([0.0, 1.0, 6.0], size), None);
+        assert_eq!(camera.project([f32::NAN; 3], size), None);
+    }
+
+    #[test]
     fn framing_shows_all_points_and_the_horizon() {
         let boxes = [
             ([-0.5, 0.0, -0.5], [0.5, 1.8, 0.5]),
