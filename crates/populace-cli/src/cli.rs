@@ -64,11 +64,12 @@ pub(crate) enum Command {
     /// --json, a document is printed instead. Its `frames` is the number of frames, of which
     /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts
     /// from the call that evaluates the frame until the device has finished, `draw` from then until
-    /// the picture is read back, and `total` until the file is written. `shadow`, `members` and
-    /// `surroundings` are the times of passes by the timers of OpenGL. The rest describes the last
-    /// picture: `drawn_members`, `triangles`, `draw_calls`, what the `shadow` map shows, members in
-    /// view by their level of detail in `levels`, those out of view that throw a shadow into it in
-    /// `shadow_only`, and those that cannot be seen in `hidden`.
+    /// the picture is read back, and `total` until the file is written, or the picture handed to
+    /// the encoder of the film. `shadow`, `members` and `surroundings` are the times of passes by
+    /// the timers of OpenGL. The rest describes the last picture: `drawn_members`, `triangles`,
+    /// `draw_calls`, what the `shadow` map shows, members in view by their level of detail in
+    /// `levels`, those out of view that throw a shadow into it in `shadow_only`, and those that
+    /// cannot be seen in `hidden`.
     ///
     /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no
     /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed

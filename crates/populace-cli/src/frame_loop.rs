@@ -98,6 +98,7 @@ impl FrameLoop<'_> {
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
         let (mut now_secs, mut facts) = (0.0, None);
+        let (mut frame, mut is_drawn) = (None, false);
         while let Some(moment) = moments.next() {
             // The lead-in ends at the first moment.
             if moment.secs > now_secs {
@@ -105,7 +106,10 @@ impl FrameLoop<'_> {
                 spent.animate += animate(crowd, action, single(moment.secs - now_secs))?;
                 now_secs = moment.secs;
             }
-            let is_drawn = moment.frame >= self.frames.first && sink.wants(moment.frame);
+            // Once for all pictures of a frame: another process may write its file meanwhile.
+            if frame.replace(moment.frame) != Some(moment.frame) {
+                is_drawn = moment.frame >= self.frames.first && sink.wants(moment.frame);
+            }
             if let Some(sample) = moment.sample.filter(|_| is_drawn) {
                 let start = Instant::now();
                 let camera = action.camera(moment.secs)?;

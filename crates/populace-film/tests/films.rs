@@ -268,8 +268,10 @@ mod mp4 {
         std::os::unix::fs::symlink("/dev/full", folder.path().join("film.part.mp4")).unwrap();
         for count in [1, 100] {
             let error = write(&path, &settings([96, 64], "10"), count).and_then(Film::finish);
-            let message = error.unwrap_err().to_string();
-            assert!(message.contains("film.part.mp4") && message.contains("space"), "{message}");
+            let error = error.unwrap_err();
+            assert!(error.to_string().contains("film.part.mp4"), "{error}");
+            let reason = std::error::Error::source(&error).unwrap().to_string();
+            assert!(reason.contains("space"), "{reason}");
         }
     }
 }
