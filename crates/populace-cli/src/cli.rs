@@ -273,7 +273,7 @@ pub(crate) struct OverlayArgs {
     /// Show the time since the beginning of the file
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) clock: bool,
-    /// Height of walls and obstacles in metres, 0 for none
+    /// Height of walls and obstacles in metres, from 0.01 to 100
     #[arg(
         long,
         value_name = "METRES",

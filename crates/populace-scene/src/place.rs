@@ -15,6 +15,7 @@ use std::sync::Arc;
 use populace::Affine;
 use populace::character::{
     Character, CharacterSource, Material, PaletteEntry, Part, Texture, TextureFilter, Wrap,
+    vertex_reach_m,
 };
 use populace::model::{JointIndex, JointSource, Skeleton, Trs};
 use populace_trajectory::{Polygon, Recording};
@@ -303,11 +304,15 @@ fn character(meshes: Meshes) -> Result<Character, String> {
         mesh: faces.into_mesh(),
     };
     let parts = faces.into_iter().enumerate().filter(|(_, (_, faces))| !faces.is_empty());
+    let parts: Vec<Part> = parts.map(part).collect();
+    let palette = vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }];
+    // Without its reach the place would be out of view with the world's origin.
+    let reach_m = vertex_reach_m(&skeleton, &palette, &parts);
     Character::new(CharacterSource {
         name: "place".into(),
-        skeleton,
-        palette: vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }],
-        parts: parts.map(part).collect(),
+        skeleton: skeleton.with_reach(&reach_m),
+        palette,
+        parts,
         materials,
         images: vec![paving::paving()],
         skins: Vec::new(),

@@ -276,3 +276,11 @@ fn odd_rings_are_built_without_harm() {
         assert!(floor_area(&model.parts[0].character) > 0.1);
     }
 }
+
+#[test]
+fn a_place_reaches_as_far_as_its_corners() {
+    let room = polygon(rectangle([10.0, 0.0], [30.0, 20.0]), vec![]);
+    let model = PlaceModel::new(&still(vec![room]), &PlaceSettings::default());
+    let reach = model.parts[0].character.skeleton.reach_m()[0];
+    assert!((36.0..37.0).contains(&reach), "{reach}");
+}

@@ -38,8 +38,8 @@ pub(super) fn trail_secs(text: &str) -> Result<f64, String> {
 /// Parses the height of walls in metres.
 pub(super) fn wall_height(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(height) if (0.0..=100.0).contains(&height) => Ok(height),
-        _ => Err("write a height in metres from 0 to 100".into()),
+        Ok(height) if (0.01..=100.0).contains(&height) => Ok(height),
+        _ => Err("write a height in metres from 0.01 to 100".into()),
     }
 }
 
