@@ -10,18 +10,18 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 use populace_render::Preset;
-use populace_trajectory::{Format, HeadingSource, Unit};
 
 use crate::aim::{Point, ReachArg};
 use crate::camera::View;
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
+use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use values::{Size, VertexId};
-use values::{data_rate, height, pixels};
+use values::{height, pixels};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -83,10 +83,16 @@ pub(crate) enum Command {
     /// `populace render people/*.glb` then draws them; they walk with the clips of the built-in
     /// people, or with those that --clips names.
     Cast(CastArgs),
-    /// Show the contents of character files.
+    /// Show the contents of characters and of trajectory files.
     ///
-    /// Lists skeletons, skins, humanoid roles, meshes, materials, images and clips, and notes on
-    /// anything that the importer ignored.
+    /// Of a character, lists skeletons, skins, humanoid roles, meshes, materials, images and clips,
+    /// and notes on anything that the importer ignored.
+    ///
+    /// Of a trajectory file, shows the format, people and vehicles, times, rate, speeds, extent,
+    /// gaps, extra columns and the place, what was assumed, and warnings. Its JSON document has all
+    /// of that in `trajectory`: lengths in metres, times in seconds as the file counts them.
+    /// `frames` is the number of times at which somebody has a row, `fps` the rows of each agent in
+    /// a second, `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
     Inspect(InspectArgs),
     /// Evaluate one pose of a character: joints, palettes and skinned vertices.
     ///
@@ -197,30 +203,8 @@ pub(crate) struct RenderArgs {
 /// Options for trajectory files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TrajectoryArgs {
-    /// Format of the trajectory file [default: recognised by its content]
-    #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
-    pub(crate) format: Option<Format>,
-    /// Unit of its positions [default: that of the file or format, or assumed]
-    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
-    pub(crate) unit: Option<Unit>,
-    /// Frames per second by which it counts [default: those of the file, or assumed]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = data_rate,
-        help_heading = "Trajectory files"
-    )]
-    pub(crate) data_fps: Option<f64>,
-    /// Headings of people: data takes those of the file, motion the way they go [default: data where
-    /// the file has some]
-    #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
-    pub(crate) heading: Option<HeadingSource>,
-    /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
-    #[arg(long, value_name = "FILE", help_heading = "Trajectory files")]
-    pub(crate) geometry: Option<PathBuf>,
-    /// Refuse trajectory files with faults that have a sensible reading
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     /// Evaluate all frames and print measures as JSON, without drawing
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) no_draw: bool,
@@ -319,7 +303,7 @@ pub(crate) struct PictureArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb); - is standard input
+    /// glTF 2.0 files (.gltf, .glb), with - for standard input, or trajectory files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Show only the sizes of clips: their rows, the bytes of the rows, and the bytes of the keys
@@ -329,6 +313,8 @@ pub(crate) struct InspectArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
 }
