@@ -10,18 +10,18 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 use populace_render::Preset;
-use populace_trajectory::{Format, HeadingSource, Unit};
 
 use crate::aim::{Point, ReachArg};
 use crate::camera::View;
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
+use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use values::{Size, VertexId};
-use values::{data_rate, height, pixels, trail_secs, wall_height};
+use values::{height, pixels, trail_secs, wall_height};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -84,10 +84,16 @@ pub(crate) enum Command {
     /// `populace render people/*.glb` then draws them; they walk with the clips of the built-in
     /// people, or with those that --clips names.
     Cast(CastArgs),
-    /// Show the contents of character files.
+    /// Show the contents of characters and of trajectory files.
     ///
-    /// Lists skeletons, skins, humanoid roles, meshes, materials, images and clips, and notes on
-    /// anything that the importer ignored.
+    /// Of a character, lists skeletons, skins, humanoid roles, meshes, materials, images and clips,
+    /// and notes on anything that the importer ignored.
+    ///
+    /// Of a trajectory file, shows the format, people and vehicles, times, rate, speeds, extent,
+    /// gaps, extra columns and the place, what was assumed, and warnings. Its JSON document has all
+    /// of that in `trajectory`: lengths in metres, times in seconds as the file counts them.
+    /// `frames` is the number of times at which somebody has a row, `fps` the rows of each agent in
+    /// a second, `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
     Inspect(InspectArgs),
     /// Evaluate one pose of a character: joints, palettes and skinned vertices.
     ///
@@ -198,56 +204,13 @@ pub(crate) struct RenderArgs {
 /// Options for trajectory files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TrajectoryArgs {
-    /// Format of the trajectory file [default: recognised by its content]
-    #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
-    pub(crate) format: Option<Format>,
-    /// Unit of its positions [default: that of the file or format, or assumed]
-    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
-    pub(crate) unit: Option<Unit>,
-    /// Frames per second by which it counts [default: those of the file, or assumed]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = data_rate,
-        help_heading = "Trajectory files"
-    )]
-    pub(crate) data_fps: Option<f64>,
-    /// Headings of people: data takes those of the file, motion the way they go [default: data where
-    /// the file has some]
-    #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
-    pub(crate) heading: Option<HeadingSource>,
-    /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
-    #[arg(long, value_name = "FILE", help_heading = "Trajectory files")]
-    pub(crate) geometry: Option<PathBuf>,
-    /// Refuse trajectory files with faults that have a sensible reading
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) strict: bool,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     /// Evaluate all frames and print measures as JSON, without drawing
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) no_draw: bool,
     #[command(flatten)]
     pub(crate) overlay: OverlayArgs,
-}
-
-impl TrajectoryArgs {
-    /// Returns the first of these flags that was given.
-    pub(crate) fn first_given(&self) -> Option<&'static str> {
-        let overlay = &self.overlay;
-        let given = [
-            ("--format", self.format.is_some()),
-            ("--unit", self.unit.is_some()),
-            ("--data-fps", self.data_fps.is_some()),
-            ("--heading", self.heading.is_some()),
-            ("--geometry", self.geometry.is_some()),
-            ("--strict", self.strict),
-            ("--no-draw", self.no_draw),
-            ("--colour-by", overlay.colour_by.is_some()),
-            ("--trails", overlay.trails.is_some()),
-            ("--ids", overlay.ids),
-            ("--clock", overlay.clock),
-        ];
-        given.into_iter().find(|(_, given)| *given).map(|(flag, _)| flag)
-    }
 }
 
 /// Options for what is drawn over pictures of trajectories.
@@ -282,6 +245,22 @@ pub(crate) struct OverlayArgs {
         help_heading = "Trajectory files"
     )]
     pub(crate) walls: f64,
+}
+
+impl OverlayArgs {
+    /// Refuses these options if one was given. For commands without a trajectory file.
+    pub(crate) fn refuse_unused(&self) -> Result<(), Failure> {
+        let given = [
+            ("--colour-by", self.colour_by.is_some()),
+            ("--trails", self.trails.is_some()),
+            ("--ids", self.ids),
+            ("--clock", self.clock),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::usage(format!("{flag} needs a trajectory file"))),
+            None => Ok(()),
+        }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -377,7 +356,7 @@ pub(crate) struct PictureArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb); - is standard input
+    /// glTF 2.0 files (.gltf, .glb), with - for standard input, or trajectory files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Show only the sizes of clips: their rows, the bytes of the rows, and the bytes of the keys
@@ -387,6 +366,8 @@ pub(crate) struct InspectArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
 }

@@ -11,11 +11,11 @@ use crate::camera::{Cameras, Pose, Subject};
 use crate::cli::{FrameRange, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::filming::{Filming, counted};
+use crate::filming::Filming;
 use crate::frame_loop::{Action, LEAD_IN_SECS};
 use crate::frames::{Frames, Shutter, single};
 use crate::population::{Population, PopulationSettings};
-use crate::report::message;
+use crate::report::{counted, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
 
 /// Frames per second, if none are given.

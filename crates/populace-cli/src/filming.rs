@@ -14,7 +14,7 @@ use crate::frame_loop::{Action, FrameLoop, FrameTimes};
 use crate::frames::Frames;
 use crate::names::hint;
 use crate::output::{Outputs, check_inputs, check_writable};
-use crate::report::{self, message};
+use crate::report::{self, counted, message};
 use crate::roles::CrowdRole;
 use crate::sinks::Sink;
 use crate::unfinished;
@@ -172,11 +172,6 @@ impl Filmed {
         }
         report::json(&document)
     }
-}
-
-/// Returns a number of things in words: "1 frame", "2 frames".
-pub(crate) fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {

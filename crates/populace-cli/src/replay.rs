@@ -14,18 +14,19 @@ use populace_film::FrameRate;
 use populace_locomotion::SkateMeter;
 use populace_render::{Camera, Ground};
 use populace_scene::{Motions, Replay};
-use populace_trajectory::{Origin, ReadSettings, Recording};
+use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
 use crate::camera::Cameras;
-use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs, TrajectoryArgs, build};
+use crate::cli::{FrameRange, MOST_FRAMES, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::filming::{Filming, counted};
+use crate::filming::Filming;
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
+use crate::trajectory::{self, ReadArgs};
 use agents::Agents;
 use overlays::Overlays;
 use people::CastSettings;
@@ -46,7 +47,8 @@ pub(crate) struct ReplayJob<'a> {
     /// Characters to cast; the built-in people if empty.
     pub(crate) cast: &'a [PathBuf],
     pub(crate) out: Option<&'a Path>,
-    pub(crate) trajectory: &'a TrajectoryArgs,
+    pub(crate) read: &'a ReadArgs,
+    pub(crate) overlay: &'a OverlayArgs,
     pub(crate) picture: &'a PictureArgs,
 }
 
@@ -54,7 +56,7 @@ impl ReplayJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let args = self.picture;
-        let recording = self.recording()?;
+        let recording = self.read.load(self.file)?;
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
@@ -77,7 +79,7 @@ impl ReplayJob<'_> {
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let mut scene = filming.scene();
-        action.place = Place::new(&mut crowd, &action.recording, self.trajectory.overlay.walls)?;
+        action.place = Place::new(&mut crowd, &action.recording, self.overlay.walls)?;
         if action.place.is_known() {
             scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
         }
@@ -88,7 +90,7 @@ impl ReplayJob<'_> {
 
     /// Returns the files that are read, as far as they are known from the command line.
     fn given(&self) -> Vec<&Path> {
-        let files = self.cast.iter().chain(&self.picture.clips).chain(&self.trajectory.geometry);
+        let files = self.cast.iter().chain(&self.picture.clips).chain(&self.read.geometry);
         let files = files.map(PathBuf::as_path).chain([self.file]);
         files.filter(|file| roles::built_in_name(file).is_none()).collect()
     }
@@ -124,11 +126,10 @@ impl ReplayJob<'_> {
         let subject = Agents::new(&recording, motions.clone());
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
-        let overlay = &self.trajectory.overlay;
-        let overlays = Overlays::new(overlay, &recording, replay.motions(), &roles, people)?;
+        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), &roles, people)?;
         message!(
             "{} on {}, {}",
-            counted(recording.agents.len(), "agent"),
+            trajectory::people(&recording),
             devices_and_shares(crowd),
             crowd.device_info().schedule
         );
@@ -159,19 +160,6 @@ impl ReplayJob<'_> {
             film_secs / took_secs
         );
         report::json(&action.measures())
-    }
-
-    fn recording(&self) -> Result<Recording, Failure> {
-        let args = self.trajectory;
-        let settings = ReadSettings {
-            format: args.format,
-            unit: args.unit,
-            fps: args.data_fps,
-            heading: args.heading,
-            geometry: args.geometry.clone(),
-            strict: args.strict,
-        };
-        Ok(populace_trajectory::load(self.file, &settings)?)
     }
 
     /// Returns the frames that are drawn: those asked for, else the whole recording for a film, and
@@ -280,24 +268,10 @@ impl Action for ReplayAction {
 
 /// Says what was read and what was assumed.
 fn describe(recording: &Recording) {
-    let source = &recording.source;
-    let origin = |origin: Origin| match origin {
-        Origin::File => "",
-        Origin::Settings => " (as told)",
-        Origin::Assumed => " (assumed)",
-    };
-    let [from, until] = recording.secs();
-    message!(
-        "{}: {}, {:.1} s, {:.4} rows a second{}, positions in {}{}, headings from {}",
-        source.format,
-        counted(recording.agents.len(), "agent"),
-        until - from,
-        source.fps.value,
-        origin(source.fps.origin),
-        source.unit.value,
-        origin(source.unit.origin),
-        source.heading.value,
-    );
+    message!("{}", trajectory::headline(recording));
+    if trajectory::vehicles(recording) > 0 {
+        message!("vehicles are not drawn");
+    }
     for warning in &recording.warnings {
         message!("warning: {warning}");
     }

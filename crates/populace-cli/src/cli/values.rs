@@ -19,14 +19,6 @@ impl FromStr for Size {
     }
 }
 
-/// Parses the frame rate of a file.
-pub(super) fn data_rate(text: &str) -> Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
-        _ => Err("write a number from 0.001 to 1000".into()),
-    }
-}
-
 /// Parses the length of trails in seconds.
 pub(super) fn trail_secs(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {

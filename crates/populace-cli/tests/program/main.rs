@@ -3,6 +3,7 @@
 mod aim;
 mod bench;
 mod clipless;
+mod documents;
 mod drivers;
 mod films;
 mod gaits;
@@ -11,9 +12,11 @@ mod mix;
 mod outputs;
 mod pictures;
 mod post;
+mod recordings;
 #[cfg(unix)]
 mod signals;
 mod skate;
+mod trajectories;
 mod usage;
 
 use std::process::{Command, Output};
