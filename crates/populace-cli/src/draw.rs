@@ -4,16 +4,16 @@ use std::path::{Path, PathBuf};
 
 use populace::Crowd;
 use populace_film::{FilmSettings, FrameRate};
-use populace_render::{Camera, Drawn, Renderer, Scene};
-use serde_json::json;
+use populace_render::{Camera, Renderer, Scene};
 
 use crate::camera::{Cameras, Pose, Subject};
 use crate::cli::{FrameRange, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
-use crate::frame_loop::{Action, FrameLoop, FrameTimes, LEAD_IN_SECS};
+use crate::frame_loop::{Action, FrameLoop, LEAD_IN_SECS};
 use crate::frames::{Frames, Shutter, single};
 use crate::names::hint;
+use crate::outcome::{Outcome, counted};
 use crate::output::{Outputs, check_inputs, check_writable};
 use crate::population::{Population, PopulationSettings};
 use crate::report::{self, message};
@@ -86,7 +86,12 @@ impl DrawJob<'_> {
         };
         let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
         let out = sink.finish()?;
-        self.report(&crowd, drawn, &times, (frames, skipped), &out)
+        let outcome = Outcome { crowd: &crowd, drawn, times: &times, frames, skipped, out: &out };
+        outcome.describe();
+        if args.json {
+            return report::json(&outcome.as_json());
+        }
+        report::path(&out)
     }
 
     /// Loads the characters and spawns the members.
@@ -143,60 +148,6 @@ impl DrawJob<'_> {
     /// Returns the time of frame 0, after the lead-in.
     fn start_secs(&self) -> f32 {
         self.lead_in as f32 * LEAD_IN_SECS
-    }
-
-    fn report(
-        &self,
-        crowd: &Crowd,
-        drawn: Drawn,
-        times: &FrameTimes,
-        (frames, skipped): (Frames, usize),
-        out: &Path,
-    ) -> Result<(), Failure> {
-        let count = frames.count();
-        let [total, animate, draw] = times.medians();
-        message!(
-            "{} drawn, {}",
-            counted(drawn.instances, "member"),
-            counted(drawn.triangles, "triangle")
-        );
-        let median = if count == 1 { "" } else { ", median" };
-        let mut text = counted(count as usize, "frame");
-        if skipped > 0 {
-            text += &format!(" ({skipped} existed)");
-        }
-        if frames.shutter.samples > 1 {
-            text += &format!(" of {} pictures each", frames.shutter.samples);
-        }
-        message!("{text}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
-        if self.args.json {
-            let view = crowd.view_statistics();
-            return report::json(&json!({
-                "schema": 1,
-                "device": crowd.device_info().devices.to_string(),
-                "schedule": crowd.device_info().schedule.name(),
-                "members": crowd.member_count(),
-                "frames": count,
-                "skipped": skipped,
-                "ms_median": {
-                    "total": total,
-                    "animate": animate,
-                    "draw": draw,
-                    "shadow": times.pass(|pass| pass.shadow_ms),
-                    "members": times.pass(|pass| pass.members_ms),
-                    "surroundings": times.pass(|pass| pass.surroundings_ms),
-                },
-                "drawn_members": drawn.instances,
-                "triangles": drawn.triangles,
-                "shadow": {"members": drawn.shadow_instances, "triangles": drawn.shadow_triangles},
-                "draw_calls": drawn.draw_calls,
-                "levels": view.levels,
-                "shadow_only": view.shadow_only,
-                "hidden": view.hidden,
-                "out": out.to_string_lossy(),
-            }));
-        }
-        report::path(out)
     }
 
     fn scene(&self) -> Scene {
@@ -257,10 +208,6 @@ impl Action for Filmed {
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         Ok(self.cameras.at(&self.action, secs))
     }
-}
-
-fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }
 
 fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {

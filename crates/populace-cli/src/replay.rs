@@ -7,23 +7,25 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use populace::Crowd;
-use populace_film::{FilmSettings, FrameRate};
+use populace_film::FilmSettings;
 use populace_locomotion::SkateMeter;
 use populace_render::{Camera, Renderer};
 use populace_scene::{Motions, Replay};
-use populace_trajectory::{Origin, ReadSettings, Recording};
+use populace_trajectory::{Origin, Recording};
 use serde_json::{Value, json};
 
 use crate::camera::Cameras;
-use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs, TrajectoryArgs, build};
+use crate::cli::{FrameRange, PictureArgs, TrajectoryArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, FrameLoop};
 use crate::frames::{Frames, Shutter, single};
+use crate::outcome::{Outcome, counted};
 use crate::output::{Outputs, check_inputs, check_writable};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
 use crate::sinks::Sink;
+use crate::trajectory;
 use crate::unfinished;
 use agents::Agents;
 use people::CastSettings;
@@ -32,8 +34,6 @@ use people::CastSettings;
 const METERED: usize = 16;
 /// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
 const STEP_SECS: f32 = 0.041;
-/// Frames per second, if none are given.
-const DEFAULT_FPS: u32 = 25;
 
 /// A job of drawing the people of a trajectory file.
 pub(crate) struct ReplayJob<'a> {
@@ -49,7 +49,7 @@ impl ReplayJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let args = self.picture;
-        let recording = self.recording()?;
+        let recording = trajectory::load(self.file, self.trajectory)?;
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
@@ -89,6 +89,15 @@ impl ReplayJob<'_> {
         };
         let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
         let out = sink.finish()?;
+        let outcome = Outcome { crowd: &crowd, drawn, times: &times, frames, skipped, out: &out };
+        outcome.describe();
+        if args.json {
+            let mut document = outcome.as_json();
+            for (name, value) in action.measures() {
+                document[name] = value;
+            }
+            return report::json(&document);
+        }
         report::path(&out)
     }
 
@@ -149,40 +158,21 @@ impl ReplayJob<'_> {
             "{film_secs:.1} s in {took_secs:.1} s, {:.1} times real time",
             film_secs / took_secs
         );
-        report::json(&action.measures())
-    }
-
-    fn recording(&self) -> Result<Recording, Failure> {
-        let args = self.trajectory;
-        let settings = ReadSettings {
-            format: args.format,
-            unit: args.unit,
-            fps: args.data_fps,
-            heading: args.heading,
-            geometry: args.geometry.clone(),
-            strict: args.strict,
-        };
-        Ok(populace_trajectory::load(self.file, &settings)?)
+        report::json(&Value::from_iter(action.measures()))
     }
 
     /// Returns the frames that are drawn: those asked for, else the whole recording for a film, and
     /// the moment when most people are there for a picture.
     fn frames(&self, recording: &Recording, motions: &Motions) -> Result<Frames, Failure> {
         let film = &self.picture.film;
-        let rate = match film.fps {
-            Some(rate) => rate,
-            None => FrameRate::new(DEFAULT_FPS, 1)?,
-        };
+        let rate = trajectory::film_rate(film.fps)?;
         let shutter = Shutter::degrees(film.shutter);
-        let [from, until] = recording.secs();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let all = ((until - from) * rate.per_sec() + 1e-6).floor() as u32;
-        let whole = 0..=all.min(MOST_FRAMES - 1);
         let range = match &film.frames {
             Some(FrameRange(range)) => range.clone(),
-            None if self.is_film() => whole,
+            None if self.is_film() => 0..=trajectory::frame_count(recording, rate) - 1,
             None => {
-                let secs = film.at.unwrap_or_else(|| people::busiest(motions) - from);
+                let secs =
+                    film.at.unwrap_or_else(|| people::busiest(motions) - recording.secs()[0]);
                 return Ok(Frames { shutter, ..Frames::still(secs, rate) });
             }
         };
@@ -224,17 +214,14 @@ impl ReplayAction {
         Ok(())
     }
 
-    /// Returns foot skate and the error of positions as JSON.
-    fn measures(&self) -> Value {
+    /// Returns foot skate and the error of positions as JSON, by their names.
+    fn measures(&self) -> [(&'static str, Value); 2] {
         let error = self.replay.position_error();
         let skate = self.meter.skate();
-        json!({
-            "foot_skate": skate.map(|skate| json!({
-                "mean_m_s": skate.mean_m_per_sec,
-                "p95_m_s": skate.p95_m_per_sec,
-            })),
-            "position_error": {"max_m": error.max_m, "max_raw_m": error.max_raw_m},
-        })
+        let skate = skate
+            .map(|skate| json!({"mean_m_s": skate.mean_m_per_sec, "p95_m_s": skate.p95_m_per_sec}));
+        let error = json!({"max_m": error.max_m, "max_raw_m": error.max_raw_m});
+        [("foot_skate", skate.into()), ("position_error", error)]
     }
 }
 
@@ -278,8 +265,4 @@ fn describe(recording: &Recording) {
     for warning in &recording.warnings {
         message!("warning: {warning}");
     }
-}
-
-fn counted(count: usize, thing: &str) -> String {
-    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
 }

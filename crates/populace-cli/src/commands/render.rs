@@ -16,7 +16,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     if let Some(file) = args.inputs.iter().find(is_trajectory) {
         return replay(args, file);
     }
-    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
+    let Some(out) = args.out.as_deref().filter(|_| !args.no_draw) else {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
@@ -41,7 +41,7 @@ fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
     let job = ReplayJob {
         file,
         cast: &cast,
-        out: args.out.as_deref().filter(|_| !args.trajectory.no_draw),
+        out: args.out.as_deref().filter(|_| !args.no_draw),
         trajectory: &args.trajectory,
         picture: &args.picture,
     };

@@ -9,6 +9,7 @@ mod input;
 mod mix;
 mod outputs;
 mod pictures;
+mod plan;
 mod post;
 #[cfg(unix)]
 mod signals;
