@@ -72,6 +72,10 @@ pub(crate) enum Command {
     /// their level of detail in `levels`, those out of view that throw a shadow into it in
     /// `shadow_only`, and those that cannot be seen in `hidden`.
     ///
+    /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
+    /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from
+    /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`.
+    ///
     /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no incomplete
     /// one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed once it is
     /// complete.
