@@ -108,7 +108,8 @@ fn gaps(numbers: &[u32], frames: &RangeInclusive<u32>) -> Vec<[u32; 2]> {
         if *number > next {
             gaps.push([next, number - 1]);
         }
-        next = number.saturating_add(1);
+        let Some(following) = number.checked_add(1) else { return gaps };
+        next = following;
     }
     if next <= *frames.end() {
         gaps.push([next, *frames.end()]);
