@@ -38,8 +38,8 @@ pub(crate) struct ReadArgs {
         help_heading = "Trajectory files"
     )]
     data_fps: Option<f64>,
-    /// Headings of people: data takes those of the file, motion the way they go [default: data where
-    /// the file has some]
+    /// Headings of people: data takes those of the file, motion the way they go [default: data
+    /// where the file has some]
     #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
     heading: Option<HeadingSource>,
     /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
