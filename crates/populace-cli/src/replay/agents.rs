@@ -1,5 +1,6 @@
 //! Agents of a recording, as cameras see them.
 
+use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 
 use populace_scene::{Moment, Motions};
@@ -9,6 +10,10 @@ use crate::camera::{Pose, Subject};
 
 /// Seconds between positions that the camera frames.
 const FRAMED_SECS: f64 = 1.0;
+/// Places whose longer side is greater are framed where most people are: the side of a square, in
+/// metres.
+const LARGEST_M: f32 = 120.0;
+const SQUARE_M: f32 = 40.0;
 /// Height and half the width of a person in metres, for framing.
 const FIGURE_M: [f32; 2] = [1.8, 0.3];
 /// Height of the eyes as a fraction of that of the body, and the height of bodies that have none.
@@ -54,7 +59,7 @@ impl Subject for Agents {
                 times.filter_map(|secs| motion.at(secs))
             })
         });
-        ways.flat_map(around).collect()
+        busiest(ways.collect()).into_iter().flat_map(around).collect()
     }
 
     fn elevation_rad(&self) -> Option<f32> {
@@ -89,5 +94,51 @@ impl Subject for Agents {
     fn describe_ids(&self) -> String {
         let some: Vec<_> = self.ids.iter().take(5).map(String::as_str).collect();
         format!("the file has {} agents, such as {}", self.ids.len(), some.join(", "))
+    }
+}
+
+/// Returns the moments in the busiest square of a place that is too large to see people in it; all of
+/// them elsewhere.
+fn busiest(moments: Vec<Moment>) -> Vec<Moment> {
+    let side = |axis: usize| {
+        let along = moments.iter().map(|moment| moment.position[axis]);
+        along.clone().fold(f32::MIN, f32::max) - along.fold(f32::MAX, f32::min)
+    };
+    if side(0).max(side(1)) <= LARGEST_M {
+        return moments;
+    }
+    #[expect(clippy::cast_possible_truncation, reason = "within some kilometres")]
+    let square = |moment: &Moment| moment.position.map(|v| (v / SQUARE_M).floor() as i32);
+    let mut counts: BTreeMap<[i32; 2], usize> = BTreeMap::new();
+    for moment in &moments {
+        *counts.entry(square(moment)).or_default() += 1;
+    }
+    let most = counts.iter().max_by_key(|(_, count)| **count).map(|(square, _)| *square);
+    moments.into_iter().filter(|moment| Some(square(moment)) == most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f32, y: f32) -> Moment {
+        let (velocity, heading_rad, elevation_m) = ([0.0; 2], 0.0, 0.0);
+        Moment {
+            position: [x, y],
+            velocity,
+            heading_rad,
+            elevation_m,
+            view_rad: None,
+            stands: false,
+        }
+    }
+
+    #[test]
+    fn large_places_are_framed_where_most_people_are() {
+        let near = vec![at(0.0, 0.0), at(60.0, 40.0)];
+        assert_eq!(busiest(near.clone()), near);
+        let far = vec![at(5.0, 5.0), at(905.0, 410.0), at(910.0, 415.0), at(-300.0, 0.0)];
+        assert_eq!(busiest(far.clone()), far[1..3]);
+        assert_eq!(busiest(Vec::new()), []);
     }
 }
