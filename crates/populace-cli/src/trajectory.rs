@@ -84,13 +84,17 @@ fn data_rate(text: &str) -> Result<f64, String> {
 }
 
 /// Returns true for an input that is neither a built-in person, a folder, standard input nor a glTF
-/// file: it must be a trajectory file.
+/// file: it must be a trajectory file. A path that does not exist would be one if it has another
+/// extension than glTF files.
 pub(crate) fn is_trajectory(input: &Path) -> bool {
     let extension = input.extension().and_then(|e| e.to_str()).unwrap_or_default();
     let is_gltf = ["glb", "gltf", "vrm"].iter().any(|known| extension.eq_ignore_ascii_case(known));
     let is_named = input.to_str().is_some_and(|name| name.starts_with('@') || name == "-");
-    if is_gltf || is_named || !input.is_file() {
+    if is_gltf || is_named {
         return false;
+    }
+    if !input.is_file() {
+        return !input.exists() && !extension.is_empty();
     }
     let mut head = Vec::new();
     let read = File::open(input).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
@@ -139,9 +143,10 @@ pub(crate) fn vehicles(recording: &Recording) -> usize {
 /// Returns rate, unit and headings, with what was told or assumed. A file without headings needs no
 /// assumption.
 pub(crate) fn reading(source: &Source) -> String {
+    let rate = rate(source.fps.value);
     format!(
-        "{} rows a second{}, positions in {}{}, headings from {}{}",
-        rate(source.fps.value),
+        "{rate} row{} a second{}, positions in {}{}, headings from {}{}",
+        if rate == "1" { "" } else { "s" },
         origin(source.fps),
         source.unit.value,
         origin(source.unit),

@@ -178,7 +178,8 @@ fn films_show_the_people_of_a_recording() {
     let file = write(&folder, "walk.txt", &rows());
     let film = |name: &str, args: &[&str]| {
         let out = folder.text(name);
-        let args = [&["render", &file, "--json", "--out", &out], &SMALL[..], args].concat();
+        let film = ["render", &file, "--cast", "@child", "--json", "--out", &out];
+        let args = [&film[..], &SMALL, args].concat();
         let d = json_of(&args);
         assert_eq!(d["out"], out.as_str());
         (d["frames"].clone(), std::fs::read(&out).expect("a film"), d)
@@ -254,6 +255,11 @@ fn broken_recordings_are_refused_with_their_place() {
     refused(&["render", &database, "--no-draw"], 1, &["cut.sqlite"]);
     let pixels = write(&folder, "pixels.csv", "id,frame,x_px,y_px\n1,0,5,5\n1,1,6,5\n");
     refused(&["inspect", &pixels], 1, &["pixels.csv", "pixel"]);
+    let rateless = rows().replace("25 fps", "0 fps");
+    let rateless = write(&folder, "rateless.txt", &rateless);
+    refused(&["inspect", &rateless], 1, &["rateless.txt", "--data-fps N sets it"]);
+    let d = json_of(&["inspect", &rateless, "--data-fps", "25", "--json"]);
+    assert_eq!(d["trajectory"]["duration_s"], 5.0);
     // A row that the end of the file cuts short is one without a position.
     let rows = rows();
     let file = write(&folder, "cut.txt", &rows[..rows.len() - 11]);
