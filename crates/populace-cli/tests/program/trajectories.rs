@@ -156,10 +156,10 @@ fn pictures_show_the_people_of_a_recording() {
         let stderr = stderr_of(&[&["render", &file, "--out", &out], &SMALL[..], args].concat());
         (colours(&out), stderr)
     };
-    let (empty, stderr) = draw("empty.png", &["--at", "3"]);
+    let (empty, stderr) = draw("empty.png", &["--at", "3", "--cast", "@woman"]);
     assert_eq!(empty.dimensions(), (160, 90));
     assert!(stderr.contains("PeTrack text: 4 people, 5.0 s, 25 rows a second"), "{stderr}");
-    let (walked, _) = draw("walked.png", &["--at", "1"]);
+    let (walked, _) = draw("walked.png", &["--at", "1", "--cast", "@woman"]);
     let people = differing(&empty, &walked);
     assert!(people > 300, "only {people} pixels differ from those of the empty ground");
     // By default, the picture is that of a moment when most people are there.
@@ -232,12 +232,12 @@ fn cameras_that_follow_nobody_say_who_is_there() {
     let folder = Folder::new();
     let (file, out) = (write(&folder, "walk.txt", &rows()), folder.text("x.png"));
     for camera in ["follow:7", "eye:Anna"] {
-        let args = ["render", &file, "--out", &out, "--camera", camera];
+        let args = ["render", &file, "--cast", "@child", "--out", &out, "--camera", camera];
         let words = [&camera[camera.find(':').map_or(0, |at| at + 1)..], "4 agents", "1, 2, 3, 4"];
         refused(&[&args[..], &SMALL].concat(), 2, &words);
     }
     assert!(!folder.path("x.png").exists());
-    let args = ["render", &file, "--out", &out, "--camera", "follow:4"];
+    let args = ["render", &file, "--cast", "@child", "--out", &out, "--camera", "follow:4"];
     stderr_of(&[&args[..], &SMALL].concat());
 }
 
