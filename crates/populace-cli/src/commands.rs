@@ -5,6 +5,8 @@ pub(crate) mod bench;
 pub(crate) mod cast;
 pub(crate) mod demo;
 pub(crate) mod devices;
+pub(crate) mod film;
 pub(crate) mod inspect;
+pub(crate) mod plan;
 pub(crate) mod pose;
 pub(crate) mod render;

@@ -90,13 +90,15 @@ impl<'a> Filming<'a> {
         scene
     }
 
-    /// Checks what characters bring: files that no output may destroy, and nodes that can be hidden.
+    /// Checks what characters bring: files that no output may destroy, and nodes that can be
+    /// hidden.
     pub(crate) fn check(&self, roles: &[CrowdRole], files: &[PathBuf]) -> Result<(), Failure> {
         check_inputs(self.outputs.paths(), files)?;
         check_hidden(roles, &self.args.hide)
     }
 
-    /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are evaluated.
+    /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are
+    /// evaluated.
     pub(crate) fn shoot(
         &self,
         crowd: &mut Crowd,
@@ -119,8 +121,8 @@ impl<'a> Filming<'a> {
 }
 
 impl Filmed {
-    /// Says how long frames took, and prints the path of the result or, with --json, a document with
-    /// `more` fields.
+    /// Says how long frames took, and prints the path of the result or, with --json, a document
+    /// with `more` fields.
     pub(crate) fn report(&self, crowd: &Crowd, json: bool, more: Value) -> Result<(), Failure> {
         let Self { frames, skipped, times, drawn, out } = self;
         let count = frames.count();

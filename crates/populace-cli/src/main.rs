@@ -29,6 +29,7 @@ mod progress;
 mod replay;
 mod report;
 mod roles;
+mod series;
 mod sinks;
 mod skin;
 mod trajectory;
@@ -55,6 +56,8 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => commands::demo::run(&args),
         Command::Render(args) => commands::render::run(&args),
+        Command::Plan(args) => commands::plan::run(&args),
+        Command::Film(args) => commands::film::run(&args),
         Command::Cast(args) => commands::cast::run(&args),
         Command::Inspect(args) => commands::inspect::run(&args),
         Command::Pose(args) => commands::pose::run(&args),

@@ -112,7 +112,7 @@ impl Outputs {
 }
 
 /// Returns the path of a frame: `crowd.png` becomes `crowd_0007.png`.
-fn numbered(path: &Path, frame: u32) -> PathBuf {
+pub(crate) fn numbered(path: &Path, frame: u32) -> PathBuf {
     let mut name = path.file_stem().unwrap_or_default().to_owned();
     name.push(format!("_{frame:04}."));
     name.push(path.extension().unwrap_or_default());

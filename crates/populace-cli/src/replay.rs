@@ -10,7 +10,6 @@ use std::time::Instant;
 
 use populace::character::Image;
 use populace::{Crowd, MemberId};
-use populace_film::FrameRate;
 use populace_locomotion::SkateMeter;
 use populace_render::{Camera, Ground};
 use populace_scene::{Motions, Replay};
@@ -18,7 +17,7 @@ use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
 use crate::camera::Cameras;
-use crate::cli::{FrameRange, MOST_FRAMES, OverlayArgs, PictureArgs, build};
+use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
 use crate::filming::Filming;
@@ -36,8 +35,6 @@ use place::{Place, SLAB_M};
 const METERED: usize = 16;
 /// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
 const STEP_SECS: f32 = 0.041;
-/// Frames per second, if none are given.
-const DEFAULT_FPS: u32 = 25;
 /// Clips that a member plays at the same time: idle, walk and run.
 const SLOTS: usize = 4;
 
@@ -166,20 +163,14 @@ impl ReplayJob<'_> {
     /// the moment when most people are there for a picture.
     fn frames(&self, recording: &Recording, motions: &Motions) -> Result<Frames, Failure> {
         let film = &self.picture.film;
-        let rate = match film.fps {
-            Some(rate) => rate,
-            None => FrameRate::new(DEFAULT_FPS, 1)?,
-        };
+        let rate = trajectory::film_rate(film.fps)?;
         let shutter = Shutter::degrees(film.shutter);
-        let [from, until] = recording.secs();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        let all = ((until - from) * rate.per_sec() + 1e-6).floor() as u32;
-        let whole = 0..=all.min(MOST_FRAMES - 1);
         let range = match &film.frames {
             Some(FrameRange(range)) => range.clone(),
-            None if self.is_film() => whole,
+            None if self.is_film() => 0..=trajectory::frame_count(recording, rate) - 1,
             None => {
-                let secs = film.at.unwrap_or_else(|| people::busiest(motions) - from);
+                let secs =
+                    film.at.unwrap_or_else(|| people::busiest(motions) - recording.secs()[0]);
                 return Ok(Frames { shutter, ..Frames::still(secs, rate) });
             }
         };
@@ -226,17 +217,14 @@ impl ReplayAction {
         Ok(())
     }
 
-    /// Returns foot skate and the error of positions as JSON.
+    /// Returns foot skate and the error of positions as JSON, by their names.
     fn measures(&self) -> Value {
         let error = self.replay.position_error();
         let skate = self.meter.skate();
-        json!({
-            "foot_skate": skate.map(|skate| json!({
-                "mean_m_s": skate.mean_m_per_sec,
-                "p95_m_s": skate.p95_m_per_sec,
-            })),
-            "position_error": {"max_m": error.max_m, "max_raw_m": error.max_raw_m},
-        })
+        let skate = skate
+            .map(|skate| json!({"mean_m_s": skate.mean_m_per_sec, "p95_m_s": skate.p95_m_per_sec}));
+        let error = json!({"max_m": error.max_m, "max_raw_m": error.max_raw_m});
+        json!({"foot_skate": skate, "position_error": error})
     }
 }
 

@@ -64,6 +64,12 @@ pub enum Error {
         /// What it said.
         cause: String,
     },
+    /// Bytes that are no picture.
+    #[error("this is no picture in PNG that can be read: {cause}; write it again")]
+    BadPng {
+        /// The reason.
+        cause: String,
+    },
     /// A file that cannot be written.
     #[error("cannot write {}", path.display())]
     Output {

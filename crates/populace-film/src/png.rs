@@ -1,9 +1,10 @@
 //! Pictures as PNG.
 
+use std::io::Cursor;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
-use image::{ExtendedColorType, ImageEncoder as _};
+use image::{ExtendedColorType, ImageEncoder as _, ImageFormat, ImageReader};
 
 use crate::Error;
 use crate::output::output_error;
@@ -57,6 +58,20 @@ pub fn encode_png(size: [u32; 2], pixels: Pixels<'_>) -> Result<Vec<u8>, Error> 
             cause: cause.to_string(),
         })?;
     Ok(file)
+}
+
+/// Decodes a PNG file. Returns the width and height, and the pixels as RGBA in sRGB, 8 bits each,
+/// top row first.
+///
+/// # Errors
+///
+/// [`Error::BadPng`] if the bytes are no whole PNG file, or if it takes more than 512 MiB.
+pub fn decode_png(file: &[u8]) -> Result<([u32; 2], Vec<u8>), Error> {
+    let picture = ImageReader::with_format(Cursor::new(file), ImageFormat::Png)
+        .decode()
+        .map_err(|cause| Error::BadPng { cause: cause.to_string() })?
+        .into_rgba8();
+    Ok((picture.dimensions().into(), picture.into_raw()))
 }
 
 fn rgb(rgba: &[u8]) -> Vec<u8> {

@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use populace_film::{Encoder, Error, Film, FilmSettings, Pixels, encode_png, write_png};
+use populace_film::{
+    Encoder, Error, Film, FilmSettings, Pixels, decode_png, encode_png, write_png,
+};
 
 /// Returns a frame: a slope of colours, and a white square that moves.
 fn frame([width, height]: [u32; 2], number: u32) -> Vec<u8> {
@@ -368,4 +370,17 @@ fn pngs_hold_all_bits() {
     let message = encode_png([2, 1], Pixels::Gray(&[0])).unwrap_err().to_string();
     assert!(message.contains("2x1"), "{message}");
     assert!(encode_png([0, 0], Pixels::Gray(&[])).is_err());
+}
+
+#[test]
+fn pngs_are_read_as_they_were_written() {
+    let rgba = frame([40, 30], 3);
+    let file = encode_png([40, 30], Pixels::Rgba(&rgba)).unwrap();
+    assert_eq!(decode_png(&file).unwrap(), ([40, 30], rgba));
+    let gray = encode_png([1, 2], Pixels::Gray16(&[0, 65535])).unwrap();
+    assert_eq!(decode_png(&gray).unwrap(), ([1, 2], vec![0, 0, 0, 255, 255, 255, 255, 255]));
+    for broken in [&b""[..], b"GIF89a", &file[..file.len() / 2]] {
+        let error = decode_png(broken).unwrap_err();
+        assert!(matches!(error, Error::BadPng { .. }), "{error}");
+    }
 }

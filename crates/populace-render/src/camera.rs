@@ -106,8 +106,9 @@ impl Camera {
         })
     }
 
-    /// Returns where a point of the world is in a picture of `size` pixels (width, height), from the
-    /// top left corner. `None` for a point that is not before the camera, and for invalid settings.
+    /// Returns where a point of the world is in a picture of `size` pixels (width, height), from
+    /// the top left corner. `None` for a point that is not before the camera, and for invalid
+    /// settings.
     #[must_use]
     pub fn project(&self, point: [f32; 3], size: [u32; 2]) -> Option<[f32; 2]> {
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]

@@ -67,8 +67,9 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands at
-    /// a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who are.
+    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands
+    /// at a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who
+    /// are.
     ///
     /// # Errors
     ///
@@ -150,8 +151,8 @@ impl Replay {
         self.agents.iter().copied().zip(self.walkers.members().iter().copied())
     }
 
-    /// Returns the part of an agent's person that is seen, from 0 to 1: people fade in when they come
-    /// and out before they leave.
+    /// Returns the part of an agent's person that is seen, from 0 to 1: people fade in when they
+    /// come and out before they leave.
     #[must_use]
     pub fn opacity(&self, agent: usize) -> f32 {
         let Some(motion) = self.motions.agents.get(agent) else { return 0.0 };

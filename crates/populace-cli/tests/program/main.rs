@@ -11,6 +11,7 @@ mod input;
 mod mix;
 mod outputs;
 mod pictures;
+mod plan;
 mod post;
 mod recordings;
 #[cfg(unix)]

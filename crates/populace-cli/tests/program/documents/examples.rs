@@ -55,7 +55,10 @@ const EXAMPLES: [Example; 13] = [
     ("stairs.csv", || {
         let line = |r: &Row| format!("{},{},\"{}\",1,{},{},0.0", r.secs(), r.id, r.id, r.x, r.y);
         table(
-            "\"t\",\"id\",\"name\",\"active\",\"x\",\"y\",\"z\"\n\"s\",\"\",\"\",\"\",\"m\",\"m\",\"m\"",
+            concat!(
+                "\"t\",\"id\",\"name\",\"active\",\"x\",\"y\",\"z\"\n",
+                "\"s\",\"\",\"\",\"\",\"m\",\"m\",\"m\""
+            ),
             line,
         )
     }),
