@@ -228,9 +228,6 @@ pub(crate) struct RenderArgs {
 pub(crate) struct TrajectoryArgs {
     #[command(flatten)]
     pub(crate) read: ReadArgs,
-    /// Evaluate all frames and print measures as JSON, without drawing
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) no_draw: bool,
     #[command(flatten)]
     pub(crate) overlay: OverlayArgs,
 }
