@@ -5,17 +5,13 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use populace_film::FrameRate;
 use populace_trajectory::{
     Fact, Format, HeadingSource, Kind, Origin, ReadSettings, Recording, Source, Unit,
 };
 
-use crate::cli::MOST_FRAMES;
 use crate::failure::Failure;
 use crate::report::counted;
 
-/// Frames per second of a film, if none are given.
-const DEFAULT_FPS: u32 = 25;
 /// Bytes by which a glTF file is told from others.
 const HEAD_BYTES: u64 = 4096;
 /// Words behind a fact that an option said.
@@ -104,20 +100,6 @@ pub(crate) fn is_trajectory(input: &Path) -> bool {
     let read = File::open(input).and_then(|file| file.take(HEAD_BYTES).read_to_end(&mut head));
     let holds = |word: &[u8]| head.windows(word.len()).any(|bytes| bytes == word);
     read.is_ok() && !head.starts_with(b"glTF") && !(head.starts_with(b"{") && holds(b"\"asset\""))
-}
-
-/// Returns the rate of a film of people who follow trajectories: the one that was asked for, or 25.
-pub(crate) fn film_rate(asked: Option<FrameRate>) -> Result<FrameRate, Failure> {
-    Ok(asked.map_or_else(|| FrameRate::new(DEFAULT_FPS, 1), Ok)?)
-}
-
-/// Returns the number of frames from the beginning of a recording to its end, at least 1 and at
-/// most [`MOST_FRAMES`].
-pub(crate) fn frame_count(recording: &Recording, rate: FrameRate) -> u32 {
-    let [from, until] = recording.secs();
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-    let last = ((until - from) * rate.per_sec() + 1e-6).floor() as u32;
-    last.saturating_add(1).min(MOST_FRAMES)
 }
 
 /// Returns one line about a recording: format, agents, length, and how it was read.

@@ -26,7 +26,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     args.trajectory.read.refuse_unused()?;
     args.trajectory.overlay.refuse_unused()?;
-    let Some(out) = args.out.as_deref().filter(|_| !args.no_draw) else {
+    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
@@ -51,7 +51,7 @@ fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
     let job = ReplayJob {
         file,
         cast: &cast,
-        out: args.out.as_deref().filter(|_| !args.no_draw),
+        out: args.out.as_deref().filter(|_| !args.trajectory.no_draw),
         read: &args.trajectory.read,
         overlay: &args.trajectory.overlay,
         picture: &args.picture,
