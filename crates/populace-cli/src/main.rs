@@ -14,6 +14,7 @@ mod crowd_renderer;
 mod draw;
 mod exposure;
 mod failure;
+mod film_length;
 mod filming;
 mod fit;
 mod frame_loop;

@@ -20,6 +20,7 @@ use crate::camera::Cameras;
 use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
+use crate::film_length;
 use crate::filming::Filming;
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
@@ -163,11 +164,11 @@ impl ReplayJob<'_> {
     /// the moment when most people are there for a picture.
     fn frames(&self, recording: &Recording, motions: &Motions) -> Result<Frames, Failure> {
         let film = &self.picture.film;
-        let rate = trajectory::film_rate(film.fps)?;
+        let rate = film_length::film_rate(film.fps)?;
         let shutter = Shutter::degrees(film.shutter);
         let range = match &film.frames {
             Some(FrameRange(range)) => range.clone(),
-            None if self.is_film() => 0..=trajectory::frame_count(recording, rate) - 1,
+            None if self.is_film() => 0..=film_length::frame_count(recording, rate) - 1,
             None => {
                 let secs =
                     film.at.unwrap_or_else(|| people::busiest(motions) - recording.secs()[0]);

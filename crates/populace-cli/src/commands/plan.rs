@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use crate::cli::{FrameRange, PlanArgs};
 use crate::failure::Failure;
+use crate::film_length;
 use crate::report;
 use crate::roles;
 use crate::trajectory;
@@ -35,8 +36,8 @@ fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
         ));
     };
     let recording = args.read.load(file)?;
-    let rate = trajectory::film_rate(args.fps)?;
-    Ok(FrameRange(0..=trajectory::frame_count(&recording, rate) - 1))
+    let rate = film_length::film_rate(args.fps)?;
+    Ok(FrameRange(0..=film_length::frame_count(&recording, rate) - 1))
 }
 
 fn check_exists(input: &Path) -> Result<(), Failure> {

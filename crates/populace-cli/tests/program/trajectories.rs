@@ -156,10 +156,10 @@ fn pictures_show_the_people_of_a_recording() {
         let stderr = stderr_of(&[&["render", &file, "--out", &out], &SMALL[..], args].concat());
         (colours(&out), stderr)
     };
-    let (empty, stderr) = draw("empty.png", &["--at", "3"]);
+    let (empty, stderr) = draw("empty.png", &["--at", "3", "--cast", "@woman"]);
     assert_eq!(empty.dimensions(), (160, 90));
     assert!(stderr.contains("PeTrack text: 4 people, 5.0 s, 25 rows a second"), "{stderr}");
-    let (walked, _) = draw("walked.png", &["--at", "1"]);
+    let (walked, _) = draw("walked.png", &["--at", "1", "--cast", "@woman"]);
     let people = differing(&empty, &walked);
     assert!(people > 300, "only {people} pixels differ from those of the empty ground");
     // By default, the picture is that of a moment when most people are there.
@@ -178,7 +178,8 @@ fn films_show_the_people_of_a_recording() {
     let file = write(&folder, "walk.txt", &rows());
     let film = |name: &str, args: &[&str]| {
         let out = folder.text(name);
-        let args = [&["render", &file, "--json", "--out", &out], &SMALL[..], args].concat();
+        let film = ["render", &file, "--cast", "@child", "--json", "--out", &out];
+        let args = [&film[..], &SMALL, args].concat();
         let d = json_of(&args);
         assert_eq!(d["out"], out.as_str());
         (d["frames"].clone(), std::fs::read(&out).expect("a film"), d)
@@ -231,12 +232,12 @@ fn cameras_that_follow_nobody_say_who_is_there() {
     let folder = Folder::new();
     let (file, out) = (write(&folder, "walk.txt", &rows()), folder.text("x.png"));
     for camera in ["follow:7", "eye:Anna"] {
-        let args = ["render", &file, "--out", &out, "--camera", camera];
+        let args = ["render", &file, "--cast", "@child", "--out", &out, "--camera", camera];
         let words = [&camera[camera.find(':').map_or(0, |at| at + 1)..], "4 agents", "1, 2, 3, 4"];
         refused(&[&args[..], &SMALL].concat(), 2, &words);
     }
     assert!(!folder.path("x.png").exists());
-    let args = ["render", &file, "--out", &out, "--camera", "follow:4"];
+    let args = ["render", &file, "--cast", "@child", "--out", &out, "--camera", "follow:4"];
     stderr_of(&[&args[..], &SMALL].concat());
 }
 
@@ -254,6 +255,11 @@ fn broken_recordings_are_refused_with_their_place() {
     refused(&["render", &database, "--no-draw"], 1, &["cut.sqlite"]);
     let pixels = write(&folder, "pixels.csv", "id,frame,x_px,y_px\n1,0,5,5\n1,1,6,5\n");
     refused(&["inspect", &pixels], 1, &["pixels.csv", "pixel"]);
+    let rateless = rows().replace("25 fps", "0 fps");
+    let rateless = write(&folder, "rateless.txt", &rateless);
+    refused(&["inspect", &rateless], 1, &["rateless.txt", "--data-fps N sets it"]);
+    let d = json_of(&["inspect", &rateless, "--data-fps", "25", "--json"]);
+    assert_eq!(d["trajectory"]["duration_s"], 5.0);
     // A row that the end of the file cuts short is one without a position.
     let rows = rows();
     let file = write(&folder, "cut.txt", &rows[..rows.len() - 11]);
