@@ -11,19 +11,19 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
 use populace_render::Preset;
-use populace_trajectory::{Format, HeadingSource, Unit};
 
 use crate::aim::{Point, ReachArg};
 use crate::camera::View;
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
+use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use values::{Size, VertexId};
-use values::{data_rate, height, pixels};
+use values::{height, pixels, trail_secs, wall_height};
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -64,21 +64,22 @@ pub(crate) enum Command {
     ///
     /// The path of the film, of the picture, or of the first of several, is printed on stdout. With
     /// --json, a document is printed instead. Its `frames` is the number of frames, of which
-    /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts from the call that
-    /// evaluates the frame until the device has finished, `draw` from then until the picture is
-    /// read back, and `total` until the file is written. `shadow`, `members` and `surroundings` are
-    /// the times of passes by the timers of OpenGL. The rest describes the last picture:
-    /// `drawn_members`, `triangles`, `draw_calls`, what the `shadow` map shows, members in view by
-    /// their level of detail in `levels`, those out of view that throw a shadow into it in
-    /// `shadow_only`, and those that cannot be seen in `hidden`.
+    /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts
+    /// from the call that evaluates the frame until the device has finished, `draw` from then until
+    /// the picture is read back, and `total` until the file is written, or the picture handed to
+    /// the encoder of the film. `shadow`, `members` and `surroundings` are the times of passes by
+    /// the timers of OpenGL. The rest describes the last picture: `drawn_members`, `triangles`,
+    /// `draw_calls`, what the `shadow` map shows, members in view by their level of detail in
+    /// `levels`, those out of view that throw a shadow into it in `shadow_only`, and those that
+    /// cannot be seen in `hidden`.
     ///
     /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
     /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from
     /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`.
     ///
-    /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no incomplete
-    /// one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed once it is
-    /// complete.
+    /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no
+    /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed
+    /// once it is complete.
     Render(RenderArgs),
     /// Divide a film into chunks of frames, for several runs or machines.
     ///
@@ -102,10 +103,16 @@ pub(crate) enum Command {
     /// `populace render people/*.glb` then draws them; they walk with the clips of the built-in
     /// people, or with those that --clips names.
     Cast(CastArgs),
-    /// Show the contents of character files.
+    /// Show the contents of characters and of trajectory files.
     ///
-    /// Lists skeletons, skins, humanoid roles, meshes, materials, images and clips, and notes on
-    /// anything that the importer ignored.
+    /// Of a character, lists skeletons, skins, humanoid roles, meshes, materials, images and clips,
+    /// and notes on anything that the importer ignored.
+    ///
+    /// Of a trajectory file, shows the format, people and vehicles, times, rate, speeds, extent,
+    /// gaps, extra columns and the place, what was assumed, and warnings. Its JSON document has all
+    /// of that in `trajectory`: lengths in metres, times in seconds as the file counts them.
+    /// `frames` is the number of times at which somebody has a row, `fps` the rows of each agent in
+    /// a second, `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
     Inspect(InspectArgs),
     /// Evaluate one pose of a character: joints, palettes and skinned vertices.
     ///
@@ -219,30 +226,63 @@ pub(crate) struct RenderArgs {
 /// Options for trajectory files.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct TrajectoryArgs {
-    /// Format of the trajectory file [default: recognised by its content]
-    #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
-    pub(crate) format: Option<Format>,
-    /// Unit of its positions [default: that of the file or format, or assumed]
-    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
-    pub(crate) unit: Option<Unit>,
-    /// Frames per second by which it counts [default: those of the file, or assumed]
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
+    /// Evaluate all frames and print measures as JSON, without drawing
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) no_draw: bool,
+    #[command(flatten)]
+    pub(crate) overlay: OverlayArgs,
+}
+
+/// Options for what is drawn over pictures of trajectories.
+#[derive(Args, Clone, Debug)]
+pub(crate) struct OverlayArgs {
+    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file,
+    /// with a legend
+    #[arg(long, value_name = "NAME", alias = "color-by", help_heading = "Trajectory files")]
+    pub(crate) colour_by: Option<String>,
+    /// Draw the way that people came in the last seconds
     #[arg(
         long,
-        value_name = "N",
-        value_parser = data_rate,
+        value_name = "SECONDS",
+        num_args = 0..=1,
+        default_missing_value = "3",
+        value_parser = trail_secs,
         help_heading = "Trajectory files"
     )]
-    pub(crate) data_fps: Option<f64>,
-    /// Headings of people: data takes those of the file, motion the way they go [default: data where
-    /// the file has some]
-    #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
-    pub(crate) heading: Option<HeadingSource>,
-    /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
-    #[arg(long, value_name = "FILE", help_heading = "Trajectory files")]
-    pub(crate) geometry: Option<PathBuf>,
-    /// Refuse trajectory files with faults that have a sensible reading
+    pub(crate) trails: Option<f64>,
+    /// Write ids above heads
     #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) strict: bool,
+    pub(crate) ids: bool,
+    /// Show the time since the beginning of the file
+    #[arg(long, help_heading = "Trajectory files")]
+    pub(crate) clock: bool,
+    /// Height of walls and obstacles in metres, from 0.01 to 100
+    #[arg(
+        long,
+        value_name = "METRES",
+        default_value_t = 0.6,
+        value_parser = wall_height,
+        help_heading = "Trajectory files"
+    )]
+    pub(crate) walls: f64,
+}
+
+impl OverlayArgs {
+    /// Refuses these options if one was given. For commands without a trajectory file.
+    pub(crate) fn refuse_unused(&self) -> Result<(), Failure> {
+        let given = [
+            ("--colour-by", self.colour_by.is_some()),
+            ("--trails", self.trails.is_some()),
+            ("--ids", self.ids),
+            ("--clock", self.clock),
+        ];
+        match given.into_iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::usage(format!("{flag} needs a trajectory file"))),
+            None => Ok(()),
+        }
+    }
 }
 
 #[derive(Args, Debug)]
@@ -338,7 +378,7 @@ pub(crate) struct PictureArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb); - is standard input
+    /// glTF 2.0 files (.gltf, .glb), with - for standard input, or trajectory files
     #[arg(required = true, value_name = "FILE")]
     pub(crate) files: Vec<PathBuf>,
     /// Show only the sizes of clips: their rows, the bytes of the rows, and the bytes of the keys
@@ -348,6 +388,8 @@ pub(crate) struct InspectArgs {
     /// Print one JSON document
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) read: ReadArgs,
     #[command(flatten)]
     pub(crate) input: InputArgs,
 }

@@ -2,10 +2,11 @@
 
 use populace::character::{Image, Part};
 use populace::interop::PaletteTransport;
-use populace::{Crowd, CrowdBuilder};
+use populace::{Crowd, CrowdBuilder, MemberId};
 use populace_render::{Camera, Drawn, PassTimes, Renderer, Scene};
 
 use crate::failure::Failure;
+use crate::image_files::PixelFacts;
 use crate::roles::CrowdRole;
 
 /// A renderer that is connected to a crowd.
@@ -61,6 +62,23 @@ impl CrowdRenderer {
     ) -> Result<Image, Failure> {
         self.drawn = self.renderer.draw(crowd, camera, scene)?;
         Ok(self.renderer.read_image()?)
+    }
+}
+
+impl CrowdRenderer {
+    /// Returns what the pixels of the last picture show. `person` returns the number of the person
+    /// that a member is.
+    pub(crate) fn pixel_facts(
+        &mut self,
+        crowd: &Crowd,
+        camera: &Camera,
+        scene: &Scene,
+        person: &dyn Fn(MemberId) -> Option<u64>,
+    ) -> Result<PixelFacts, Failure> {
+        let marks = self.renderer.read_marks(camera, scene)?;
+        // Instances are in the order of members.
+        let people = crowd.members().map(|member| person(member.id())).collect();
+        Ok(PixelFacts { marks, people })
     }
 }
 

@@ -2,24 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::Crowd;
-use populace_film::{FilmSettings, FrameRate};
-use populace_render::{Camera, Renderer, Scene};
+use populace::{Crowd, MemberId};
+use populace_film::FrameRate;
+use populace_render::Camera;
+use serde_json::Value;
 
 use crate::camera::{Cameras, Pose, Subject};
-use crate::cli::{FrameRange, PictureArgs, build};
-use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
+use crate::cli::{FrameRange, PictureArgs};
+use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::frame_loop::{Action, FrameLoop, LEAD_IN_SECS};
+use crate::filming::Filming;
+use crate::frame_loop::{Action, LEAD_IN_SECS};
 use crate::frames::{Frames, Shutter, single};
-use crate::names::hint;
-use crate::outcome::{Outcome, counted};
-use crate::output::{Outputs, check_inputs, check_writable};
 use crate::population::{Population, PopulationSettings};
-use crate::report::{self, message};
+use crate::report::{counted, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
-use crate::sinks::Sink;
-use crate::unfinished;
 
 /// Frames per second, if none are given.
 const DEFAULT_FPS: u32 = 30;
@@ -39,35 +36,20 @@ pub(crate) struct DrawJob<'a> {
 impl DrawJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
-        let (args, film) = (self.args, &self.args.film);
-        let frames = self.frames()?;
-        let outputs = Outputs::new(
-            self.out,
-            frames.first..=frames.last,
-            film.frames.is_some(),
-            &film.images,
-        )?;
-        let given = self.inputs.iter().chain(&args.clips);
+        let args = self.args;
+        let frames = (self.frames()?, args.film.frames.is_some());
+        let given = self.inputs.iter().chain(&args.clips).map(PathBuf::as_path);
         let given: Vec<_> = given.filter(|input| roles::built_in_name(input).is_none()).collect();
-        check_inputs(outputs.paths(), &given)?;
-        check_writable(&outputs.first())?;
-        let settings =
-            FilmSettings { encoder: film.encoder, ..FilmSettings::new(args.size.0, frames.rate) };
-        let mut sink = Sink::open(&outputs, &settings, film.skip_existing)?;
-        let skipped = sink.skipped();
-        unfinished::expect_frames(frames.count() - u32::try_from(skipped).unwrap_or_default());
-        // A missing OpenGL is reported later: errors in the inputs are more useful.
-        let renderer = Renderer::headless(args.size.0);
-        let builder = args.device.crowd().capacity(self.members as usize).slots_per_member(1);
-        let mut crowd = build(builder_for(builder, &renderer))?;
-        #[cfg(unix)]
-        crate::aborts::exit_on_abort();
-        let (roles, population) = self.populate(&mut crowd, &outputs)?;
+        let filming = Filming::new(args, self.out, frames, &given)?;
+        let sink = filming.sink()?;
+        let renderer = filming.renderer();
+        let mut crowd = filming.crowd(&renderer, [self.members as usize, 1])?;
+        let (roles, population) = self.populate(&mut crowd, &filming)?;
         let action =
             CrowdAction { population, start_secs: self.start_secs(), is_film: self.is_film() };
         let [width, height] = args.size.0;
         let cameras = Cameras::new(&args.camera, &action, width as f32 / height as f32)?;
-        let mut action = Filmed { action, cameras };
+        let mut action = FilmedCrowd { action, cameras };
         let devices = devices_and_shares(&crowd);
         message!(
             "{} on {devices}, {}",
@@ -77,28 +59,16 @@ impl DrawJob<'_> {
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let frame_loop = FrameLoop {
-            frames,
-            lead_in: self.lead_in,
-            size: args.size.0,
-            scene: &self.scene(),
-            detail: (!args.full_detail).then_some(args.detail),
-        };
-        let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
-        let out = sink.finish()?;
-        let outcome = Outcome { crowd: &crowd, drawn, times: &times, frames, skipped, out: &out };
-        outcome.describe();
-        if args.json {
-            return report::json(&outcome.as_json());
-        }
-        report::path(&out)
+        let played = (&mut action as &mut dyn Action, &filming.scene(), self.lead_in);
+        let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
+        filmed.report(&crowd, args.json, Value::Null)
     }
 
     /// Loads the characters and spawns the members.
     fn populate(
         &self,
         crowd: &mut Crowd,
-        outputs: &Outputs,
+        filming: &Filming<'_>,
     ) -> Result<(Vec<CrowdRole>, Population), Failure> {
         let args = self.args;
         let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
@@ -113,8 +83,7 @@ impl DrawJob<'_> {
             !args.full_detail,
             !plain,
         )?;
-        check_inputs(outputs.paths(), &loaded.files)?;
-        check_hidden(&loaded.roles, &args.hide)?;
+        filming.check(&loaded.roles, &loaded.files)?;
         let settings =
             PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
         let population = Population::new(crowd, &loaded.roles, &settings)?;
@@ -148,14 +117,6 @@ impl DrawJob<'_> {
     /// Returns the time of frame 0, after the lead-in.
     fn start_secs(&self) -> f32 {
         self.lead_in as f32 * LEAD_IN_SECS
-    }
-
-    fn scene(&self) -> Scene {
-        let mut scene = self.args.sky.scene();
-        if self.args.full_detail {
-            scene.sun.error_texels = 0.0;
-        }
-        scene
     }
 }
 
@@ -195,12 +156,12 @@ impl Subject for CrowdAction {
 }
 
 /// An action and the cameras that film it.
-struct Filmed {
+struct FilmedCrowd {
     action: CrowdAction,
     cameras: Cameras,
 }
 
-impl Action for Filmed {
+impl Action for FilmedCrowd {
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         Ok(crowd.update(secs)?)
     }
@@ -208,15 +169,8 @@ impl Action for Filmed {
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         Ok(self.cameras.at(&self.action, secs))
     }
-}
 
-fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {
-    let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
-    match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
-        None => Ok(()),
-        Some(unknown) => Err(Failure::usage(format!(
-            "no node \"{unknown}\" has anything to draw{}",
-            hint(unknown, names())
-        ))),
+    fn person(&self, member: MemberId) -> Option<u64> {
+        self.action.population.number(member).map(|number| number as u64)
     }
 }

@@ -4,14 +4,15 @@
 
 use std::time::Instant;
 
-use populace::Crowd;
 use populace::character::Image;
+use populace::{Crowd, MemberId};
 use populace_render::{Camera, Drawn, PassTimes, Scene};
 
 use crate::crowd_renderer::CrowdRenderer;
 use crate::exposure::Exposure;
 use crate::failure::Failure;
 use crate::frames::{Frames, single};
+use crate::image_files::PixelFacts;
 use crate::progress::Progress;
 use crate::report::message;
 
@@ -20,13 +21,28 @@ pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
 /// What happens before the camera: moves a crowd through time, and says where the camera is.
 pub(crate) trait Action {
-    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called in
-    /// the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
+    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called
+    /// in the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
     /// depend on those that are drawn before it.
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure>;
 
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
+
+    /// Draws over the picture of a frame that was taken by a camera.
+    fn overlay(&self, _picture: &mut Image, _camera: &Camera) -> Result<(), Failure> {
+        Ok(())
+    }
+
+    /// Returns the number of the person that a member is; `None` for other things.
+    fn person(&self, member: MemberId) -> Option<u64>;
+}
+
+/// A picture of a frame.
+pub(crate) struct Shot {
+    pub(crate) picture: Image,
+    /// What its pixels show at the time of the frame, if the sink needs that.
+    pub(crate) facts: Option<PixelFacts>,
 }
 
 /// Where the pictures go.
@@ -34,8 +50,11 @@ pub(crate) trait FrameSink {
     /// Returns true if the picture of a frame is wanted; otherwise it is not drawn.
     fn wants(&self, frame: u32) -> bool;
 
+    /// Returns true if pictures are wanted with what their pixels show.
+    fn needs_facts(&self) -> bool;
+
     /// Takes over the picture of a frame. Called in the order of frames.
-    fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure>;
+    fn take(&mut self, frame: u32, shot: Shot) -> Result<(), Failure>;
 }
 
 /// Settings of a loop over frames.
@@ -78,7 +97,8 @@ impl FrameLoop<'_> {
         let mut progress = Progress::new("frames", last as usize + 1);
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
-        let mut now_secs = 0.0;
+        let (mut now_secs, mut facts) = (0.0, None);
+        let (mut frame, mut is_drawn) = (None, false);
         while let Some(moment) = moments.next() {
             // The lead-in ends at the first moment.
             if moment.secs > now_secs {
@@ -86,11 +106,19 @@ impl FrameLoop<'_> {
                 spent.animate += animate(crowd, action, single(moment.secs - now_secs))?;
                 now_secs = moment.secs;
             }
-            let is_drawn = moment.frame >= self.frames.first && sink.wants(moment.frame);
-            if is_drawn && moment.sample.is_some() {
+            // Once for all pictures of a frame: another process may write its file meanwhile.
+            if frame.replace(moment.frame) != Some(moment.frame) {
+                is_drawn = moment.frame >= self.frames.first && sink.wants(moment.frame);
+            }
+            if let Some(sample) = moment.sample.filter(|_| is_drawn) {
                 let start = Instant::now();
                 let camera = action.camera(moment.secs)?;
                 exposure.add(renderer.picture(crowd, &camera, self.scene)?);
+                times.passes.push(renderer.pass_times()?);
+                if sample == 0 && sink.needs_facts() {
+                    let person = |member| action.person(member);
+                    facts = Some(renderer.pixel_facts(crowd, &camera, self.scene, &person)?);
+                }
                 spent.draw += ms_since(start);
             }
             if moments.peek().is_some_and(|next| next.frame == moment.frame) {
@@ -98,11 +126,11 @@ impl FrameLoop<'_> {
             }
             let spent = std::mem::take(&mut spent);
             times.animate.push(spent.animate);
-            if let Some(picture) = exposure.develop() {
-                times.draw.push(spent.draw);
-                times.passes.push(renderer.pass_times()?);
+            if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
-                sink.take(moment.frame, picture)?;
+                action.overlay(&mut picture, &action.camera(moment.secs)?)?;
+                times.draw.push(spent.draw + ms_since(start));
+                sink.take(moment.frame, Shot { picture, facts: facts.take() })?;
                 times.total.push(spent.animate + spent.draw + ms_since(start));
             }
             progress.step();

@@ -73,6 +73,11 @@ impl Outputs {
         self.frames.clone()
     }
 
+    /// Returns true if there are images beside the pictures.
+    pub(crate) fn has_images(&self) -> bool {
+        !self.images.is_empty()
+    }
+
     /// Returns the path of a frame's picture, or of the film.
     pub(crate) fn path(&self, frame: u32) -> PathBuf {
         match self.form {
@@ -115,6 +120,7 @@ pub(crate) fn numbered(path: &Path, frame: u32) -> PathBuf {
 }
 
 /// Refuses a path whose extension is not `kind`.
+#[cfg(feature = "bench")]
 pub(crate) fn check_kind(path: &Path, kind: &str) -> Result<(), Failure> {
     if path.extension().is_some_and(|e| e.eq_ignore_ascii_case(kind)) {
         return Ok(());

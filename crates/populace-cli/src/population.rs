@@ -1,8 +1,10 @@
 //! Spawns a crowd's members on the ground, and tracks their positions for the camera.
 
+use std::collections::HashMap;
+
 use populace::character::Character;
 use populace::clip::RootMotion;
-use populace::{ClipPlayback, Crowd, Placement};
+use populace::{ClipPlayback, Crowd, MemberId, Placement};
 use populace_testkit::Rng;
 use populace_variety::{Appearance, Variety};
 
@@ -21,6 +23,7 @@ const EYES: f32 = 0.935;
 
 /// A member's placement and motion.
 struct PlacedMember {
+    id: MemberId,
     placement: Placement,
     /// Heading of the placement.
     yaw_rad: f32,
@@ -47,6 +50,7 @@ impl PlacedMember {
 /// The placed members of a crowd.
 pub(crate) struct Population {
     members: Vec<PlacedMember>,
+    numbers: HashMap<MemberId, usize>,
     height: f32,
     spacing: f32,
 }
@@ -92,7 +96,8 @@ impl Population {
             members.push(spawn(crowd, role, place, appearance, &mut random)?);
             progress.step();
         }
-        Ok(Self { members, height, spacing })
+        let numbers = members.iter().enumerate().map(|(number, member)| (member.id, number));
+        Ok(Self { numbers: numbers.collect(), members, height, spacing })
     }
 
     /// Returns bounding points of all members at some times in seconds, for the camera.
@@ -123,6 +128,11 @@ impl Population {
         let member = self.members.get(number)?;
         let (position, heading_rad) = member.at(secs);
         Some(Pose { position, heading_rad, eye_m: EYES * member.height_m })
+    }
+
+    /// Returns the number of a member, in the order in which they were spawned.
+    pub(crate) fn number(&self, member: MemberId) -> Option<usize> {
+        self.numbers.get(&member).copied()
     }
 
     /// Returns the number of members.
@@ -183,7 +193,7 @@ fn spawn(
         motion = clip.motion.clone().map(|(motion, scale)| (motion, scale, phase));
     }
     let height_m = role.character.height_m() * role.scale * height;
-    Ok(PlacedMember { placement, yaw_rad: place.yaw_rad, motion, pace, height_m })
+    Ok(PlacedMember { id: member, placement, yaw_rad: place.yaw_rad, motion, pace, height_m })
 }
 
 /// Returns the larger horizontal side of a member's visible parts at the start of its first clip.

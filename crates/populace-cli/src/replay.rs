@@ -1,39 +1,42 @@
 //! Draws the people of a trajectory file: `populace render bottleneck.sqlite`.
 
 mod agents;
+mod overlays;
 mod people;
+mod place;
 
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use populace::Crowd;
-use populace_film::FilmSettings;
+use populace::character::Image;
+use populace::{Crowd, MemberId};
 use populace_locomotion::SkateMeter;
-use populace_render::{Camera, Renderer};
+use populace_render::{Camera, Ground};
 use populace_scene::{Motions, Replay};
-use populace_trajectory::{Origin, Recording};
+use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
 use crate::camera::Cameras;
-use crate::cli::{FrameRange, PictureArgs, TrajectoryArgs, build};
-use crate::crowd_renderer::{CrowdRenderer, builder_for, devices_and_shares};
+use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
+use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::frame_loop::{Action, FrameLoop};
+use crate::filming::Filming;
+use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
-use crate::outcome::{Outcome, counted};
-use crate::output::{Outputs, check_inputs, check_writable};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, CrowdRole};
-use crate::sinks::Sink;
-use crate::trajectory;
-use crate::unfinished;
+use crate::trajectory::{self, ReadArgs};
 use agents::Agents;
+use overlays::Overlays;
 use people::CastSettings;
+use place::{Place, SLAB_M};
 
 /// People whose feet are measured when most are there.
 const METERED: usize = 16;
 /// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
 const STEP_SECS: f32 = 0.041;
+/// Clips that a member plays at the same time: idle, walk and run.
+const SLOTS: usize = 4;
 
 /// A job of drawing the people of a trajectory file.
 pub(crate) struct ReplayJob<'a> {
@@ -41,7 +44,8 @@ pub(crate) struct ReplayJob<'a> {
     /// Characters to cast; the built-in people if empty.
     pub(crate) cast: &'a [PathBuf],
     pub(crate) out: Option<&'a Path>,
-    pub(crate) trajectory: &'a TrajectoryArgs,
+    pub(crate) read: &'a ReadArgs,
+    pub(crate) overlay: &'a OverlayArgs,
     pub(crate) picture: &'a PictureArgs,
 }
 
@@ -49,68 +53,56 @@ impl ReplayJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
         let args = self.picture;
-        let recording = trajectory::load(self.file, self.trajectory)?;
+        let recording = self.read.load(self.file)?;
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
         let Some(out) = self.out else {
-            let mut crowd = build(args.device.crowd().capacity(capacity(&motions)))?;
-            let (mut action, _) = self.people(&mut crowd, &recording, motions)?;
+            let capacity = capacity(&motions);
+            let mut crowd = build(args.device.crowd().capacity(capacity))?;
+            let (mut action, _) = self.people(&mut crowd, recording, motions, None)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
-        let film = &args.film;
-        let outputs = Outputs::new(out, frames.first..=frames.last, self.is_film(), &film.images)?;
-        check_inputs(outputs.paths(), &[self.file])?;
-        check_writable(&outputs.first())?;
-        let settings =
-            FilmSettings { encoder: film.encoder, ..FilmSettings::new(args.size.0, frames.rate) };
-        let mut sink = Sink::open(&outputs, &settings, film.skip_existing)?;
-        let skipped = sink.skipped();
-        unfinished::expect_frames(frames.count() - u32::try_from(skipped).unwrap_or_default());
-        let renderer = Renderer::headless(args.size.0);
-        let builder = args.device.crowd().capacity(capacity(&motions));
-        let mut crowd = build(builder_for(builder, &renderer))?;
-        #[cfg(unix)]
-        crate::aborts::exit_on_abort();
-        let (mut action, roles) = self.people(&mut crowd, &recording, motions)?;
+        let filming = Filming::new(args, out, (frames, self.is_film()), &self.given())?;
+        let sink = filming.sink()?;
+        let renderer = filming.renderer();
+        // One more for the place.
+        let mut crowd = filming.crowd(&renderer, [capacity(&motions) + 1, SLOTS])?;
+        let (mut action, roles) = self.people(&mut crowd, recording, motions, Some(&filming))?;
         let [width, height] = args.size.0;
-        action.cameras =
-            Some(Cameras::new(&args.camera, &action.subject, width as f32 / height as f32)?);
+        let aspect = width as f32 / height as f32;
+        action.cameras = Some(Cameras::new(&args.camera, &action.subject, aspect)?);
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let scene = args.sky.scene();
-        let frame_loop = FrameLoop {
-            frames,
-            lead_in: 0,
-            size: args.size.0,
-            scene: &scene,
-            detail: (!args.full_detail).then_some(args.detail),
-        };
-        let (times, drawn) = frame_loop.play(&mut crowd, &mut action, renderer, &mut sink)?;
-        let out = sink.finish()?;
-        let outcome = Outcome { crowd: &crowd, drawn, times: &times, frames, skipped, out: &out };
-        outcome.describe();
-        if args.json {
-            let mut document = outcome.as_json();
-            for (name, value) in action.measures() {
-                document[name] = value;
-            }
-            return report::json(&document);
+        let mut scene = filming.scene();
+        action.place = Place::new(&mut crowd, &action.recording, self.overlay.walls)?;
+        if action.place.is_known() {
+            scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
         }
-        report::path(&out)
+        let played = (&mut action as &mut dyn Action, &scene, 0);
+        let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
+        filmed.report(&crowd, args.json, action.measures())
+    }
+
+    /// Returns the files that are read, as far as they are known from the command line.
+    fn given(&self) -> Vec<&Path> {
+        let files = self.cast.iter().chain(&self.picture.clips).chain(&self.read.geometry);
+        let files = files.map(PathBuf::as_path).chain([self.file]);
+        files.filter(|file| roles::built_in_name(file).is_none()).collect()
     }
 
     /// Brings the people into the crowd.
     fn people(
         &self,
         crowd: &mut Crowd,
-        recording: &Recording,
+        recording: Recording,
         motions: Motions,
+        filming: Option<&Filming<'_>>,
     ) -> Result<(ReplayAction, Vec<CrowdRole>), Failure> {
         let args = self.picture;
         let everybody = [PathBuf::from("@people")];
-        let roles = roles::load(
+        let loaded = roles::load(
             crowd,
             &args.input,
             if self.cast.is_empty() { &everybody } else { self.cast },
@@ -119,22 +111,28 @@ impl ReplayJob<'_> {
             args.height,
             !args.full_detail,
             !args.plain,
-        )?
-        .roles;
+        )?;
+        let roles = loaded.roles;
+        if let Some(filming) = filming {
+            filming.check(&roles, &loaded.files)?;
+        }
         let gaits = people::gaits(crowd, &roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
-        let people = people::cast(recording, &roles, &settings);
+        let people = people::cast(&recording, &roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);
-        let subject = Agents::new(recording, motions.clone());
-        let replay = Replay::new(recording, motions, &people, gaits, recording.secs()[0])?;
+        let subject = Agents::new(&recording, motions.clone());
+        let from_secs = recording.secs()[0];
+        let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
+        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), &roles, people)?;
         message!(
             "{} on {}, {}",
-            counted(recording.agents.len(), "agent"),
+            trajectory::people(&recording),
             devices_and_shares(crowd),
             crowd.device_info().schedule
         );
+        let (cameras, meter, place) = (None, SkateMeter::new(), Place::default());
         let action =
-            ReplayAction { replay, subject, cameras: None, meter: SkateMeter::new(), every };
+            ReplayAction { recording, replay, subject, cameras, meter, every, overlays, place };
         Ok((action, roles))
     }
 
@@ -158,7 +156,7 @@ impl ReplayJob<'_> {
             "{film_secs:.1} s in {took_secs:.1} s, {:.1} times real time",
             film_secs / took_secs
         );
-        report::json(&Value::from_iter(action.measures()))
+        report::json(&action.measures())
     }
 
     /// Returns the frames that are drawn: those asked for, else the whole recording for a film, and
@@ -194,6 +192,7 @@ fn capacity(motions: &Motions) -> usize {
 
 /// People who follow trajectories.
 struct ReplayAction {
+    recording: Recording,
     replay: Replay,
     subject: Agents,
     /// `None` if nothing is drawn.
@@ -201,11 +200,15 @@ struct ReplayAction {
     meter: SkateMeter,
     /// The feet of every so many agents are measured.
     every: usize,
+    overlays: Overlays,
+    place: Place,
 }
 
 impl ReplayAction {
     fn step(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         self.replay.advance(crowd, secs)?;
+        self.place.change(crowd, self.replay.secs())?;
+        self.overlays.dress(crowd, &self.recording, &self.replay)?;
         crowd.update(secs)?;
         let metered = self.replay.present().filter(|(agent, _)| agent % self.every == 0);
         for (_, member) in metered {
@@ -215,13 +218,13 @@ impl ReplayAction {
     }
 
     /// Returns foot skate and the error of positions as JSON, by their names.
-    fn measures(&self) -> [(&'static str, Value); 2] {
+    fn measures(&self) -> Value {
         let error = self.replay.position_error();
         let skate = self.meter.skate();
         let skate = skate
             .map(|skate| json!({"mean_m_s": skate.mean_m_per_sec, "p95_m_s": skate.p95_m_per_sec}));
         let error = json!({"max_m": error.max_m, "max_raw_m": error.max_raw_m});
-        [("foot_skate", skate.into()), ("position_error", error)]
+        json!({"foot_skate": skate, "position_error": error})
     }
 }
 
@@ -236,6 +239,15 @@ impl Action for ReplayAction {
         Ok(())
     }
 
+    fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), Failure> {
+        self.overlays.draw(picture, camera, &self.recording, &self.replay)
+    }
+
+    fn person(&self, member: MemberId) -> Option<u64> {
+        let mut people = self.replay.present();
+        people.find(|(_, other)| *other == member).map(|(agent, _)| agent as u64)
+    }
+
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))
@@ -244,24 +256,10 @@ impl Action for ReplayAction {
 
 /// Says what was read and what was assumed.
 fn describe(recording: &Recording) {
-    let source = &recording.source;
-    let origin = |origin: Origin| match origin {
-        Origin::File => "",
-        Origin::Settings => " (as told)",
-        Origin::Assumed => " (assumed)",
-    };
-    let [from, until] = recording.secs();
-    message!(
-        "{}: {}, {:.1} s, {:.4} rows a second{}, positions in {}{}, headings from {}",
-        source.format,
-        counted(recording.agents.len(), "agent"),
-        until - from,
-        source.fps.value,
-        origin(source.fps.origin),
-        source.unit.value,
-        origin(source.unit.origin),
-        source.heading.value,
-    );
+    message!("{}", trajectory::headline(recording));
+    if trajectory::vehicles(recording) > 0 {
+        message!("vehicles are not drawn");
+    }
     for warning in &recording.warnings {
         message!("warning: {warning}");
     }

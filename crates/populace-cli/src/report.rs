@@ -40,6 +40,11 @@ pub(crate) fn as_typed(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
+/// Returns a number of things in words: "1 frame", "2 frames".
+pub(crate) fn counted(count: usize, thing: &str) -> String {
+    format!("{count} {thing}{}", if count == 1 { "" } else { "s" })
+}
+
 /// Prints a message on stderr, formatted as by `format!`. Errors of stderr are ignored.
 macro_rules! message {
     ($($text:tt)*) => {

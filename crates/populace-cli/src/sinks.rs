@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::character::Image;
 use populace_film::{Film, FilmSettings, Pixels, encode_png};
 
 use crate::failure::Failure;
-use crate::frame_loop::FrameSink;
+use crate::frame_loop::{FrameSink, Shot};
 use crate::output::{self, Form, Outputs};
 use crate::report::message;
 use crate::unfinished;
@@ -81,7 +80,17 @@ impl FrameSink for Sink<'_> {
         !(self.skip_existing && files.all(|file| file.is_file()))
     }
 
-    fn take(&mut self, frame: u32, picture: Image) -> Result<(), Failure> {
+    fn needs_facts(&self) -> bool {
+        self.outputs.has_images()
+    }
+
+    fn take(&mut self, frame: u32, Shot { picture, facts }: Shot) -> Result<(), Failure> {
+        let size = [picture.width, picture.height];
+        if let Some(facts) = facts {
+            for (kind, path) in self.outputs.images(frame) {
+                output::write(&path, &facts.png(kind, size)?)?;
+            }
+        }
         match &mut self.film {
             Some(film) => {
                 film.push(picture.rgba)?;
@@ -89,7 +98,7 @@ impl FrameSink for Sink<'_> {
                 Ok(())
             }
             None => {
-                let png = encode_png([picture.width, picture.height], Pixels::Rgba(&picture.rgba))?;
+                let png = encode_png(size, Pixels::Rgba(&picture.rgba))?;
                 output::write_frame(&self.outputs.path(frame), &png)
             }
         }

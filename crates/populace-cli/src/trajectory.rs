@@ -1,19 +1,91 @@
-//! Trajectory files among the inputs, and the films that they fill.
+//! Trajectory files among the inputs: how they are told apart and read, and words about them.
 
 use std::fs::File;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
+use clap::Args;
 use populace_film::FrameRate;
-use populace_trajectory::{ReadSettings, Recording};
+use populace_trajectory::{
+    Fact, Format, HeadingSource, Kind, Origin, ReadSettings, Recording, Source, Unit,
+};
 
-use crate::cli::{MOST_FRAMES, TrajectoryArgs};
+use crate::cli::MOST_FRAMES;
 use crate::failure::Failure;
+use crate::report::counted;
 
 /// Frames per second of a film, if none are given.
 const DEFAULT_FPS: u32 = 25;
 /// Bytes by which a glTF file is told from others.
 const HEAD_BYTES: u64 = 4096;
+/// Words behind a fact that an option said.
+const TOLD: &str = " (as told)";
+
+/// Options for reading trajectory files.
+#[derive(Args, Clone, Debug, Default, PartialEq)]
+pub(crate) struct ReadArgs {
+    /// Format of the trajectory file [default: recognised by its content]
+    #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
+    format: Option<Format>,
+    /// Unit of its positions [default: that of the file or format, or assumed]
+    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
+    unit: Option<Unit>,
+    /// Frames per second by which it counts [default: those of the file, or assumed]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = data_rate,
+        help_heading = "Trajectory files"
+    )]
+    data_fps: Option<f64>,
+    /// Headings of people: data takes those of the file, motion the way they go [default: data
+    /// where the file has some]
+    #[arg(long, value_name = "data|motion", help_heading = "Trajectory files")]
+    heading: Option<HeadingSource>,
+    /// File with the walkable area as WKT [default: in the trajectory file, or beside it]
+    #[arg(long, value_name = "FILE", help_heading = "Trajectory files")]
+    pub(crate) geometry: Option<PathBuf>,
+    /// Refuse trajectory files with faults that have a sensible reading
+    #[arg(long, help_heading = "Trajectory files")]
+    strict: bool,
+}
+
+impl ReadArgs {
+    /// Reads a trajectory file.
+    pub(crate) fn load(&self, file: &Path) -> Result<Recording, Failure> {
+        Ok(populace_trajectory::load(file, &self.settings())?)
+    }
+
+    /// Refuses these options if any was given. For commands without a trajectory file.
+    pub(crate) fn refuse_unused(&self) -> Result<(), Failure> {
+        if *self == Self::default() {
+            return Ok(());
+        }
+        Err(Failure::usage(
+            "--format, --unit, --data-fps, --heading, --geometry and --strict need a trajectory \
+             file",
+        ))
+    }
+
+    fn settings(&self) -> ReadSettings {
+        ReadSettings {
+            format: self.format,
+            unit: self.unit,
+            fps: self.data_fps,
+            heading: self.heading,
+            geometry: self.geometry.clone(),
+            strict: self.strict,
+        }
+    }
+}
+
+/// Parses the frame rate of a file.
+fn data_rate(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
+        _ => Err("write a number from 0.001 to 1000".into()),
+    }
+}
 
 /// Returns true for an input that is neither a built-in person, a folder, standard input nor a glTF
 /// file: it must be a trajectory file.
@@ -30,19 +102,6 @@ pub(crate) fn is_trajectory(input: &Path) -> bool {
     read.is_ok() && !head.starts_with(b"glTF") && !(head.starts_with(b"{") && holds(b"\"asset\""))
 }
 
-/// Reads a trajectory file.
-pub(crate) fn load(file: &Path, args: &TrajectoryArgs) -> Result<Recording, Failure> {
-    let settings = ReadSettings {
-        format: args.format,
-        unit: args.unit,
-        fps: args.data_fps,
-        heading: args.heading,
-        geometry: args.geometry.clone(),
-        strict: args.strict,
-    };
-    Ok(populace_trajectory::load(file, &settings)?)
-}
-
 /// Returns the rate of a film of people who follow trajectories: the one that was asked for, or 25.
 pub(crate) fn film_rate(asked: Option<FrameRate>) -> Result<FrameRate, Failure> {
     Ok(asked.map_or_else(|| FrameRate::new(DEFAULT_FPS, 1), Ok)?)
@@ -55,4 +114,70 @@ pub(crate) fn frame_count(recording: &Recording, rate: FrameRate) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
     let last = ((until - from) * rate.per_sec() + 1e-6).floor() as u32;
     last.saturating_add(1).min(MOST_FRAMES)
+}
+
+/// Returns one line about a recording: format, agents, length, and how it was read.
+pub(crate) fn headline(recording: &Recording) -> String {
+    let [from, until] = recording.secs();
+    format!(
+        "{}: {}, {:.1} s, {}",
+        format_of(&recording.source),
+        people(recording),
+        until - from,
+        reading(&recording.source)
+    )
+}
+
+/// Returns the format with its version.
+pub(crate) fn format_of(source: &Source) -> String {
+    match source.version.as_str() {
+        "" => source.format.to_string(),
+        version => format!("{}, {version}", source.format),
+    }
+}
+
+/// Returns the number of people, and of vehicles if there are any.
+pub(crate) fn people(recording: &Recording) -> String {
+    let vehicles = vehicles(recording);
+    let people = match recording.agents.len() - vehicles {
+        1 => "1 person".to_owned(),
+        people => format!("{people} people"),
+    };
+    match vehicles {
+        0 => people,
+        _ => format!("{people} and {}", counted(vehicles, "vehicle")),
+    }
+}
+
+/// Returns the number of vehicles.
+pub(crate) fn vehicles(recording: &Recording) -> usize {
+    recording.agents.iter().filter(|agent| agent.kind == Kind::Vehicle).count()
+}
+
+/// Returns rate, unit and headings, with what was told or assumed. A file without headings needs no
+/// assumption.
+pub(crate) fn reading(source: &Source) -> String {
+    format!(
+        "{} rows a second{}, positions in {}{}, headings from {}{}",
+        rate(source.fps.value),
+        origin(source.fps),
+        source.unit.value,
+        origin(source.unit),
+        source.heading.value,
+        if source.heading.origin == Origin::Settings { TOLD } else { "" },
+    )
+}
+
+/// Returns a rate with at most four decimals.
+pub(crate) fn rate(per_sec: f64) -> String {
+    let text = format!("{per_sec:.4}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+fn origin<T>(fact: Fact<T>) -> &'static str {
+    match fact.origin {
+        Origin::File => "",
+        Origin::Settings => TOLD,
+        Origin::Assumed => " (assumed)",
+    }
 }

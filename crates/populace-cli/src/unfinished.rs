@@ -53,7 +53,7 @@ pub(crate) fn draft(path: Option<&Path>) {
 pub(crate) fn describe_part(part: &Path) -> Option<String> {
     match part.metadata() {
         Ok(metadata) if metadata.len() > 0 => {
-            Some(format!("{} holds the film up to its last whole second", part.display()))
+            Some(format!("{} holds the film as far as it was written", part.display()))
         }
         _ => {
             let _ = std::fs::remove_file(part);

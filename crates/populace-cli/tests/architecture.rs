@@ -56,6 +56,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-bodies", &["populace-character", "populace-model"]),
     ("populace-film", &[]),
     ("populace-lod", &["populace-character", "populace-model"]),
+    ("populace-overlay", &[]),
     ("populace-trajectory", &[]),
     ("populace-scene", &["populace", "populace-locomotion", "populace-trajectory"]),
     ("populace-variety", &["populace-character", "populace-device", "populace-model"]),

@@ -359,8 +359,9 @@ impl Tables {
         Epochs { controls, machines: self.instance_space.last_epoch() }
     }
 
-    /// Gives the next owners of history numbers after these. Tables that go back to an earlier state
-    /// need it: devices still hold the history of owners that came later, under their numbers.
+    /// Gives the next owners of history numbers after these. Tables that go back to an earlier
+    /// state need it: devices still hold the history of owners that came later, under their
+    /// numbers.
     pub fn continue_epochs(&mut self, after: Epochs) {
         self.control_spaces.continue_after(after.controls);
         self.instance_space.continue_after(after.machines);

@@ -43,14 +43,14 @@ pub enum Error {
     },
     /// An encoder that this build lacks.
     #[error(
-        "this build has no encoder of H.264; build with the feature openh264, choose ffmpeg, or \
-         write a GIF"
+        "this build has no encoder of H.264; build with the feature openh264 (mp4 of the program), \
+         choose ffmpeg, or write a GIF"
     )]
     WithoutOpenH264,
     /// A missing program.
     #[error(
-        "ffmpeg does not start ({source}); install it so that it is found on the PATH, or choose \
-         the encoder openh264"
+        "ffmpeg does not start; install it so that it is found on the PATH, or choose the encoder \
+         openh264"
     )]
     NoFfmpeg {
         /// The reason.
@@ -71,7 +71,7 @@ pub enum Error {
         cause: String,
     },
     /// A file that cannot be written.
-    #[error("cannot write {}: {source}", path.display())]
+    #[error("cannot write {}", path.display())]
     Output {
         /// The file.
         path: PathBuf,

@@ -34,5 +34,5 @@ mod yuv;
 
 pub use error::Error;
 pub use film::Film;
-pub use png::{Pixels, decode_png, encode_png};
+pub use png::{Pixels, decode_png, encode_png, write_png};
 pub use settings::{Encoder, FilmSettings, Format, FrameRate};

@@ -1,11 +1,13 @@
 //! Pictures as PNG.
 
 use std::io::Cursor;
+use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _, ImageFormat, ImageReader};
 
 use crate::Error;
+use crate::output::output_error;
 
 /// The pixels of a picture, top row first.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +18,16 @@ pub enum Pixels<'a> {
     Gray(&'a [u8]),
     /// A number from 0 to 65535 each.
     Gray16(&'a [u16]),
+}
+
+/// Writes a picture of `size` pixels (width, height) to `path` as a PNG file.
+///
+/// # Errors
+///
+/// [`Error::Output`] with the path if the file cannot be written, and all errors of [`encode_png`].
+pub fn write_png(path: impl AsRef<Path>, size: [u32; 2], pixels: Pixels<'_>) -> Result<(), Error> {
+    let path = path.as_ref();
+    std::fs::write(path, encode_png(size, pixels)?).map_err(|source| output_error(path, source))
 }
 
 /// Encodes a picture of `size` pixels (width, height) as the bytes of a PNG file, of 8 or 16 bits.

@@ -3,7 +3,9 @@
 
 use std::path::Path;
 
-use populace_film::{Encoder, Error, Film, FilmSettings, Pixels, decode_png, encode_png};
+use populace_film::{
+    Encoder, Error, Film, FilmSettings, Pixels, decode_png, encode_png, write_png,
+};
 
 /// Returns a frame: a slope of colours, and a white square that moves.
 fn frame([width, height]: [u32; 2], number: u32) -> Vec<u8> {
@@ -268,8 +270,10 @@ mod mp4 {
         std::os::unix::fs::symlink("/dev/full", folder.path().join("film.part.mp4")).unwrap();
         for count in [1, 100] {
             let error = write(&path, &settings([96, 64], "10"), count).and_then(Film::finish);
-            let message = error.unwrap_err().to_string();
-            assert!(message.contains("film.part.mp4") && message.contains("space"), "{message}");
+            let error = error.unwrap_err();
+            assert!(error.to_string().contains("film.part.mp4"), "{error}");
+            let reason = std::error::Error::source(&error).unwrap().to_string();
+            assert!(reason.contains("space"), "{reason}");
         }
     }
 }
@@ -361,6 +365,8 @@ fn pngs_hold_all_bits() {
         image::load_from_memory(&bytes).unwrap().as_luma8().unwrap().as_raw(),
         &[0, 128, 255]
     );
+    let error = write_png("no-such-folder/picture.png", [1, 1], Pixels::Gray(&[0])).unwrap_err();
+    assert!(error.to_string().contains("no-such-folder/picture.png"), "{error}");
     let message = encode_png([2, 1], Pixels::Gray(&[0])).unwrap_err().to_string();
     assert!(message.contains("2x1"), "{message}");
     assert!(encode_png([0, 0], Pixels::Gray(&[])).is_err());

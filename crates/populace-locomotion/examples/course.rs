@@ -5,8 +5,9 @@ use std::error::Error;
 
 use populace::character::Image;
 use populace::{Crowd, Device, Ground, MemberId, Placement};
+use populace_film::{Pixels, write_png};
 use populace_locomotion::{GaitSpace, Goal, WalkerSettings, Walkers};
-use populace_render::{Camera, Renderer, Scene, write_png};
+use populace_render::{Camera, Renderer, Scene};
 
 const SECS: f32 = 1.0 / 60.0;
 /// Size of each frame in pixels, and the frames of a part.
@@ -57,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         strip.height += SIZE[1];
     }
-    Ok(write_png(&file, &strip)?)
+    Ok(write_png(&file, [strip.width, strip.height], Pixels::Rgba(&strip.rgba))?)
 }
 
 /// Walks a part of the course and returns its frames.

@@ -5,9 +5,10 @@ use std::error::Error;
 use std::sync::Arc;
 
 use populace::{Crowd, Device, Placement};
+use populace_film::{Pixels, write_png};
 use populace_locomotion::avoidance::{Avoidance, AvoidanceSettings};
 use populace_locomotion::{GaitSpace, Goal, Path, WalkerSettings, Walkers};
-use populace_render::{Camera, Renderer, Scene, write_png};
+use populace_render::{Camera, Renderer, Scene};
 
 const FRAMES_PER_SEC: u16 = 60;
 
@@ -48,5 +49,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     let framing = Camera::framing([[-6.0, 0.0, -3.0], [6.0, 1.8, 3.0]], 1280.0 / 480.0);
     let camera = Camera { eye: [0.0, 4.5, 11.0], target: [0.0, 0.6, 0.0], ..framing };
     renderer.draw(&mut crowd, &camera, &Scene::default())?;
-    Ok(write_png(&file, &renderer.read_image()?)?)
+    let image = renderer.read_image()?;
+    Ok(write_png(&file, [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 }

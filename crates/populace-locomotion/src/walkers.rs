@@ -197,9 +197,8 @@ impl Walkers {
     ///
     /// # Errors
     ///
-    /// As [`update`](Self::update). A slice of another length than
-    /// [`members`](Self::members), or a lead with a number that is not from -1e6 to 1e6: nothing has
-    /// moved then.
+    /// As [`update`](Self::update). A slice of another length than [`members`](Self::members), or a
+    /// lead with a number that is not from -1e6 to 1e6: nothing has moved then.
     pub fn follow(&mut self, crowd: &mut Crowd, leads: &[Lead], secs: f32) -> Result<(), Error> {
         if leads.len() != self.members.len() {
             let (found, walkers) = (leads.len(), self.members.len());

@@ -8,8 +8,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use populace::{ClipPlayback, Crowd, Device, Placement};
 use populace_cast::{Look, person};
+use populace_film::{Pixels, write_png};
 use populace_physics::{GetUp, RagdollPlan, Ragdolls};
-use populace_render::{Camera, Renderer, Scene, write_png};
+use populace_render::{Camera, Renderer, Scene};
 
 const DT_SECS: f32 = 1.0 / 60.0;
 /// The frame at which all get up.
@@ -65,5 +66,6 @@ fn main() -> Result<()> {
     let framing = Camera::framing([[-1.0, 0.0, -1.0], [8.0, 1.8, 1.0]], 1280.0 / 480.0);
     let camera = Camera { eye: [3.5, 2.2, 6.8], target: [3.5, 0.6, 0.0], ..framing };
     renderer.draw(&mut crowd, &camera, &Scene::default())?;
-    Ok(write_png(&file, &renderer.read_image()?)?)
+    let image = renderer.read_image()?;
+    Ok(write_png(&file, [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 }

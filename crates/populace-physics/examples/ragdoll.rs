@@ -7,8 +7,9 @@ use std::sync::Arc;
 use anyhow::{Context, Result};
 use populace::character::Image;
 use populace::{ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement};
+use populace_film::{Pixels, write_png};
 use populace_physics::{RagdollPlan, Ragdolls, State};
-use populace_render::{Camera, Renderer, Scene, write_png};
+use populace_render::{Camera, Renderer, Scene};
 
 const DT_SECS: f32 = 1.0 / 60.0;
 /// Pushes at the chest: index of the person, frame, and the change of the body's velocity in m/s.
@@ -62,7 +63,8 @@ fn main() -> Result<()> {
         crowd.update(DT_SECS)?;
     }
     let front = place(0, frames).position()[2];
-    Ok(write_png(&file, &draw(&mut renderer, &mut crowd, front)?)?)
+    let image = draw(&mut renderer, &mut crowd, front)?;
+    Ok(write_png(&file, [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 }
 
 fn draw(renderer: &mut Renderer, crowd: &mut Crowd, front: f32) -> Result<Image> {

@@ -8,6 +8,9 @@ use populace_model::Affine;
 use crate::Error;
 use crate::layout::{Index32x4, InstanceData};
 
+/// Members of which no larger part is drawn throw no shadow.
+const THROWS: f32 = 0.5;
+
 /// Counts of a drawn picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
@@ -44,6 +47,8 @@ pub(crate) struct Run {
     pub(crate) level: u32,
     /// True if `world_from_model` mirrors, which reverses the winding of triangles.
     pub(crate) mirrored: bool,
+    /// True if the instances are drawn in part.
+    pub(crate) faded: bool,
     /// Index of the first instance in [`Batches::instances`].
     pub(crate) first: u32,
     pub(crate) count: u32,
@@ -68,6 +73,7 @@ struct DrawKey {
     model: usize,
     level: u32,
     mirrored: bool,
+    faded: bool,
     /// Squared distance from the eye.
     distance: f32,
     /// Index in the caller's list.
@@ -106,6 +112,7 @@ impl Batches {
                     model,
                     level: instance.level.min(infos[model].level_count - 1),
                     mirrored: determinant(&instance.world_from_model) < 0.0,
+                    faded: instance.look.opacity() < 1.0,
                     distance: position.distance_squared(eye),
                     index,
                 });
@@ -114,6 +121,7 @@ impl Batches {
         let mut batches = Self::default();
         let mut shadow_keys: Vec<DrawKey> = keys
             .iter()
+            .filter(|key| instances[key.index].look.opacity() > THROWS)
             .filter_map(|key| Some(DrawKey { level: shadow_level(key.index)?, ..*key }))
             .collect();
         sort_for_opaque(&mut shadow_keys);
@@ -131,16 +139,17 @@ impl Batches {
     fn append(&mut self, instances: &[Instance<'_>], keys: &[DrawKey]) -> Vec<Run> {
         let mut runs: Vec<Run> = Vec::new();
         for key in keys {
-            let DrawKey { page, model, level, mirrored, index, .. } = *key;
+            let DrawKey { page, model, level, mirrored, faded, index, .. } = *key;
             let same = |r: &&mut Run| {
-                (r.page, r.model, r.level, r.mirrored) == (page, model, level, mirrored)
+                (r.page, r.model, r.level) == (page, model, level)
+                    && (r.mirrored, r.faded) == (mirrored, faded)
             };
             match runs.last_mut().filter(same) {
                 Some(run) => run.count += 1,
                 None => {
                     // Saturation is out of reach: 2^32 instances would take 256 GiB.
                     let first = u32::try_from(self.instances.len()).unwrap_or(u32::MAX);
-                    runs.push(Run { page, model, level, mirrored, first, count: 1 });
+                    runs.push(Run { page, model, level, mirrored, faded, first, count: 1 });
                 }
             }
             let instance = &instances[index];
@@ -153,6 +162,7 @@ impl Batches {
                 look0,
                 look1,
                 palette_first: instance.palette_first % PAGE_ENTRIES,
+                number: u32::try_from(index).unwrap_or(u32::MAX),
             });
         }
         runs
@@ -163,7 +173,7 @@ impl Batches {
 /// what is behind them.
 fn sort_for_opaque(keys: &mut [DrawKey]) {
     keys.sort_unstable_by(|a, b| {
-        let group = |k: &DrawKey| (k.level, k.page, k.model, k.mirrored);
+        let group = |k: &DrawKey| (k.level, k.page, k.model, k.mirrored, k.faded);
         let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
         order.then(a.index.cmp(&b.index))
     });
@@ -245,7 +255,7 @@ mod tests {
         let sorted = batches(&list, &[OPAQUE, OPAQUE]).unwrap();
         let run = |page, model, level, first, count| {
             let mirrored = false;
-            Run { page, model, level, mirrored, first, count }
+            Run { page, model, level, mirrored, faded: false, first, count }
         };
         assert_eq!(sorted.shadow, [run(0, 0, 1, 0, 1)]);
         assert_eq!(sorted.opaque, [run(0, 0, 0, 1, 2), run(0, 1, 0, 3, 1), run(1, 0, 0, 4, 1)]);
@@ -293,6 +303,20 @@ mod tests {
     fn non_finite_instances_are_skipped() {
         let sorted = batches(&[(0, 0, f32::NAN), (0, 4, 0.0)], &[OPAQUE]).unwrap();
         assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
+    }
+
+    #[test]
+    fn faded_members_are_runs_of_their_own_and_throw_no_shadow_when_faint() {
+        let placed = [(0, 0, 0.0), (0, 3, 1.0), (0, 6, 2.0)];
+        let faded = batches_with(&placed, &[OPAQUE], |all| {
+            all[0].look = all[0].look.with_opacity(0.4);
+        });
+        let faded = faded.unwrap();
+        let runs: Vec<_> = faded.opaque.iter().map(|run| (run.faded, run.count)).collect();
+        assert_eq!(runs, [(false, 2), (true, 1)]);
+        assert_eq!(faded.shadow, []);
+        let whole = batches_with(&placed, &[OPAQUE], |_| ()).unwrap();
+        assert_eq!((whole.opaque.len(), whole.shadow.len()), (1, 1));
     }
 
     #[test]

@@ -106,6 +106,18 @@ impl Camera {
         })
     }
 
+    /// Returns where a point of the world is in a picture of `size` pixels (width, height), from
+    /// the top left corner. `None` for a point that is not before the camera, and for invalid
+    /// settings.
+    #[must_use]
+    pub fn project(&self, point: [f32; 3], size: [u32; 2]) -> Option<[f32; 2]> {
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+        let [width, height] = size.map(|side| side as f32);
+        let clip = self.clip_from_world(width / height).ok()? * Vec3::from(point).extend(1.0);
+        let [x, y] = [clip.x / clip.w, clip.y / clip.w];
+        (clip.w > self.near).then_some([0.5 * (1.0 + x) * width, 0.5 * (1.0 - y) * height])
+    }
+
     /// Returns the view-projection matrix for a picture of width over height `aspect`.
     pub(crate) fn clip_from_world(&self, aspect: f32) -> Result<Mat4, Error> {
         let [eye, target, up] = [self.eye, self.target, self.up].map(Vec3::from);
@@ -177,6 +189,28 @@ fn fit_eye(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn points_are_projected_from_the_top_left_corner() {
+        let camera = Camera {
+            eye: [0.0, 1.0, 5.0],
+            target: [0.0, 1.0, 0.0],
+            ..Camera::framing([[0.0; 3]], 2.0)
+        };
+        let size = [200, 100];
+        let near = |found: Option<[f32; 2]>, wanted: [f32; 2]| {
+            let found = found.expect("a point before the camera");
+            let off = (found[0] - wanted[0]).hypot(found[1] - wanted[1]);
+            assert!(off < 0.01, "{found:?} is not {wanted:?}");
+        };
+        near(camera.project([0.0, 1.0, 0.0], size), [100.0, 50.0]);
+        // The upper edge at five metres.
+        let high = 5.0 * (0.5 * camera.fov_y_rad).tan();
+        near(camera.project([0.0, 1.0 + high, 0.0], size), [100.0, 0.0]);
+        near(camera.project([2.0 * high, 1.0, 0.0], size), [200.0, 50.0]);
+        assert_eq!(camera.project([0.0, 1.0, 6.0], size), None);
+        assert_eq!(camera.project([f32::NAN; 3], size), None);
+    }
 
     #[test]
     fn framing_shows_all_points_and_the_horizon() {

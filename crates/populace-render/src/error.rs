@@ -1,7 +1,5 @@
 //! The error type of this crate.
 
-use std::path::PathBuf;
-
 /// Errors of rendering. The renderer stays usable after any of them.
 #[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
@@ -109,19 +107,5 @@ pub enum Error {
     NoTransport {
         /// The reason for each transport.
         reasons: String,
-    },
-    /// The picture cannot be encoded as PNG.
-    #[error("the picture cannot be encoded as PNG: {cause}")]
-    Encoding {
-        /// Message of the encoder.
-        cause: String,
-    },
-    /// The picture cannot be written to disk.
-    #[error("cannot write {}", path.display())]
-    Output {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the file system.
-        source: std::io::Error,
     },
 }

@@ -181,7 +181,7 @@ glsl_block! {
         /// rgb: colour of the paving. w: size in metres of a pixel at a depth of one metre, 0
         /// without ground.
         ground_color: Float4,
-        /// rgb: colour of the lines on the paving.
+        /// rgb: colour of the lines on the paving. w: height of the ground in metres.
         line_color: Float4,
     }
 }
@@ -259,6 +259,8 @@ vertex_struct! {
         look1: Index32x4,
         /// First palette entry, relative to the bound page.
         palette_first: u32,
+        /// Index in the caller's list.
+        number: u32,
     }
 }
 
@@ -286,7 +288,7 @@ mod tests {
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 10) in uint palette_first;"
+            "layout(location = 11) in uint number;"
         );
     }
 

@@ -6,13 +6,15 @@
 //!
 //! ```no_run
 //! use populace_device::DrawSource;
-//! use populace_render::{Camera, Error, Renderer, Scene, write_png};
+//! use populace_film::{Pixels, write_png};
+//! use populace_render::{Camera, Renderer, Scene};
 //!
-//! fn picture(crowd: &mut dyn DrawSource) -> Result<(), Error> {
+//! fn picture(crowd: &mut dyn DrawSource) -> Result<(), Box<dyn std::error::Error>> {
 //!     let mut renderer = Renderer::headless([1280, 720])?;
 //!     let camera = Camera::framing([[-4.0, 0.0, -9.0], [4.0, 1.8, 0.0]], 1280.0 / 720.0);
 //!     renderer.draw(crowd, &camera, &Scene::default())?;
-//!     write_png("crowd.png", &renderer.read_image()?)
+//!     let image = renderer.read_image()?;
+//!     Ok(write_png("crowd.png", [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 //! }
 //! ```
 //!
@@ -31,7 +33,6 @@ mod layout;
 mod model;
 mod models;
 mod palettes;
-mod picture;
 mod programs;
 mod renderer;
 mod scene;
@@ -41,7 +42,7 @@ pub use batch::Drawn;
 pub use camera::Camera;
 pub use error::Error;
 pub use palettes::PaletteInterop;
-pub use picture::{encode_png, write_png};
 pub use renderer::Renderer;
+pub use renderer::marks::Marks;
 pub use renderer::passes::PassTimes;
 pub use scene::{Ambient, Ground, Highlights, Preset, Scene, Sky, Sun};

@@ -19,6 +19,8 @@ pub(crate) struct MemberKind {
     pub(crate) textured: bool,
     /// Light is computed once per vertex, for triangles of a few pixels.
     pub(crate) vertex_lit: bool,
+    /// Members are drawn in part.
+    pub(crate) faded: bool,
     pub(crate) maps: Maps,
 }
 
@@ -29,6 +31,8 @@ pub(crate) enum Kind {
     Member(MemberKind),
     /// Members in the shadow map.
     Shadow { influences: u32, alpha: Alpha, textured: bool },
+    /// Depth and number of members.
+    Marks { influences: u32, alpha: Alpha, textured: bool },
     /// The ground plane.
     Ground,
     /// Contact shadows of members on the ground.
@@ -42,25 +46,34 @@ pub(crate) enum Kind {
 const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
 const LOOK: &str = include_str!("shaders/look.glsl");
+const FADE: &str = include_str!("shaders/fade.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
 const SHADING: &str = include_str!("shaders/shading.glsl");
 
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit, maps }) => {
+        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit, faded, maps }) => {
             let (light, shading) =
                 if vertex_lit { ("#define VERTEX_LIT\n", "") } else { ("", SHADING) };
             let texture = texture_define(textured);
+            let fade = if faded { "#define FADED\n" } else { "" };
             let member = include_str!("shaders/member.frag");
             [
-                skinned(influences, &[light, LIGHT, include_str!("shaders/member.vert")]),
-                with_blocks(alpha, &[texture, &maps.defines(), light, LIGHT, shading, member]),
+                skinned(influences, &[light, fade, LIGHT, include_str!("shaders/member.vert")]),
+                with_blocks(
+                    alpha,
+                    &[texture, &maps.defines(), light, fade, LIGHT, shading, member],
+                ),
             ]
         }
         Kind::Shadow { influences, alpha, textured } => [
             skinned(influences, &[include_str!("shaders/shadow.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
+        ],
+        Kind::Marks { influences, alpha, textured } => [
+            skinned(influences, &[include_str!("shaders/marks.vert")]),
+            with_blocks(alpha, &[texture_define(textured), include_str!("shaders/marks.frag")]),
         ],
         Kind::Ground => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
@@ -95,14 +108,15 @@ fn skinned(influences: u32, bodies: &[&str]) -> String {
     let attributes =
         if influences == 8 { Influences8::ATTRIBUTES } else { Influences4::ATTRIBUTES };
     let inputs = glsl_inputs(&[Vertex::ATTRIBUTES, attributes, InstanceData::ATTRIBUTES]);
-    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, LOOK, &bodies.concat()].concat()
+    [VERSION, &define, Frame::GLSL, Surface::GLSL, &inputs, SKIN, LOOK, FADE, &bodies.concat()]
+        .concat()
 }
 
 /// Returns the text of a vertex shader of contact shadows, with its inputs and uniform blocks.
 fn contact(bodies: &[&str]) -> String {
     let inputs = glsl_inputs(&[Contact::ATTRIBUTES, InstanceData::ATTRIBUTES]);
     let define = "#define INFLUENCES 1\n";
-    [VERSION, define, Frame::GLSL, &inputs, SKIN, &bodies.concat()].concat()
+    [VERSION, define, Frame::GLSL, &inputs, SKIN, FADE, &bodies.concat()].concat()
 }
 
 /// Returns the text of a shader with the uniform blocks and the define of its alpha mode.
@@ -150,8 +164,14 @@ mod tests {
         let gl = Gl::headless().unwrap();
         let mut programs = Programs::new(&gl);
         let (influences, alpha, maps) = (4, Alpha::Masked, Maps::default());
-        let kind =
-            Kind::Member(MemberKind { influences, alpha, textured: true, vertex_lit: false, maps });
+        let kind = Kind::Member(MemberKind {
+            influences,
+            alpha,
+            textured: true,
+            vertex_lit: false,
+            faded: false,
+            maps,
+        });
         let program = programs.get(kind).unwrap();
         for fields in [Frame::FIELDS, Surface::FIELDS] {
             let names: Vec<_> = fields.iter().map(|(name, _)| *name).collect();

@@ -1,6 +1,7 @@
 //! The renderer: shadow map, members, ground and sky of one frame.
 
 mod constants;
+pub(crate) mod marks;
 pub(crate) mod passes;
 
 use std::rc::Rc;
@@ -11,8 +12,10 @@ use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 
 use self::constants::{bounding_sphere, frame};
-use crate::batch::{Batches, Drawn, ModelInfo};
-use crate::gl::{Buffer, BufferUse, Gl, PictureTarget, ShadowTarget, Timers, VertexArray};
+use crate::batch::{Batches, Drawn, ModelInfo, Run};
+use crate::gl::{
+    Buffer, BufferUse, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers, VertexArray,
+};
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
@@ -40,6 +43,10 @@ pub struct Renderer {
     instances: Buffer<InstanceData>,
     frame: Buffer<Frame>,
     timers: Timers<3>,
+    /// Runs of the instances in the last picture.
+    runs: Vec<Run>,
+    /// Created on first use.
+    marks: Option<MarkTarget>,
     gl: Rc<Gl>,
 }
 
@@ -67,6 +74,8 @@ impl Renderer {
             instances: Buffer::new(&gl, BufferUse::Stream)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
             timers: Timers::new(&gl)?,
+            runs: Vec::new(),
+            marks: None,
             gl,
         })
     }
@@ -240,6 +249,7 @@ impl Renderer {
         self.gl.check("draw the crowd")?;
         drawn.instances = batches.opaque.iter().map(|run| run.count as usize).sum();
         drawn.shadow_instances = batches.shadow.iter().map(|run| run.count as usize).sum();
+        self.runs = batches.opaque;
         Ok(drawn)
     }
 

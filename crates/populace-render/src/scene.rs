@@ -44,13 +44,18 @@ impl Ambient {
     }
 }
 
-/// The plane y = 0, paved: a line every metre, a wider one every five metres.
+/// A level plane, paved: a line every metre, a wider one every five metres.
+///
+/// Contact shadows lie on the plane y = 0: on the ground if it is there, and otherwise on what
+/// members have there, such as a floor over lower ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Linear colour of the paving.
     pub color: [f32; 3],
     /// Linear colour of the lines.
     pub line_color: [f32; 3],
+    /// Height in metres, y in world space.
+    pub height_m: f32,
 }
 
 /// Background of the picture, and the air before it.
@@ -142,7 +147,8 @@ impl Scene {
     /// Rejects non-finite colours, fractions that are none, and a direction to the sun that cannot
     /// be normalised.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let ground = self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3] });
+        let ground =
+            self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3], height_m: 0.0 });
         let finite = [
             ("sun colour", self.sun.color),
             ("sky light", self.ambient.sky),
@@ -165,6 +171,7 @@ impl Scene {
             ("fraction of reflections", (0.0..=1.0).contains(&self.reflections)),
             ("fraction of contact shadows", (0.0..=1.0).contains(&self.contact_shadows)),
             ("visibility", self.sky.visibility_m > 0.0),
+            ("height of the ground", ground.height_m.abs() <= 1e6),
         ];
         if let Some((what, _)) = numbers.iter().find(|(_, is_good)| !is_good) {
             return Err(Error::BadScene { what });

@@ -142,7 +142,7 @@ impl Somebody {
     fn passes(&self, other: &Self) -> bool {
         let [x, y] = self.to(other);
         let distance = x.hypot(y);
-        if self.agent == other.agent || distance > NOTICED_M || distance < 1e-3 {
+        if self.agent == other.agent || !(1e-3..=NOTICED_M).contains(&distance) {
             return false;
         }
         let [[ax, ay], [bx, by]] = [self, other].map(|of| direction(of.moment.heading_rad));
@@ -162,7 +162,6 @@ fn along(somebody: &Somebody, view_rad: f32) -> [f32; 3] {
     [x + ALONG_M * dx, elevation_m + somebody.eye_m, -(y + ALONG_M * dy)]
 }
 
-#[expect(clippy::disallowed_methods, reason = "angles of the host alone; no device computes them")]
 fn direction(heading_rad: f32) -> [f32; 2] {
     let (sin, cos) = heading_rad.sin_cos();
     [cos, sin]

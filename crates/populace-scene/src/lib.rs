@@ -4,9 +4,11 @@ mod error;
 mod gaze;
 mod heading;
 mod motion;
+mod place;
 mod replay;
 mod smoothing;
 
 pub use error::Error;
 pub use motion::{Moment, Motion, Motions};
+pub use place::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};
 pub use replay::{Person, PositionError, Replay};

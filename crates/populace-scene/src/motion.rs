@@ -1,5 +1,7 @@
 //! The smoothed motion of recorded agents, at any time.
 
+use std::sync::Arc;
+
 use populace_trajectory::{Agent, Recording, Track};
 
 use crate::heading;
@@ -70,7 +72,7 @@ struct Span {
 #[derive(Clone, Debug)]
 pub struct Motions {
     /// The motions, in the order of the agents.
-    pub agents: Vec<Motion>,
+    pub agents: Arc<[Motion]>,
     /// The cut-off frequency of the filter in hertz.
     pub cutoff_hz: f64,
     /// Mean sway of the agents in metres: the distance aside from the filtered path.

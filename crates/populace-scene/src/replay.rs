@@ -16,6 +16,8 @@ use crate::motion::{Moment, Motions};
 /// evenly.
 const PHASES: f64 = 0.618_033_988_749_895;
 
+/// Seconds in which people fade in and out.
+const FADE_SECS: f64 = 0.4;
 /// Height of the eyes as a fraction of that of the body.
 const EYES: f32 = 0.93;
 
@@ -58,13 +60,16 @@ pub struct Replay {
     somebodies: Vec<Somebody>,
     /// Heights of the eyes above the ground in metres, by agent; 0 for bodies that cannot look.
     eyes_m: Vec<f32>,
+    /// When the recording begins and ends.
+    all_secs: [f64; 2],
     secs: f64,
     error: PositionError,
 }
 
 impl Replay {
-    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands at
-    /// a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who are.
+    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands
+    /// at a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who
+    /// are.
     ///
     /// # Errors
     ///
@@ -96,6 +101,7 @@ impl Replay {
             gazes: Gazes::new(agents),
             somebodies: Vec::new(),
             eyes_m: vec![0.0; agents],
+            all_secs: recording.secs(),
             secs,
             error: PositionError { max_m: 0.0, max_raw_m },
         })
@@ -119,6 +125,7 @@ impl Replay {
         self.walkers.follow(crowd, &self.leads, secs)?;
         self.appear(crowd)?;
         self.gaze(crowd, secs)?;
+        self.fade(crowd)?;
         for (agent, at) in self.agents.iter().zip(self.walkers.positions()) {
             let filtered = self.motions.agents[*agent].filtered_at(self.secs);
             let off = filtered.map_or(0.0, |[x, y]| (at[0] - x).hypot(at[1] + y));
@@ -142,6 +149,22 @@ impl Replay {
     /// The people who are there: agents and members.
     pub fn present(&self) -> impl Iterator<Item = (usize, MemberId)> + '_ {
         self.agents.iter().copied().zip(self.walkers.members().iter().copied())
+    }
+
+    /// Returns the part of an agent's person that is seen, from 0 to 1: people fade in when they
+    /// come and out before they leave.
+    #[must_use]
+    pub fn opacity(&self, agent: usize) -> f32 {
+        let Some(motion) = self.motions.agents.get(agent) else { return 0.0 };
+        let span = motion.secs().find(|[from, until]| (*from..=*until).contains(&self.secs));
+        let Some([from, until]) = span else { return 0.0 };
+        // Who is there when the recording begins or ends does not come or leave.
+        let [first, last] = self.all_secs;
+        let since = if from > first { self.secs - from + FADE_SECS / 8.0 } else { FADE_SECS };
+        let left = if until < last { until - self.secs } else { FADE_SECS };
+        #[expect(clippy::cast_possible_truncation, reason = "from 0 to 1")]
+        let part = (since.min(left) / FADE_SECS).clamp(0.0, 1.0) as f32;
+        part
     }
 
     /// Returns the distances of people from the data.
@@ -177,15 +200,25 @@ impl Replay {
             let placement =
                 Placement::at([x, lead.height_m, z]).facing(lead.yaw_rad).scaled(person.scale);
             let member = crowd.spawn(person.character, placement)?;
-            if let Some(look) = person.look {
-                crowd.member_mut(member)?.set_look(look);
-            }
             #[expect(clippy::cast_possible_truncation, reason = "below 1")]
             let phase = (agent as f64 * PHASES).fract() as f32;
             self.walkers.add_led(crowd, member, &lead, phase)?;
             self.agents.push(agent);
             self.present[agent] = true;
             self.eyes_m[agent] = eye_m(crowd, person)?;
+        }
+        Ok(())
+    }
+
+    /// Fades people in and out.
+    fn fade(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+        for (agent, member) in self.present() {
+            let Some(person) = self.people[agent] else { continue };
+            let look = person.look.unwrap_or_default().with_opacity(self.opacity(agent));
+            let mut member = crowd.member_mut(member)?;
+            if member.look() != look {
+                member.set_look(look);
+            }
         }
         Ok(())
     }
@@ -232,7 +265,7 @@ fn lead(motions: &Motions, agent: usize, secs: f64) -> Option<Lead> {
 /// Returns the largest distance of a motion from the rows of its agent.
 fn max_raw_m(recording: &Recording, motions: &Motions) -> f32 {
     let mut most = 0.0_f32;
-    for (agent, motion) in recording.agents.iter().zip(&motions.agents) {
+    for (agent, motion) in recording.agents.iter().zip(motions.agents.iter()) {
         let track = recording.track(agent);
         for (secs, raw) in track.times.iter().zip(track.positions) {
             let off =

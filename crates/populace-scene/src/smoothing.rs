@@ -66,7 +66,7 @@ fn monotone_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
 }
 
 /// Smooths values at even times.
-pub(crate) fn low_pass(values: &mut Vec<f64>, step_secs: f64, cutoff_hz: f64) {
+pub(crate) fn low_pass(values: &mut [f64], step_secs: f64, cutoff_hz: f64) {
     let count = values.len();
     // Above half the sampling rate there is nothing to remove.
     if count < 3 || cutoff_hz * step_secs > 0.4 {
@@ -204,7 +204,7 @@ mod tests {
         for nth in 0..100 {
             assert!((hump[nth] - hump[200 - nth]).abs() < 1e-3, "{nth}");
         }
-        let mut short = vec![1.0, 2.0];
+        let mut short = [1.0, 2.0];
         low_pass(&mut short, STEP_SECS, 0.5);
         assert_eq!(short, [1.0, 2.0]);
     }

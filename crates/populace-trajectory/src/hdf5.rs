@@ -53,7 +53,7 @@ fn frame_rate(
         (None, None) => Err(Error::Missing {
             path: file.input.path().to_owned(),
             what: "the frame rate (attribute fps of the dataset trajectory)",
-            remedy: "--fps N sets it".to_owned(),
+            remedy: "--data-fps N sets it".to_owned(),
         }),
     }
 }

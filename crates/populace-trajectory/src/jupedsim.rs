@@ -28,7 +28,7 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
             return Err(Error::Missing {
                 path: input.path().to_owned(),
                 what: "the frame rate (fps in the table metadata)",
-                remedy: "--fps N sets it".to_owned(),
+                remedy: "--data-fps N sets it".to_owned(),
             });
         }
     };

@@ -102,7 +102,7 @@ const MEANINGS: &[(Meaning, &[&str])] = &[
     (Meaning::HeadingAngle, &["heading", "angle", "yaw", "theta", "orientation", "bodyangle"]),
     (Meaning::HeadingX, &["orix", "ox", "headingx", "dirx", "directionx", "orientationx"]),
     (Meaning::HeadingY, &["oriy", "oy", "headingy", "diry", "directiony", "orientationy"]),
-    (Meaning::ViewAngle, &["viewangle", "gaze", "gazeangle", "headangle", "facingangle"]),
+    (Meaning::ViewAngle, &["gaze", "gazeangle", "headangle", "facingangle"]),
     (Meaning::ViewX, &["viewdirx", "viewx", "gazex"]),
     (Meaning::ViewY, &["viewdiry", "viewy", "gazey"]),
     (Meaning::Kind, &["type", "class", "kind", "agenttype", "category"]),

@@ -95,7 +95,7 @@ impl Velocities {
         }
         rows.warnings.whole(format!(
             "{ANNOTATIONS_PER_SEC} rows a second give {fps} frames a second, but velocities and \
-             positions give {measured:.1}; --fps sets it"
+             positions give {measured:.1}; --data-fps sets it"
         ));
         Fact::assumed(fps)
     }

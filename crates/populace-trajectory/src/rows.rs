@@ -253,7 +253,8 @@ impl Rows {
             Clock::Seconds => 1.0,
         };
         if !RATES.contains(&per_sec) {
-            let problem = format!("a frame rate of {per_sec} is not possible; --fps N sets it");
+            let problem =
+                format!("a frame rate of {per_sec} is not possible; --data-fps N sets it");
             return Err(Error::Malformed { path: path.to_owned(), at: None, problem });
         }
         let fps = match found.clock {

@@ -19,6 +19,7 @@
 //! ```
 
 mod neighbours;
+mod paint;
 mod palettes;
 mod wardrobe;
 
@@ -28,6 +29,8 @@ use populace_model::convert::single;
 
 use crate::neighbours::nearest;
 use crate::wardrobe::Wardrobe;
+
+pub use crate::paint::Dye;
 
 /// Neighbours from which a member differs.
 pub const NEIGHBOURS: usize = 20;

@@ -62,13 +62,15 @@ impl Crowd {
         CrowdBuilder::default()
     }
 
-    /// Waits until the device has finished all work.
+    /// Waits until the device has finished all work. The next update chooses levels of detail by
+    /// where root motion has then taken the members, as after a draw.
     ///
     /// # Errors
     ///
     /// A failing device.
     pub fn finish(&mut self) -> Result<(), Error> {
-        Ok(self.device.backend_mut().finish()?)
+        self.device.backend_mut().finish()?;
+        Ok(self.update_offsets()?)
     }
 
     /// Sets the ground for planted feet: level at height 0 unless set.

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 use populace_film::{Encoder, FrameRate};
 
-use super::TrajectoryArgs;
 use super::film::{FrameRange, MOST_FRAMES};
+use crate::trajectory::ReadArgs;
 
 #[derive(Args, Debug)]
 pub(crate) struct PlanArgs {
@@ -32,7 +32,7 @@ pub(crate) struct PlanArgs {
     #[arg(long)]
     pub(crate) json: bool,
     #[command(flatten)]
-    pub(crate) trajectory: TrajectoryArgs,
+    pub(crate) read: ReadArgs,
 }
 
 #[derive(Args, Debug)]

@@ -19,11 +19,19 @@ impl FromStr for Size {
     }
 }
 
-/// Parses the frame rate of a file.
-pub(super) fn data_rate(text: &str) -> Result<f64, String> {
+/// Parses the length of trails in seconds.
+pub(super) fn trail_secs(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
-        Ok(rate) if (0.001..=1000.0).contains(&rate) => Ok(rate),
-        _ => Err("write a number from 0.001 to 1000".into()),
+        Ok(secs) if (0.1..=600.0).contains(&secs) => Ok(secs),
+        _ => Err("write seconds from 0.1 to 600".into()),
+    }
+}
+
+/// Parses the height of walls in metres.
+pub(super) fn wall_height(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(height) if (0.01..=100.0).contains(&height) => Ok(height),
+        _ => Err("write a height in metres from 0.01 to 100".into()),
     }
 }
 

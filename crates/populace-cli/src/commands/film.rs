@@ -7,7 +7,7 @@ use populace_film::{FilmSettings, decode_png};
 
 use crate::cli::{FrameRange, JoinArgs};
 use crate::failure::Failure;
-use crate::frame_loop::FrameSink;
+use crate::frame_loop::{FrameSink, Shot};
 use crate::output::{Outputs, check_inputs, check_writable};
 use crate::progress::Progress;
 use crate::report;
@@ -45,7 +45,7 @@ fn join(args: &JoinArgs, files: &[PathBuf], outputs: Outputs) -> Result<(), Fail
     let mut numbers = outputs.frames();
     let mut take = |picture: Image| {
         progress.step();
-        numbers.next().map_or(Ok(()), |frame| sink.take(frame, picture))
+        numbers.next().map_or(Ok(()), |frame| sink.take(frame, Shot { picture, facts: None }))
     };
     take(picture)?;
     for file in others {

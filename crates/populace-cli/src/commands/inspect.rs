@@ -1,6 +1,7 @@
 //! `populace inspect`
 
 mod gaits;
+mod recording;
 mod rows;
 
 use std::path::PathBuf;
@@ -15,29 +16,55 @@ use serde_json::{Value, json};
 use crate::cli::InspectArgs;
 use crate::failure::Failure;
 use crate::report;
+use crate::trajectory::is_trajectory;
 use rows::ClipSizes;
 
 /// Points between two rows at which the error is measured.
 const ERROR_POINTS: usize = 4;
 
 pub(crate) fn run(args: &InspectArgs) -> Result<(), Failure> {
+    if !args.files.iter().any(|file| is_trajectory(file)) {
+        args.read.refuse_unused()?;
+    }
     if args.rows {
-        let load = |file: &PathBuf| Ok(ClipSizes::new(file, &args.input.load(file)?));
-        let sizes = args.files.iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
-        return if args.json {
-            report::json(&rows::as_json(&sizes))
-        } else {
-            report::text(&rows::as_table(&sizes))
-        };
+        return run_rows(args);
     }
     if args.json && args.files.len() > 1 {
         return Err(Failure::usage("--json describes one file; give several only with --rows"));
     }
     for file in &args.files {
-        let document = describe(args.input.load(file)?, &file.display().to_string());
+        let name = file.display().to_string();
+        if is_trajectory(file) {
+            let recording = args.read.load(file)?;
+            if args.json {
+                let trajectory = recording::as_json(&recording);
+                report::json(&json!({"schema": 1, "file": name, "trajectory": trajectory}))?;
+            } else {
+                report::text(&format!("{name}\n{}", recording::as_text(&recording)))?;
+            }
+            continue;
+        }
+        let document = describe(args.input.load(file)?, &name);
         if args.json { report::json(&document)? } else { report::text(&as_text(&document))? }
     }
     Ok(())
+}
+
+/// Shows the sizes of clips.
+fn run_rows(args: &InspectArgs) -> Result<(), Failure> {
+    if let Some(file) = args.files.iter().find(|file| is_trajectory(file)) {
+        let name = file.display();
+        return Err(Failure::usage(format!(
+            "--rows is for characters; {name} is a trajectory file"
+        )));
+    }
+    let load = |file: &PathBuf| Ok(ClipSizes::new(file, &args.input.load(file)?));
+    let sizes = args.files.iter().map(load).collect::<Result<Vec<_>, Failure>>()?;
+    if args.json {
+        report::json(&rows::as_json(&sizes))
+    } else {
+        report::text(&rows::as_table(&sizes))
+    }
 }
 
 fn describe(imported: Imported, file: &str) -> Value {

@@ -34,7 +34,7 @@ fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
              one, or say with --frames N how many frames it has",
         ));
     };
-    let recording = trajectory::load(file, &args.trajectory)?;
+    let recording = args.read.load(file)?;
     let rate = trajectory::film_rate(args.fps)?;
     Ok(FrameRange(0..=trajectory::frame_count(&recording, rate) - 1))
 }

@@ -13,10 +13,20 @@ const MEMBERS: u32 = 1000;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
-    if let Some(file) = args.inputs.iter().find(is_trajectory) {
-        return replay(args, file);
+    let mut trajectories = args.inputs.iter().filter(is_trajectory);
+    if let Some(file) = trajectories.next() {
+        return match trajectories.next() {
+            None => replay(args, file),
+            Some(other) => Err(Failure::usage(format!(
+                "{} and {} are both trajectory files; give one",
+                file.display(),
+                other.display()
+            ))),
+        };
     }
-    let Some(out) = args.out.as_deref().filter(|_| !args.no_draw) else {
+    args.trajectory.read.refuse_unused()?;
+    args.trajectory.overlay.refuse_unused()?;
+    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
@@ -41,8 +51,9 @@ fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
     let job = ReplayJob {
         file,
         cast: &cast,
-        out: args.out.as_deref().filter(|_| !args.no_draw),
-        trajectory: &args.trajectory,
+        out: args.out.as_deref().filter(|_| !args.trajectory.no_draw),
+        read: &args.trajectory.read,
+        overlay: &args.trajectory.overlay,
         picture: &args.picture,
     };
     job.run()

@@ -3,7 +3,9 @@
 mod aim;
 mod bench;
 mod clipless;
+mod documents;
 mod drivers;
+mod films;
 mod gaits;
 mod input;
 mod mix;
@@ -11,9 +13,11 @@ mod outputs;
 mod pictures;
 mod plan;
 mod post;
+mod recordings;
 #[cfg(unix)]
 mod signals;
 mod skate;
+mod trajectories;
 mod usage;
 
 use std::process::{Command, Output};

@@ -29,8 +29,8 @@ impl Walkers {
         Ok(())
     }
 
-    /// Makes a member a walker that is under way as a lead says, at a phase of its step from 0 to 1.
-    /// See [`follow`](Self::follow).
+    /// Makes a member a walker that is under way as a lead says, at a phase of its step from 0 to
+    /// 1. See [`follow`](Self::follow).
     ///
     /// # Errors
     ///

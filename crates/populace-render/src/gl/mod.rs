@@ -29,7 +29,7 @@ use crate::Error;
 pub(crate) use buffer::{Buffer, BufferUse};
 pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
-pub(crate) use target::{PictureTarget, ShadowTarget};
+pub(crate) use target::{MarkTarget, PictureTarget, ShadowTarget};
 pub(crate) use texture::{Coding, Sampling, Texture};
 pub(crate) use timer::Timers;
 pub(crate) use vertex_array::{DrawRange, VertexArray};
@@ -76,6 +76,8 @@ pub(crate) enum Cull {
 pub(crate) struct DrawState {
     pub(crate) cull: Cull,
     pub(crate) blend: bool,
+    /// True if blending leaves the alpha that is there, and so changes nothing where that is 0.
+    pub(crate) keep_alpha: bool,
     pub(crate) depth_write: bool,
     /// Depth offset away from the eye: factor of the slope, and constant in units of the depth
     /// buffer's precision.
@@ -88,6 +90,7 @@ impl DrawState {
     pub(crate) const OPAQUE: Self = Self {
         cull: Cull::Back,
         blend: false,
+        keep_alpha: false,
         depth_write: true,
         depth_offset: [0.0; 2],
         depth_clamp: false,
@@ -180,8 +183,8 @@ impl Gl {
             gl.blend_func_separate(
                 glow::SRC_ALPHA,
                 glow::ONE_MINUS_SRC_ALPHA,
-                glow::ONE,
-                glow::ONE_MINUS_SRC_ALPHA,
+                if state.keep_alpha { glow::ZERO } else { glow::ONE },
+                if state.keep_alpha { glow::ONE } else { glow::ONE_MINUS_SRC_ALPHA },
             );
         }
     }

@@ -1,5 +1,7 @@
 //! Framebuffers: the picture and the shadow map.
 
+mod marks;
+
 use std::rc::Rc;
 
 use glow::HasContext as _;
@@ -7,6 +9,7 @@ use populace_character::Image;
 
 use super::Gl;
 use crate::Error;
+pub(crate) use marks::MarkTarget;
 
 /// Samples per pixel, if the driver supports them.
 const SAMPLES: u8 = 4;
@@ -206,13 +209,18 @@ impl PictureTarget {
         }
     }
 
-    /// Makes the framebuffer that is read back the current one and clears it. Binds the members'
-    /// samples to texture unit `unit`.
-    pub(crate) fn begin_resolve(&self, unit: u32) {
+    /// Returns width and height in pixels.
+    pub(crate) fn size(&self) -> [i32; 2] {
+        self.size
+    }
+
+    /// Makes the framebuffer that is read back the current one and clears it to black of this
+    /// alpha. Binds the members' samples to texture unit `unit`.
+    pub(crate) fn begin_resolve(&self, unit: u32, alpha: f32) {
         self.resolved.bind(glow::FRAMEBUFFER);
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
-            self.resolved.gl.functions.clear_color(0.0, 0.0, 0.0, 1.0);
+            self.resolved.gl.functions.clear_color(0.0, 0.0, 0.0, alpha);
             self.resolved.gl.functions.clear(glow::COLOR_BUFFER_BIT);
         }
         self.drawn.bind_texture(glow::TEXTURE_2D_MULTISAMPLE, unit);

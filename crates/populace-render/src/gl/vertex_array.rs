@@ -74,8 +74,8 @@ impl VertexArray {
         let functions = &self.gl.functions;
         let count = i32::from(attribute.component_count);
         let offset = u32::try_from(attribute.offset_bytes).unwrap_or(u32::MAX);
-        // SAFETY: the context is current and the vertex array bound. There are at most 15
-        // attributes; OpenGL 4.3 has at least 16.
+        // SAFETY: the context is current and the vertex array bound. There are at most 16
+        // attributes; OpenGL 4.3 has at least as many.
         unsafe {
             functions.enable_vertex_attrib_array(location);
             functions.vertex_attrib_binding(location, binding);

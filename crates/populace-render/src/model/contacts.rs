@@ -18,6 +18,8 @@ const COARSE: usize = 4;
 const OWN: f32 = 0.5;
 /// Least number of vertices of a capsule.
 const LEAST_VERTICES: usize = 8;
+/// Greatest length of a capsule with its ends, in metres. Anything longer is a place, such as a floor, and not a body.
+const LONGEST: f64 = 3.0;
 /// Steps of the search for a capsule's axis; each doubles what is known of it.
 const AXIS_STEPS: u32 = 24;
 /// Corners of a capsule's rectangle on the ground: the end, and the side.
@@ -104,9 +106,10 @@ fn capsules(character: &Character, hide: &dyn Fn(&Part) -> bool) -> Vec<Capsule>
             let scale = model.transform_vector3(DVec3::X).length();
             let radius_m = capsule.radius * scale;
             let low_m = ends[0].y.min(ends[1].y);
-            let size = radius_m * (ends[0].distance(ends[1]) + radius_m);
-            let is_finite = low_m.is_finite() && size.is_finite() && size > 0.0;
-            is_finite.then_some(Capsule { low_m, size, ..capsule })
+            let axis_m = ends[0].distance(ends[1]);
+            let size = radius_m * (axis_m + radius_m);
+            let is_body = low_m.is_finite() && size > 0.0 && axis_m + 2.0 * radius_m <= LONGEST;
+            is_body.then_some(Capsule { low_m, size, ..capsule })
         })
         .collect();
     all.sort_by(|a, b| a.low_m.total_cmp(&b.low_m).then(a.entry.cmp(&b.entry)));

@@ -52,6 +52,6 @@ pub(super) fn frame(
         glow_color: with(scene.sky.glow, f32::from(u8::from(scene.sky.shows_sun))),
         tone: Float4(scene.highlights.curve()),
         ground_color: scene.ground.map_or(with([0.0; 3], 0.0), |g| with(g.color, pixel_m)),
-        line_color: color(scene.ground.map_or([0.0; 3], |g| g.line_color)),
+        line_color: scene.ground.map_or(with([0.0; 3], 0.0), |g| with(g.line_color, g.height_m)),
     }
 }

@@ -8,10 +8,10 @@ use crate::model::{Alpha, ModelPart, Skin};
 use crate::programs::{Kind, MemberKind};
 use crate::{Error, Scene};
 
-const PALETTE_BINDING: u32 = 0;
-const TEXTURE_UNIT: u32 = 0;
+pub(super) const PALETTE_BINDING: u32 = 0;
+pub(super) const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
-const MEMBER_UNIT: u32 = 2;
+pub(super) const MEMBER_UNIT: u32 = 2;
 
 /// Milliseconds that the graphics device took for the passes of a picture, by its own timers.
 ///
@@ -79,6 +79,7 @@ impl Renderer {
         self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
             renderer.draw_runs(&batches.opaque, Pass::Opaque, drawn)?;
+            renderer.draw_contacts_on_floors(&batches.opaque, scene, drawn)?;
             renderer.draw_runs(&batches.blended, Pass::Blended, drawn)
         })?;
         self.timed(SURROUNDINGS_PASS, |renderer| {
@@ -118,6 +119,7 @@ impl Renderer {
                         alpha,
                         textured,
                         vertex_lit: level.is_coarse && !part.double_sided,
+                        faded: run.faded,
                         maps,
                     }),
                 };
@@ -159,14 +161,14 @@ impl Renderer {
     ) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
-        self.picture.begin_resolve(MEMBER_UNIT);
+        self.picture.begin_resolve(MEMBER_UNIT, 1.0);
         self.gl.set_state(surroundings);
         self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
         if scene.ground.is_some() {
             self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
-        if scene.ground.is_some() && scene.contact_shadows > 0.0 {
+        if is_at_zero(scene) && scene.contact_shadows > 0.0 {
             self.draw_contacts(runs, drawn)?;
         }
         let resolve = Kind::Resolve { samples: self.picture.samples() };
@@ -176,7 +178,30 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws the contact shadows of instances on the ground.
+    /// Draws contact shadows on what members have at y = 0, if the ground is elsewhere. Members are
+    /// not darkened by their own: those lie under their soles.
+    fn draw_contacts_on_floors(
+        &mut self,
+        runs: &[Run],
+        scene: &Scene,
+        drawn: &mut Drawn,
+    ) -> Result<(), Error> {
+        if scene.ground.is_none() || is_at_zero(scene) || scene.contact_shadows == 0.0 {
+            return Ok(());
+        }
+        // Towards the eye, since a floor lies in the same plane.
+        self.gl.set_state(DrawState {
+            cull: Cull::Nothing,
+            blend: true,
+            keep_alpha: true,
+            depth_write: false,
+            depth_offset: [-1.0, -2.0],
+            ..DrawState::OPAQUE
+        });
+        self.draw_contacts(runs, drawn)
+    }
+
+    /// Draws the contact shadows of instances on the plane y = 0.
     fn draw_contacts(&mut self, runs: &[Run], drawn: &mut Drawn) -> Result<(), Error> {
         self.programs.get(Kind::Contact)?.bind();
         for run in runs {
@@ -195,7 +220,12 @@ impl Renderer {
     }
 }
 
-fn range<'a, I>(
+/// Returns true if contact shadows lie on the ground.
+fn is_at_zero(scene: &Scene) -> bool {
+    scene.ground.is_some_and(|ground| ground.height_m == 0.0)
+}
+
+pub(super) fn range<'a, I>(
     part: &'a ModelPart,
     influences: &'a Buffer<I>,
     instances: &'a Buffer<InstanceData>,

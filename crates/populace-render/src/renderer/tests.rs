@@ -112,3 +112,57 @@ fn acquire_waits_for_draws_from_the_set_written_next() {
     std::thread::sleep(Duration::from_millis(2));
     assert!(drawn.is_reached(), "set 0 is written next but is still being drawn from");
 }
+
+/// A pane in front of the camera and one behind it, and the ground around them.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_say_what_each_pixel_shows() {
+    let mut renderer = Renderer::headless([64, 64]).unwrap();
+    let character = Arc::new(glass());
+    let mut device = Still::default();
+    renderer.connect_palettes(&mut device).unwrap();
+    let at = |z: f32, y: f32| {
+        let mut world_from_model = Affine::IDENTITY;
+        world_from_model.rows[1][3] = y;
+        world_from_model.rows[2][3] = z;
+        Instance {
+            character: &character,
+            world_from_model,
+            moved: [0.0; 3],
+            palette_first: 0,
+            look: populace_device::MemberLook::PLAIN,
+            level: 0,
+            visibility: populace_device::Visibility::InView,
+        }
+    };
+    let camera = Camera {
+        eye: [0.0, 2.0, 10.0],
+        target: [0.0, 2.0, 0.0],
+        up: [0.0, 1.0, 0.0],
+        fov_y_rad: 1.0,
+        near: 0.1,
+        far: 500.0,
+    };
+    renderer.acquire_palettes(&mut device).unwrap();
+    let scene = Scene::default();
+    // The first is out of view; panes reach 9 m up and down from their middle.
+    let instances = [at(30.0, 0.0), at(-10.0, 11.0), at(4.0, 11.0)];
+    renderer.draw_instances(&instances, &camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let middle = |row: usize| 64 * row + 32;
+    // Both panes end at the height of the eye.
+    for (row, instance, depth_m) in [(0, Some(2), 6.0), (30, Some(2), 6.0), (33, None, 78.1)] {
+        assert_eq!(marks.instances[middle(row)], instance, "row {row}");
+        let covered = if instance.is_some() { 255 } else { 0 };
+        assert_eq!(marks.coverage[middle(row)], covered, "row {row}");
+        let found = marks.depths_m[middle(row)];
+        assert!((found - depth_m).abs() < 0.05 * depth_m, "row {row}: {found}");
+    }
+    let lowest = marks.depths_m[middle(63)];
+    let slope = (0.5f32).tan() * 31.5 / 32.0;
+    assert!((lowest - 2.0 / slope).abs() < 1e-3, "{lowest}");
+    renderer.draw_instances(&[], &camera, &Scene { ground: None, ..scene }).unwrap();
+    let marks = renderer.read_marks(&camera, &Scene { ground: None, ..scene }).unwrap();
+    assert!(marks.depths_m.iter().all(|depth| depth.is_infinite()));
+    assert!(marks.coverage.iter().all(|share| *share == 0));
+}

@@ -78,7 +78,11 @@ const fn day() -> Scene {
             ground: [0.26, 0.24, 0.21],
             glow: [0.08, 0.07, 0.05],
         },
-        ground: Some(Ground { color: [0.3, 0.275, 0.24], line_color: [0.2, 0.185, 0.16] }),
+        ground: Some(Ground {
+            color: [0.3, 0.275, 0.24],
+            line_color: [0.2, 0.185, 0.16],
+            height_m: 0.0,
+        }),
         sky: Sky {
             zenith: [0.14, 0.34, 0.82],
             horizon: [0.72, 0.86, 1.02],
@@ -106,7 +110,11 @@ const fn evening() -> Scene {
             ground: [0.22, 0.17, 0.13],
             glow: [0.2, 0.12, 0.05],
         },
-        ground: Some(Ground { color: [0.36, 0.32, 0.28], line_color: [0.25, 0.22, 0.19] }),
+        ground: Some(Ground {
+            color: [0.36, 0.32, 0.28],
+            line_color: [0.25, 0.22, 0.19],
+            height_m: 0.0,
+        }),
         sky: Sky {
             zenith: [0.1, 0.18, 0.42],
             horizon: [0.72, 0.52, 0.42],
@@ -134,7 +142,11 @@ const fn overcast() -> Scene {
             ground: [0.2, 0.195, 0.19],
             glow: [0.0; 3],
         },
-        ground: Some(Ground { color: [0.22, 0.215, 0.21], line_color: [0.15, 0.147, 0.145] }),
+        ground: Some(Ground {
+            color: [0.22, 0.215, 0.21],
+            line_color: [0.15, 0.147, 0.145],
+            height_m: 0.0,
+        }),
         sky: Sky {
             zenith: [0.66, 0.7, 0.76],
             horizon: [0.9, 0.92, 0.94],
@@ -164,7 +176,11 @@ const fn studio() -> Scene {
             glow: [0.1, 0.1, 0.1],
         },
         // The floor, lit by lamp and backdrop, is about as bright as the backdrop.
-        ground: Some(Ground { color: [0.3, 0.3, 0.305], line_color: [0.3, 0.3, 0.305] }),
+        ground: Some(Ground {
+            color: [0.3, 0.3, 0.305],
+            line_color: [0.3, 0.3, 0.305],
+            height_m: 0.0,
+        }),
         sky: Sky {
             zenith: [0.3, 0.3, 0.31],
             horizon: BACKDROP,

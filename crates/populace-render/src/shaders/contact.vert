@@ -1,7 +1,7 @@
 // contact.vert - a rectangle on the ground around the contact shadow of a capsule of a member.
 // Reads   Contact per vertex, InstanceData per instance, palette of the bound page
-// Writes  ends of the capsule in world space, with its radius and the shadow's reach; position on the ground, position in
-//         the shadow map, and the fraction that haze leaves of a contrast
+// Writes  ends of the capsule in world space, with its radius and the shadow's reach; position on the
+//         ground, position in the shadow map, and the fraction that haze and fading leave of a contrast
 
 flat out vec4 low_end;
 flat out vec4 high_end;
@@ -40,7 +40,7 @@ void main() {
     ground_position = end + reach * (corner.x * unit + corner.y * across);
     vec3 at = vec3(ground_position.x, 0.0, ground_position.y);
     shadow_position = (shadow_from_world * vec4(at, 1.0)).xyz * 0.5 + 0.5;
-    clearness = 1.0 - haze_at(at).a;
+    clearness = (1.0 - haze_at(at).a) * (1.0 - faded_out());
     bool is_faint = radius * radius < FAINTEST * height * height;
     gl_Position = is_faint ? vec4(2.0, 2.0, 2.0, 1.0) : clip_from_world * vec4(at, 1.0);
     gl_ClipDistance[0] = 1.0;

@@ -1,7 +1,8 @@
 // member.frag - colours a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
 //               without either the surface is opaque. VERTEX_LIT takes the light from the vertices.
 //               TEXTURED samples the base colour; SUBSTANCE_MAP, NORMAL_MAP, OCCLUSION_MAP and
-//               EMISSIVE_MAP sample their textures, and EMISSIVE adds light.
+//               EMISSIVE_MAP sample their textures, and EMISSIVE adds light. FADED leaves out a
+//               part of the pixels.
 // Reads   outputs of member.vert; textures
 // Writes  linear colour, which the framebuffer stores as sRGB
 
@@ -34,6 +35,16 @@ in vec4 surface_color;
 in vec4 haze;
 
 out vec4 color;
+
+#ifdef FADED
+flat in float faded;
+
+// Returns a threshold from 0 to 1 whose values are spread evenly over neighbouring pixels
+// (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
+float threshold(vec2 pixel) {
+    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+#endif
 
 #ifdef NORMAL_MAP
 // Returns the normal of the texture in world space. The tangents follow from the change of position
@@ -78,6 +89,9 @@ vec3 lit_surface(vec3 base) {
 #endif
 
 void main() {
+#ifdef FADED
+    if (threshold(gl_FragCoord.xy) < faded) discard;
+#endif
     vec4 base = surface_color;
 #ifdef TEXTURED
     base *= texture(base_color_texture, texture_uv);

@@ -2,7 +2,8 @@
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
 // Writes  texture coordinates, product of vertex colour and the region's tint, haze, and what light
 //         needs: position and normal in world space, the position in the shadow map and the
-//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself
+//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself.
+//         With FADED, the part that is not drawn
 
 #ifdef VERTEX_LIT
 out vec3 light;
@@ -15,6 +16,9 @@ out vec3 substance;
 out vec2 texture_uv;
 out vec4 surface_color;
 out vec4 haze;
+#ifdef FADED
+flat out float faded;
+#endif
 
 void main() {
     mat3x4 model_from_bind = model_from_bind();
@@ -35,9 +39,14 @@ void main() {
     texture_uv = uv;
     surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
-    // The ground, which is drawn without depth, hides what lies beyond it. Soles at y = 0 stay
+    // The ground, which is drawn without depth, hides what lies beyond it. Soles on it stay
     // visible: members may sink into the ground by the size of a pixel.
     float sunk_m = ground_color.w * gl_Position.w;
-    gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world_position.y + sunk_m : 1.0;
+    float ground_m = line_color.w;
+    float above_m = sign(eye.y - ground_m) * (world_position.y - ground_m);
+    gl_ClipDistance[0] = ground_color.w > 0.0 ? above_m + sunk_m : 1.0;
+#ifdef FADED
+    faded = faded_out();
+#endif
     if (is_hidden()) gl_Position = OUTSIDE;
 }

@@ -10,6 +10,6 @@ void main() {
     view_direction = far.xyz / far.w - eye.xyz;
     gl_Position = vec4(corner, 1.0, 1.0);
     // On the far plane, the ground is as far below the eye as the eye is above the ground.
-    float below_m = 1.05 * max(eye.y, 0.0);
+    float below_m = 1.05 * max(eye.y - line_color.w, 0.0);
     gl_ClipDistance[0] = ground_color.w > 0.0 ? view_direction.y + below_m : 1.0;
 }

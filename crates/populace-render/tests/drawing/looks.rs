@@ -87,3 +87,24 @@ fn hidden_options_are_not_drawn_and_cast_no_shadow() {
     assert!(drawn.at(-0.6, -0.8)[0] > 100, "{:?}", drawn.at(-0.6, -0.8));
     drawn.expect(0.6, -0.8, NOTHING);
 }
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn members_that_fade_cover_a_part_of_their_pixels() {
+    let square = source(vec![part("square", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
+    let square = Arc::new(Character::new(square).unwrap());
+    let mut rig = Rig::new();
+    rig.upload(&[Affine::IDENTITY]);
+    let mut covered = |opacity: f32| {
+        let mut one = instance(&square, Affine::IDENTITY, 0);
+        one.look = one.look.with_opacity(opacity);
+        let drawn = rig.draw(&[one]);
+        drawn.0.rgba.chunks(4).filter(|pixel| pixel[..3] != NOTHING).count() as f64
+    };
+    let whole = covered(1.0);
+    assert!(whole > 100.0, "{whole}");
+    for opacity in [0.0, 0.25, 0.5, 0.75] {
+        let share = covered(opacity) / whole;
+        assert!((share - f64::from(opacity)).abs() < 0.06, "{opacity}: {share}");
+    }
+}

@@ -2,17 +2,19 @@
 
 use std::sync::Arc;
 
+use populace_character::Character;
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Ground, Highlights, Sky};
 
-use crate::fixture::{at, person, transform};
+use crate::fixture::{at, box_mesh, part, person, plain, source, transform};
 use crate::rig::{Rig, instance, srgb};
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn ground_is_at_the_feet_and_sky_above() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.scene.ground =
+        Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0], height_m: 0.0 });
     rig.scene.sky = Sky::uniform([0.0, 0.0, 1.0]);
     // One metre up, so that the feet are one metre below the centre of the picture.
     rig.camera.eye = [0.0, 1.0, 10.0];
@@ -33,7 +35,8 @@ fn ground_is_at_the_feet_and_sky_above() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn ground_hides_what_lies_beyond_it() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.scene.ground =
+        Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0], height_m: 0.0 });
     rig.camera.eye = [0.0, 1.0, 10.0];
     rig.camera.target = [0.0, 1.0, 0.0];
     let red = Arc::new(person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]));
@@ -70,7 +73,8 @@ fn horizon_continues_below_the_sky() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn haze_hides_the_distance() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0] });
+    rig.scene.ground =
+        Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0], height_m: 0.0 });
     rig.scene.sky = Sky::uniform([0.0, 0.0, 1.0]);
     rig.camera.eye = [0.0, 1.0, 10.0];
     rig.camera.target = [0.0, 1.0, 0.0];
@@ -87,7 +91,7 @@ fn haze_hides_the_distance() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn paving_has_lines_every_metre() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3] });
+    rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.0; 3], height_m: 0.0 });
     // From vertically above; up in the picture is -Z.
     rig.camera = Camera {
         eye: [0.5, 10.0, 0.5],
@@ -108,7 +112,7 @@ fn paving_has_lines_every_metre() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn members_cast_shadows_on_the_ground_and_on_each_other() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
+    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3], height_m: 0.0 });
     rig.scene.ambient = Ambient::uniform([0.1; 3]);
     rig.scene.sun.color = [0.5; 3];
     rig.camera =
@@ -157,7 +161,7 @@ fn lit_surfaces_do_not_shadow_themselves() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn haze_leaves_a_twentieth_of_the_contrast_at_the_distance_of_visibility() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3] });
+    rig.scene.ground = Some(Ground { color: [1.0; 3], line_color: [1.0; 3], height_m: 0.0 });
     rig.scene.sky = Sky { visibility_m: 20.0, ..Sky::uniform([0.0; 3]) };
     (rig.camera.eye, rig.camera.target) = ([0.0, 1.0, 10.0], [0.0, 1.0, 0.0]);
     (rig.camera.far, rig.scene.sun.to_sun) = (2000.0, [0.0, 1.0, 0.0]);
@@ -201,7 +205,7 @@ fn upright_surfaces_have_light_of_their_own() {
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn bodies_near_the_ground_darken_it_and_are_darkened() {
     let mut rig = Rig::new();
-    rig.scene.ground = Some(Ground { color: [0.8; 3], line_color: [0.8; 3] });
+    rig.scene.ground = Some(Ground { color: [0.8; 3], line_color: [0.8; 3], height_m: 0.0 });
     rig.scene.sky = Sky::uniform([0.8; 3]);
     rig.camera =
         Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
@@ -226,4 +230,54 @@ fn bodies_near_the_ground_darken_it_and_are_darkened() {
     let drawn = rig.draw(&[instance(&white, standing, 0)]);
     let [low, high] = [-0.95, 0.3].map(|y| drawn.at(0.13, y)[0]);
     assert!(low < high - 20, "{low} {high}");
+}
+
+/// Returns a floor of 3.2 by 3.2 m whose top is at y = 0, moved by palette entry 0.
+fn floor() -> Character {
+    let slab = part("floor", 0, box_mesh([-1.6, -0.15, -1.6], [1.6, 0.0, 1.6], 0));
+    Character::new(source(vec![slab], vec![plain([0.8, 0.8, 0.8, 1.0])], 1)).unwrap()
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn bodies_darken_the_floor_over_lower_ground() {
+    let mut rig = Rig::new();
+    rig.scene.ground = Some(Ground { color: [0.3; 3], line_color: [0.3; 3], height_m: -0.15 });
+    rig.scene.sky = Sky::uniform([0.8; 3]);
+    rig.camera =
+        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
+    let (white, floor) = (Arc::new(person([1.0; 3], [1.0; 3])), Arc::new(floor()));
+    rig.upload(&[Affine::IDENTITY; 3]);
+    let mut seen = |contact_shadows: f32, person: Affine, x: f32| {
+        rig.scene.contact_shadows = contact_shadows;
+        let list = [instance(&floor, Affine::IDENTITY, 0), instance(&white, person, 1)];
+        rig.draw(&list).at(x, 0.3)[0]
+    };
+    let (standing, plain) = (Affine::IDENTITY, srgb(0.8));
+    assert!(seen(1.0, standing, 0.0) < plain - 20);
+    assert_eq!(seen(0.0, standing, 0.0), plain);
+    assert_eq!(seen(1.0, at(0.0, 3.0, 0.0), 0.0), plain, "too high");
+    assert_eq!(seen(1.0, at(-0.6, 0.0, 0.0), 1.5), plain, "the floor is no body");
+    // Beside the edge, where nobody is at y = 0, the ground has no shadow of the floor's height.
+    assert_eq!(seen(1.0, at(1.4, 0.0, 0.0), 1.85), srgb(0.3));
+    assert!(seen(1.0, at(1.4, 0.0, 0.0), 1.4) < plain - 20);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn ground_may_lie_lower() {
+    let mut rig = Rig::new();
+    rig.scene.ground =
+        Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0], height_m: -1.0 });
+    (rig.camera.eye, rig.camera.target) = ([0.0, 1.0, 10.0], [0.0, 1.0, 0.0]);
+    let white = Arc::new(person([1.0; 3], [1.0; 3]));
+    rig.upload(&[Affine::IDENTITY; 2]);
+    // A person who stands on y = -0.5 is seen down to the feet: half a metre is over the ground.
+    let list = [instance(&white, at(0.0, -0.5, 0.0), 0)];
+    let drawn = rig.draw(&list);
+    assert!(drawn.at(0.13, -1.4)[0] > 100, "{:?}", drawn.at(0.13, -1.4));
+    rig.scene.ground = rig.scene.ground.map(|ground| Ground { height_m: 0.0, ..ground });
+    assert!(rig.draw(&list).at(0.13, -1.4)[0] < 50);
+    rig.scene.ground = rig.scene.ground.map(|ground| Ground { height_m: f32::NAN, ..ground });
+    assert!(rig.try_draw(&list).is_err());
 }

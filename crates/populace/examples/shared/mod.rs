@@ -3,7 +3,8 @@
 use std::error::Error;
 
 use populace::Crowd;
-use populace_render::{Camera, Renderer, Scene, write_png};
+use populace_film::{Pixels, write_png};
+use populace_render::{Camera, Renderer, Scene};
 
 /// Returns the first argument, or a default name in the current folder.
 pub(crate) fn output(name: &str) -> String {
@@ -21,6 +22,7 @@ pub(crate) fn draw(
     let mut renderer = Renderer::headless(size)?;
     let camera = Camera::framing(points.iter().copied(), size[0] as f32 / size[1] as f32);
     renderer.draw(crowd, &camera, &Scene::default())?;
-    write_png(path, &renderer.read_image()?)?;
+    let image = renderer.read_image()?;
+    write_png(path, size, Pixels::Rgba(&image.rgba))?;
     Ok(())
 }

@@ -1,0 +1,188 @@
+//! The filming of a crowd: outputs, crowd, renderer, frames and the report.
+
+use std::path::{Path, PathBuf};
+
+use populace::Crowd;
+use populace_film::FilmSettings;
+use populace_render::{Drawn, Renderer, Scene};
+use serde_json::{Value, json};
+
+use crate::cli::{PictureArgs, build};
+use crate::crowd_renderer::{CrowdRenderer, builder_for};
+use crate::failure::Failure;
+use crate::frame_loop::{Action, FrameLoop, FrameTimes};
+use crate::frames::Frames;
+use crate::names::hint;
+use crate::output::{Outputs, check_inputs, check_writable};
+use crate::report::{self, counted, message};
+use crate::roles::CrowdRole;
+use crate::sinks::Sink;
+use crate::unfinished;
+
+/// A film, or pictures, that are about to be made.
+pub(crate) struct Filming<'a> {
+    args: &'a PictureArgs,
+    frames: Frames,
+    outputs: Outputs,
+}
+
+/// A film, or pictures, that are made.
+pub(crate) struct Filmed {
+    frames: Frames,
+    skipped: usize,
+    times: FrameTimes,
+    drawn: Drawn,
+    out: PathBuf,
+}
+
+impl<'a> Filming<'a> {
+    /// Checks that the outputs can be written and destroy none of the `given` inputs. Frames are a
+    /// series unless they are one picture.
+    pub(crate) fn new(
+        args: &'a PictureArgs,
+        out: &Path,
+        (frames, is_series): (Frames, bool),
+        given: &[&Path],
+    ) -> Result<Self, Failure> {
+        let range = frames.first..=frames.last;
+        let outputs = Outputs::new(out, range, is_series, &args.film.images)?;
+        check_inputs(outputs.paths(), given)?;
+        check_writable(&outputs.first())?;
+        Ok(Self { args, frames, outputs })
+    }
+
+    /// Begins to write. A film that cannot be encoded fails here.
+    pub(crate) fn sink(&self) -> Result<Sink<'_>, Failure> {
+        let (film, frames) = (&self.args.film, self.frames);
+        let settings = FilmSettings::new(self.args.size.0, frames.rate);
+        let settings = FilmSettings { encoder: film.encoder, ..settings };
+        let sink = Sink::open(&self.outputs, &settings, film.skip_existing)?;
+        let skipped = u32::try_from(sink.skipped()).unwrap_or_default();
+        unfinished::expect_frames(frames.count() - skipped);
+        Ok(sink)
+    }
+
+    /// Returns a renderer. A missing OpenGL is reported last: errors in the inputs are more useful.
+    pub(crate) fn renderer(&self) -> Result<Renderer, populace_render::Error> {
+        Renderer::headless(self.args.size.0)
+    }
+
+    /// Builds a crowd whose palettes a renderer can take.
+    pub(crate) fn crowd(
+        &self,
+        renderer: &Result<Renderer, populace_render::Error>,
+        [capacity, slots]: [usize; 2],
+    ) -> Result<Crowd, Failure> {
+        let builder = self.args.device.crowd().capacity(capacity).slots_per_member(slots);
+        let crowd = build(builder_for(builder, renderer))?;
+        // Drivers that were loaded for it may have set a handler of their own.
+        #[cfg(unix)]
+        crate::aborts::exit_on_abort();
+        Ok(crowd)
+    }
+
+    /// Returns the light and the surroundings.
+    pub(crate) fn scene(&self) -> Scene {
+        let mut scene = self.args.sky.scene();
+        if self.args.full_detail {
+            scene.sun.error_texels = 0.0;
+        }
+        scene
+    }
+
+    /// Checks what characters bring: files that no output may destroy, and nodes that can be
+    /// hidden.
+    pub(crate) fn check(&self, roles: &[CrowdRole], files: &[PathBuf]) -> Result<(), Failure> {
+        check_inputs(self.outputs.paths(), files)?;
+        check_hidden(roles, &self.args.hide)
+    }
+
+    /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are
+    /// evaluated.
+    pub(crate) fn shoot(
+        &self,
+        crowd: &mut Crowd,
+        (action, scene, lead_in): (&mut dyn Action, &Scene, u32),
+        renderer: Result<CrowdRenderer, Failure>,
+        mut sink: Sink<'_>,
+    ) -> Result<Filmed, Failure> {
+        let (args, frames) = (self.args, self.frames);
+        let frame_loop = FrameLoop {
+            frames,
+            lead_in,
+            size: args.size.0,
+            scene,
+            detail: (!args.full_detail).then_some(args.detail),
+        };
+        let skipped = sink.skipped();
+        let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
+        Ok(Filmed { frames, skipped, times, drawn, out: sink.finish()? })
+    }
+}
+
+impl Filmed {
+    /// Says how long frames took, and prints the path of the result or, with --json, a document
+    /// with `more` fields.
+    pub(crate) fn report(&self, crowd: &Crowd, json: bool, more: Value) -> Result<(), Failure> {
+        let Self { frames, skipped, times, drawn, out } = self;
+        let count = frames.count();
+        let [total, animate, draw] = times.medians();
+        message!(
+            "{} drawn, {}",
+            counted(drawn.instances, "member"),
+            counted(drawn.triangles, "triangle")
+        );
+        let median = if count == 1 { "" } else { ", median" };
+        let mut text = counted(count as usize, "frame");
+        if *skipped > 0 {
+            text += &format!(" ({skipped} existed)");
+        }
+        if frames.shutter.samples > 1 {
+            text += &format!(" of {} pictures each", frames.shutter.samples);
+        }
+        message!("{text}{median}: {total:.2} ms, {animate:.2} to animate, {draw:.2} to draw");
+        if !json {
+            return report::path(out);
+        }
+        let view = crowd.view_statistics();
+        let mut document = json!({
+            "schema": 1,
+            "device": crowd.device_info().devices.to_string(),
+            "schedule": crowd.device_info().schedule.name(),
+            "members": crowd.member_count(),
+            "frames": count,
+            "skipped": skipped,
+            "ms_median": {
+                "total": total,
+                "animate": animate,
+                "draw": draw,
+                "shadow": times.pass(|pass| pass.shadow_ms),
+                "members": times.pass(|pass| pass.members_ms),
+                "surroundings": times.pass(|pass| pass.surroundings_ms),
+            },
+            "drawn_members": drawn.instances,
+            "triangles": drawn.triangles,
+            "shadow": {"members": drawn.shadow_instances, "triangles": drawn.shadow_triangles},
+            "draw_calls": drawn.draw_calls,
+            "levels": view.levels,
+            "shadow_only": view.shadow_only,
+            "hidden": view.hidden,
+            "out": out.to_string_lossy(),
+        });
+        if let (Value::Object(document), Value::Object(more)) = (&mut document, more) {
+            document.extend(more);
+        }
+        report::json(&document)
+    }
+}
+
+fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {
+    let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
+    match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
+        None => Ok(()),
+        Some(unknown) => Err(Failure::usage(format!(
+            "no node \"{unknown}\" has anything to draw{}",
+            hint(unknown, names())
+        ))),
+    }
+}

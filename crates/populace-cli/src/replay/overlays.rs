@@ -1,0 +1,311 @@
+//! What is drawn over pictures of trajectories: a legend, trails, ids and a clock; and the colours that
+//! people have by it.
+
+use populace::character::Image;
+use populace::{CharacterId, Crowd, MemberLook};
+use populace_overlay::{Canvas, Corner, Label, Legend, Scale, TextStyle, Trail};
+use populace_render::Camera;
+use populace_scene::{Motion, Motions, Person, Replay};
+use populace_trajectory::{Column, Recording, Values};
+use populace_variety::Dye;
+
+use crate::cli::OverlayArgs;
+use crate::failure::Failure;
+use crate::names::hint;
+use crate::roles::CrowdRole;
+
+/// Radius in metres of the circle in which density counts people.
+const DENSITY_M: f32 = 1.5;
+/// Share of numbers below the least and above the greatest of a scale: outliers take no colour away.
+const OUTLIERS: f64 = 0.02;
+/// Numbers from which a scale is made, at most.
+const SAMPLES: usize = 20_000;
+/// Seconds between two points of a trail.
+const TRAIL_STEP_SECS: f64 = 0.1;
+/// Height of trails above the ground, and of labels above heads, in metres.
+const TRAIL_M: f32 = 0.02;
+const LABEL_M: f32 = 0.12;
+/// Height of bodies whose height is not known, in metres.
+const BODY_M: f32 = 1.72;
+
+/// The quantity that colours people.
+enum Quantity {
+    /// Metres per second.
+    Speed,
+    /// People per square metre.
+    Density,
+    /// The column of this index.
+    Column(usize),
+}
+
+/// The colours of people by a quantity.
+struct Colours {
+    quantity: Quantity,
+    legend: Legend,
+}
+
+/// What is drawn over pictures.
+pub(super) struct Overlays {
+    colours: Option<Colours>,
+    /// The clothes of each character, and each agent's character and look.
+    dyes: Vec<(CharacterId, Dye)>,
+    people: Vec<Person>,
+    trail_secs: Option<f64>,
+    ids: bool,
+    clock: bool,
+}
+
+impl Overlays {
+    /// Prepares what was asked for. Refuses a column that the file does not have.
+    pub(super) fn new(
+        args: &OverlayArgs,
+        recording: &Recording,
+        motions: &Motions,
+        roles: &[CrowdRole],
+        people: Vec<Person>,
+    ) -> Result<Self, Failure> {
+        let colours = args.colour_by.as_deref().map(|name| colours(name, recording, motions));
+        let colours = colours.transpose()?;
+        let dye = |role: &CrowdRole| (role.id, Dye::of(&role.character));
+        let dyes = if colours.is_some() { roles.iter().map(dye).collect() } else { Vec::new() };
+        let OverlayArgs { trails: trail_secs, ids, clock, .. } = *args;
+        Ok(Self { colours, dyes, people, trail_secs, ids, clock })
+    }
+
+    /// Dresses the people who are there.
+    pub(super) fn dress(
+        &self,
+        crowd: &mut Crowd,
+        recording: &Recording,
+        replay: &Replay,
+    ) -> Result<(), Failure> {
+        let Some(colours) = &self.colours else { return Ok(()) };
+        let values = colours.values(recording, replay);
+        for ((agent, member), value) in replay.present().zip(values) {
+            let person = &self.people[agent];
+            let dye = self.dyes.iter().find(|(character, _)| *character == person.character);
+            let Some((_, dye)) = dye else { continue };
+            let look = person.look.unwrap_or(MemberLook::PLAIN);
+            let color = colours.legend.scale.color(value).linear();
+            let look = dye.dyed(look, color).with_opacity(replay.opacity(agent));
+            crowd.member_mut(member)?.set_look(look);
+        }
+        Ok(())
+    }
+
+    /// Draws over a picture of the replay's present time.
+    pub(super) fn draw(
+        &self,
+        picture: &mut Image,
+        camera: &Camera,
+        recording: &Recording,
+        replay: &Replay,
+    ) -> Result<(), Failure> {
+        let size = [picture.width, picture.height];
+        let failed = |error: populace_overlay::Error| Failure::Run(error.into());
+        let mut canvas = Canvas::new(&mut picture.rgba, size).map_err(failed)?;
+        if let Some(secs) = self.trail_secs {
+            canvas.trails(&self.trails(secs, camera, size, replay));
+        }
+        if self.ids {
+            let style = TextStyle::new(0.8 * canvas.text_size());
+            canvas.labels(&labels(camera, size, recording, replay), &style);
+        }
+        if let Some(colours) = &self.colours {
+            canvas.legend(&colours.legend, Corner::TopRight);
+        }
+        if self.clock {
+            canvas.clock(replay.secs() - recording.secs()[0], Corner::TopLeft);
+        }
+        Ok(())
+    }
+
+    /// Returns the ways that people have come, who are nearest last.
+    fn trails(&self, secs: f64, camera: &Camera, size: [u32; 2], replay: &Replay) -> Vec<Trail> {
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
+        let width_px = f64::from(size[1] as f32) / 240.0;
+        let by_speed = self.colours.as_ref().filter(|of| matches!(of.quantity, Quantity::Speed));
+        let trail = |(agent, _): (usize, _)| {
+            let motion: &Motion = &replay.motions().agents[agent];
+            let times = (0_u32..)
+                .map(|nth| replay.secs() - secs + f64::from(nth) * TRAIL_STEP_SECS)
+                .take_while(|at| *at < replay.secs())
+                .chain([replay.secs()]);
+            let (mut points, mut colors) = (Vec::new(), Vec::new());
+            for moment in times.filter_map(|at| motion.at(at)) {
+                let [x, y] = moment.position;
+                let at = camera.project([x, moment.elevation_m + TRAIL_M, -y], size);
+                points.push(at.map_or([f64::NAN; 2], |at| at.map(f64::from)));
+                let speed = f64::from(moment.velocity[0].hypot(moment.velocity[1]));
+                colors.extend(by_speed.map(|of| of.legend.scale.color(speed).srgb()));
+            }
+            Trail { points, colors, opacity: 0.9, width_px }
+        };
+        let mut present: Vec<_> = replay.present().collect();
+        present.sort_unstable_by_key(|(agent, _)| *agent);
+        present.into_iter().map(trail).collect()
+    }
+}
+
+/// Returns the ids of people above their heads.
+fn labels(camera: &Camera, size: [u32; 2], recording: &Recording, replay: &Replay) -> Vec<Label> {
+    let mut present: Vec<_> = replay.present().collect();
+    present.sort_unstable_by_key(|(agent, _)| *agent);
+    let label = |(agent, _): (usize, _)| {
+        let of: &populace_trajectory::Agent = &recording.agents[agent];
+        let moment = replay.motions().agents[agent].at(replay.secs())?;
+        let [x, y] = moment.position;
+        let top = moment.elevation_m + of.height_m.unwrap_or(BODY_M) + LABEL_M;
+        let at = camera.project([x, top, -y], size)?.map(f64::from);
+        Some(Label { text: of.id.clone(), at })
+    };
+    present.into_iter().filter_map(label).collect()
+}
+
+impl Colours {
+    /// Returns the quantity of each person who is there; NaN where there is none.
+    fn values(&self, recording: &Recording, replay: &Replay) -> Vec<f64> {
+        let moment = |agent: usize| replay.motions().agents[agent].at(replay.secs());
+        let present = replay.present().map(|(agent, _)| agent);
+        match &self.quantity {
+            Quantity::Speed => present
+                .map(|agent| moment(agent).map_or(f64::NAN, |at| speed(at.velocity)))
+                .collect(),
+            Quantity::Density => {
+                let places = present.map(|agent| moment(agent).map_or([0.0; 2], |at| at.position));
+                densities(&places.collect::<Vec<_>>())
+            }
+            Quantity::Column(index) => {
+                let column = &recording.columns[*index];
+                present.map(|agent| value_at(recording, column, agent, replay.secs())).collect()
+            }
+        }
+    }
+}
+
+fn speed([x, y]: [f32; 2]) -> f64 {
+    f64::from(x.hypot(y))
+}
+
+/// Returns people per square metre around each place: those within a circle, by its area.
+fn densities(places: &[[f32; 2]]) -> Vec<f64> {
+    let mut by_x: Vec<[f32; 2]> = places.to_vec();
+    by_x.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+    let area = f64::from(std::f32::consts::PI * DENSITY_M * DENSITY_M);
+    let density = |[x, y]: &[f32; 2]| {
+        let first = by_x.partition_point(|at| at[0] < x - DENSITY_M);
+        let near = by_x[first..].iter().take_while(|at| at[0] <= x + DENSITY_M);
+        let within = near.filter(|at| (at[0] - x).hypot(at[1] - y) <= DENSITY_M);
+        within.map(|_| 1.0 / area).sum()
+    };
+    places.iter().map(density).collect()
+}
+
+/// Returns the value of a column in an agent's row at a time or before it; of words, their index.
+fn value_at(recording: &Recording, column: &Column, agent: usize, secs: f64) -> f64 {
+    let agent = &recording.agents[agent];
+    let times = recording.track(agent).times;
+    let row = recording.rows(agent).start + times.partition_point(|at| *at <= secs).max(1) - 1;
+    match &column.values {
+        Values::Numbers(numbers) => numbers.get(row).map_or(f64::NAN, |value| f64::from(*value)),
+        Values::Words { indices, .. } => {
+            let index = indices.get(row).filter(|index| **index != u32::MAX);
+            index.map_or(f64::NAN, |index| f64::from(*index))
+        }
+    }
+}
+
+/// Returns the colours for the name of a quantity or a column.
+fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colours, Failure> {
+    let legend = |title: &str, unit: &str, scale: Scale, words: &[String]| Legend {
+        title: title.to_owned(),
+        unit: unit.to_owned(),
+        scale,
+        words: words.to_owned(),
+    };
+    match name {
+        "speed" => {
+            let [_, most] = range(speeds(recording, motions));
+            let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), &[]);
+            Ok(Colours { quantity: Quantity::Speed, legend })
+        }
+        "density" => {
+            let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), &[]);
+            Ok(Colours { quantity: Quantity::Density, legend })
+        }
+        _ => {
+            let found = recording.columns.iter().position(|column| column.name == name);
+            let Some(index) = found else { return Err(no_column(name, recording)) };
+            let column = &recording.columns[index];
+            let (scale, words) = match &column.values {
+                Values::Numbers(numbers) => {
+                    let [low, high] =
+                        range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
+                    (Scale::number(low, high), Vec::new())
+                }
+                Values::Words { words, .. } => (Scale::words(words.len()), words.clone()),
+            };
+            let legend = legend(name, "", scale, &words);
+            Ok(Colours { quantity: Quantity::Column(index), legend })
+        }
+    }
+}
+
+fn no_column(name: &str, recording: &Recording) -> Failure {
+    let names = || recording.columns.iter().map(|column| column.name.as_str());
+    let all: Vec<_> = ["speed", "density"].into_iter().chain(names()).collect();
+    let hint = hint(name, all.iter().copied());
+    Failure::usage(format!(
+        "people cannot be coloured by \"{name}\"{hint}; there are {}",
+        all.join(", ")
+    ))
+}
+
+/// Returns the speeds of people once a second.
+fn speeds(recording: &Recording, motions: &Motions) -> Vec<f64> {
+    let [from, until] = recording.secs();
+    let times = (0_u32..).map(|nth| from + f64::from(nth)).take_while(|secs| *secs <= until);
+    let at = |secs: f64| motions.agents.iter().filter_map(move |motion| motion.at(secs));
+    times.flat_map(at).map(|moment| speed(moment.velocity)).take(50 * SAMPLES).collect()
+}
+
+/// Returns some of many values, evenly chosen.
+fn thinned(values: impl Iterator<Item = f64>, count: usize) -> Vec<f64> {
+    values.step_by(count.div_ceil(SAMPLES).max(1)).collect()
+}
+
+/// Returns the least and the greatest of values but for outliers.
+fn range(mut values: Vec<f64>) -> [f64; 2] {
+    values.retain(|value| value.is_finite());
+    values.sort_unstable_by(f64::total_cmp);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        clippy::cast_precision_loss,
+        reason = "a part of a length"
+    )]
+    let cut = (OUTLIERS * values.len() as f64) as usize;
+    let last = values.len().saturating_sub(1);
+    [cut, last.saturating_sub(cut)].map(|index| values.get(index).copied().unwrap_or(0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn densities_count_people_around() {
+        let alone = densities(&[[0.0, 0.0], [10.0, 0.0]]);
+        assert!((alone[0] - 1.0 / 7.069).abs() < 1e-3 && alone[0] == alone[1], "{alone:?}");
+        let three = densities(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.4], [1.4, 1.4]]);
+        assert!((three[0] / alone[0] - 3.0).abs() < 1e-6, "{three:?}");
+    }
+
+    #[test]
+    fn ranges_leave_outliers_out() {
+        let mut values: Vec<f64> = (0..100).map(f64::from).collect();
+        values.extend([1e9, f64::NAN, -1e9]);
+        assert_eq!(range(values), [1.0, 98.0]);
+        assert_eq!(range(vec![]), [0.0; 2]);
+    }
+}

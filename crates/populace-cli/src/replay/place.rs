@@ -1,0 +1,65 @@
+//! The place of a recording in the crowd.
+
+use populace::{CharacterId, Crowd, MemberId, Placement};
+use populace_scene::{PlaceModel, PlaceSettings};
+use populace_trajectory::Recording;
+
+use crate::failure::Failure;
+use crate::report::message;
+
+/// Thickness of the floor in metres. The ground around lies lower by it.
+pub(super) const SLAB_M: f32 = 0.15;
+
+/// The place, which may change.
+#[derive(Default)]
+pub(super) struct Place {
+    /// Times in seconds from which its parts are there.
+    parts: Vec<(f64, CharacterId)>,
+    /// The part that is there, and its member.
+    present: Option<(usize, MemberId)>,
+}
+
+impl Place {
+    /// Brings the place of a recording to a crowd, with walls of a height in metres.
+    pub(super) fn new(
+        crowd: &mut Crowd,
+        recording: &Recording,
+        walls_m: f64,
+    ) -> Result<Self, Failure> {
+        let settings = PlaceSettings {
+            wall_height_m: walls_m,
+            slab_m: f64::from(SLAB_M),
+            ..PlaceSettings::default()
+        };
+        let model = PlaceModel::new(recording, &settings);
+        for warning in &model.warnings {
+            message!("warning: {warning}");
+        }
+        let mut parts = Vec::new();
+        for part in model.parts {
+            parts.push((part.from_secs, crowd.add_character(part.character)?));
+        }
+        Ok(Self { parts, present: None })
+    }
+
+    /// Returns whether there is a floor.
+    pub(super) fn is_known(&self) -> bool {
+        !self.parts.is_empty()
+    }
+
+    /// Shows the part of a time in seconds.
+    pub(super) fn change(&mut self, crowd: &mut Crowd, secs: f64) -> Result<(), Failure> {
+        let next = self.parts.partition_point(|(from, _)| *from <= secs);
+        let wanted = next.saturating_sub(1);
+        let Some((_, character)) = self.parts.get(wanted) else { return Ok(()) };
+        if self.present.is_some_and(|(part, _)| part == wanted) {
+            return Ok(());
+        }
+        if let Some((_, member)) = self.present.take() {
+            crowd.despawn(member)?;
+        }
+        let member = crowd.spawn(*character, Placement::at([0.0; 3]))?;
+        self.present = Some((wanted, member));
+        Ok(())
+    }
+}

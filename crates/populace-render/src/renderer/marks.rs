@@ -1,0 +1,126 @@
+//! What the pixels of a picture show: depth, instance and coverage.
+
+use glam::Vec3;
+
+use super::Renderer;
+use super::passes::{MEMBER_UNIT, PALETTE_BINDING, TEXTURE_UNIT, range};
+use crate::gl::{Cull, DrawState, MarkTarget};
+use crate::model::Skin;
+use crate::programs::Kind;
+use crate::{Camera, Error, Scene};
+
+/// What each pixel of a picture shows, top row first.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marks {
+    /// Distance along the view direction in metres, at the middle of the pixel, of the nearest
+    /// instance or the ground; infinity where there is neither.
+    pub depths_m: Vec<f32>,
+    /// Index among the instances that were drawn, at the middle of the pixel; `None` where there is
+    /// none. Blended surfaces count if they hide at least half of what is behind them.
+    pub instances: Vec<Option<u32>>,
+    /// Share of the pixel that instances cover, in 1/255. Blended surfaces count by their alpha.
+    pub coverage: Vec<u8>,
+}
+
+impl Renderer {
+    /// Draws the instances of the last picture again, from its `camera` over the ground of its
+    /// `scene`, and reads back what each pixel shows. The palettes must be those of the picture.
+    /// The picture itself cannot be read after this call.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::BadCamera`] for invalid settings, and others if the driver fails.
+    pub fn read_marks(&mut self, camera: &Camera, scene: &Scene) -> Result<Marks, Error> {
+        self.gl.make_current()?;
+        let coverage = self.coverage()?;
+        let pixels = self.draw_marks()?;
+        let ground = Ground::new(camera, scene, self.size)?;
+        let width = self.size[0] as usize;
+        let depth_m = |(index, [bits, number]): (usize, &[u32; 2])| match number {
+            0 => ground.depth_m([index % width, index / width]),
+            _ => f32::from_bits(*bits),
+        };
+        Ok(Marks {
+            depths_m: pixels.iter().enumerate().map(depth_m).collect(),
+            instances: pixels.iter().map(|[_, number]| number.checked_sub(1)).collect(),
+            coverage,
+        })
+    }
+
+    /// Draws the members' samples of the last picture over nothing, and returns their alpha.
+    fn coverage(&mut self) -> Result<Vec<u8>, Error> {
+        self.picture.begin_resolve(MEMBER_UNIT, 0.0);
+        let state = DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
+        self.gl.set_state(state);
+        let resolve = Kind::Resolve { samples: self.picture.samples() };
+        self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
+        let image = self.picture.read()?;
+        Ok(image.rgba.chunks_exact(4).map(|pixel| pixel[3]).collect())
+    }
+
+    /// Draws depths and numbers, and reads them back.
+    fn draw_marks(&mut self) -> Result<Vec<[u32; 2]>, Error> {
+        let target = match self.marks.take() {
+            Some(target) => target,
+            None => MarkTarget::new(&self.gl, self.picture.size())?,
+        };
+        target.begin();
+        self.frame.bind_uniform();
+        for run in &self.runs {
+            self.palettes.bind(run.page, PALETTE_BINDING);
+            let Some(model) = self.models.as_slice().get(run.model) else { continue };
+            for part in &model.levels[run.level as usize].parts {
+                let (alpha, influences) = (part.alpha, part.influences);
+                let textured = part.texture.is_some();
+                self.programs.get(Kind::Marks { influences, alpha, textured })?.bind();
+                self.gl.set_state(DrawState { cull: part.cull(run.mirrored), ..DrawState::OPAQUE });
+                part.surface.bind_uniform();
+                if let Some(texture) = &part.texture {
+                    texture.bind(TEXTURE_UNIT);
+                }
+                match &part.skin {
+                    Skin::Four(skin) => self.skin4.draw(&range(part, skin, &self.instances, run)),
+                    Skin::Eight(skin) => self.skin8.draw(&range(part, skin, &self.instances, run)),
+                }
+            }
+        }
+        let pixels = target.read();
+        self.marks = Some(target);
+        pixels
+    }
+}
+
+/// The ground as a camera sees it.
+struct Ground {
+    /// Camera, if there is ground.
+    camera: Option<Camera>,
+    /// View direction, and vectors along a pixel to the right and upwards, at a depth of one metre.
+    axes: [Vec3; 3],
+    middle: [f32; 2],
+}
+
+impl Ground {
+    fn new(camera: &Camera, scene: &Scene, [width, height]: [u32; 2]) -> Result<Self, Error> {
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+        let [wide, high] = [width as f32, height as f32];
+        camera.clip_from_world(wide / high)?;
+        let [eye, target, up] = [camera.eye, camera.target, camera.up].map(Vec3::from);
+        let forward = (target - eye).normalize();
+        let right = forward.cross(up).normalize();
+        let pixel_m = 2.0 * (0.5 * camera.fov_y_rad).tan() / high;
+        let axes = [forward, right * pixel_m, right.cross(forward) * pixel_m];
+        let camera = scene.ground.is_some().then_some(*camera);
+        Ok(Self { camera, axes, middle: [0.5 * wide, 0.5 * high] })
+    }
+
+    /// Returns the depth of the ground at the middle of a pixel, or infinity.
+    fn depth_m(&self, pixel: [usize; 2]) -> f32 {
+        let Some(camera) = &self.camera else { return f32::INFINITY };
+        let [forward, right, up] = self.axes;
+        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+        let [x, y] = pixel.map(|at| at as f32 + 0.5);
+        let direction = forward + right * (x - self.middle[0]) + up * (self.middle[1] - y);
+        let depth_m = -camera.eye[1] / direction.y;
+        if (camera.near..camera.far).contains(&depth_m) { depth_m } else { f32::INFINITY }
+    }
+}
