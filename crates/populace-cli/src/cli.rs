@@ -216,9 +216,6 @@ pub(crate) struct RenderArgs {
     pub(crate) out: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) trajectory: TrajectoryArgs,
-    /// Evaluate all frames and print measures as JSON, without drawing
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) no_draw: bool,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }
