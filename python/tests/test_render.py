@@ -99,10 +99,10 @@ class TheProgram(unittest.TestCase):
     def test_data_frames_are_understood(self):
         walkers, options = two_walkers(), {"no_draw": True, "cast": "@child", "device": "native"}
         measured = populace.render(walkers, fps=10, area=SQUARE, **options)
-        self.assertIn("2 agents, 0.9 s, 10.0000 rows a second,", measured.messages)
+        self.assertIn("2 people, 0.9 s, 10 rows a second,", measured.messages)
         self.assertLess(measured.measures["position_error"]["max_m"], 0.05)
         slow = populace.render(Trajectory(walkers, 5.0), fps=10, **options)
-        self.assertIn("2 agents, 1.8 s, 5.0000 rows a second,", slow.messages)
+        self.assertIn("2 people, 1.8 s, 5 rows a second,", slow.messages)
 
     def test_a_frame_without_positions_is_refused_by_the_program(self):
         with self.assertRaises(populace.Error) as caught:
@@ -133,7 +133,7 @@ class TheProgram(unittest.TestCase):
         area = pedpy.WalkableArea(SQUARE)
         for data in (frame, trajectory):
             film = populace.render(data, fps=10, area=area, **options)
-            self.assertIn("2 agents, 0.9 s, 10.0000 rows a second,", film.messages)
+            self.assertIn("2 people, 0.9 s, 10 rows a second,", film.messages)
             self.assertNotIn("warning", film.messages)
 
 

@@ -33,7 +33,9 @@ pub(crate) fn run(args: &JoinArgs) -> Result<(), Failure> {
 
 /// Writes the film. All pictures have the size of the first.
 fn join(args: &JoinArgs, files: &[PathBuf], outputs: Outputs) -> Result<(), Failure> {
-    let Some((first, others)) = files.split_first() else { return Ok(()) };
+    let Some((first, others)) = files.split_first() else {
+        return Err(populace_film::Error::NoFrames { path: args.out.clone() }.into());
+    };
     let picture = read(first)?;
     let size = [picture.width, picture.height];
     let settings = FilmSettings { encoder: args.encoder, ..FilmSettings::new(size, args.fps) };

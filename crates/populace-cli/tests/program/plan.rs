@@ -125,7 +125,9 @@ fn joined(folder: &Folder, pictures: &str, more: &[&str]) -> Vec<u8> {
     let args = ["film", pictures, "--fps", "10", "--out", &out];
     let output = populace(&[&args[..], more].concat());
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    std::fs::read(out).expect("a film")
+    let film = std::fs::read(&out).expect("a film");
+    std::fs::remove_file(out).expect("removed");
+    film
 }
 
 #[test]
