@@ -158,7 +158,7 @@ fn missing_facts_name_a_remedy() {
     let no_rate = file(|file| {
         table(file, "trajectory", &members, &rows);
     });
-    assert!(problem(&*no_rate).contains("--fps"));
+    assert!(problem(&*no_rate).contains("--data-fps"));
     let settings = ReadSettings { fps: Some(2.0), ..ReadSettings::default() };
     let name = std::path::Path::new("file");
     let recording = populace_trajectory::parse(name, no_rate, &settings).expect("a row");

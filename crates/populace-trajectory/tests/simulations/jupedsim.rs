@@ -98,7 +98,7 @@ fn missing_facts_name_a_remedy() {
     let text = problem(bytes("CREATE TABLE points(x, y);"));
     assert!(text.contains("no table trajectory_data") && text.contains("points"), "{text}");
     let table = "CREATE TABLE trajectory_data(frame, id, pos_x, pos_y);";
-    assert!(problem(bytes(table)).contains("--fps"));
+    assert!(problem(bytes(table)).contains("--data-fps"));
     let settings = ReadSettings { fps: Some(5.0), ..ReadSettings::default() };
     assert!(problem_with(bytes(table), &settings).to_string().contains("no positions"));
     let text = problem_with(bytes("CREATE TABLE trajectory_data(frame, id);"), &settings);

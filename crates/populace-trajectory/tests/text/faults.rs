@@ -72,7 +72,7 @@ fn impossible_frame_rates_are_errors() {
     for rate in ["0", "0.0000001", "99999999999"] {
         let file = PETRACK.replace("12.5", rate);
         let message = error(file);
-        assert!(message.contains("frame rate") && message.contains("--fps"), "{message}");
+        assert!(message.contains("frame rate") && message.contains("--data-fps"), "{message}");
     }
 }
 

@@ -177,7 +177,7 @@ fn obsmat_whose_velocities_disagree_with_its_rate_is_doubted() {
     let recording = recording(faster);
     assert_eq!(recording.source.fps, Fact::assumed(15.0));
     let warning = recording.warnings[0].to_string();
-    assert!(warning.contains("velocities") && warning.contains("--fps"), "{warning}");
+    assert!(warning.contains("velocities") && warning.contains("--data-fps"), "{warning}");
 }
 
 #[test]
