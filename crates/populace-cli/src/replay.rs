@@ -110,7 +110,7 @@ impl ReplayJob<'_> {
             &args.clips,
             ClipChoice::default(),
             args.height,
-            !args.full_detail,
+            filming.is_some() && !args.full_detail,
             !args.plain,
         )?;
         let roles = loaded.roles;
