@@ -103,7 +103,8 @@ impl Cameras {
             }
             View::Orbit => Self::orbit(&bounds, aspect),
             View::At { eye, target } => {
-                Mode::Fixed(Camera { eye: *eye, target: *target, near: NEAR_M, ..framed })
+                let up = upright(Vec3::from(*target) - Vec3::from(*eye)).to_array();
+                Mode::Fixed(Camera { eye: *eye, target: *target, up, near: NEAR_M, ..framed })
             }
             View::Follow { id } => Mode::Follow { id: known(id)? },
             View::Eye { id } => Mode::Eye { id: known(id)? },
