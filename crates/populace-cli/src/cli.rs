@@ -105,14 +105,14 @@ pub(crate) enum Command {
     Cast(CastArgs),
     /// Show the contents of characters and of trajectory files.
     ///
-    /// Of a character, lists skeletons, skins, humanoid roles, meshes, materials, images and clips,
-    /// and notes on anything that the importer ignored.
+    /// Lists the skeletons, skins, humanoid roles, meshes, materials, images and clips of a
+    /// character, and notes on anything that the importer ignored.
     ///
-    /// Of a trajectory file, shows the format, people and vehicles, times, rate, speeds, extent,
-    /// gaps, extra columns and the place, what was assumed, and warnings. Its JSON document has all
-    /// of that in `trajectory`: lengths in metres, times in seconds as the file counts them.
-    /// `frames` is the number of times at which somebody has a row, `fps` the rows of each agent in
-    /// a second, `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
+    /// Shows the format, people and vehicles, times, rate, speeds, extent, gaps, extra columns,
+    /// place, assumptions and warnings of a trajectory file. Its JSON document has all of that in
+    /// `trajectory`: lengths in metres, times in seconds as the file counts them. `frames` is the
+    /// number of times at which somebody has a row, `fps` the rows of each agent in a second,
+    /// `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
     Inspect(InspectArgs),
     /// Evaluate one pose of a character: joints, palettes and skinned vertices.
     ///

@@ -130,8 +130,8 @@ struct CrowdAction {
 }
 
 impl Subject for CrowdAction {
-    /// The members where they are at frame 0 and, in a film, a little later. Later still, those who
-    /// walk would leave a picture of nobody in particular.
+    /// The members at frame 0 and, in a film, at a little later time. A much later time would frame
+    /// the ground between members that have walked apart.
     fn bounds(&self) -> Vec<[f32; 3]> {
         let times = [self.start_secs, self.start_secs + FRAMED_SECS];
         self.population.bounding_points(if self.is_film { &times } else { &times[..1] })

@@ -1,6 +1,6 @@
 //! The loop over frames: advance to the frame's time, draw from its camera, hand the picture on.
 //!
-//! What happens before the camera is an [`Action`], and where pictures go is a [`FrameSink`].
+//! An [`Action`] moves the crowd and the camera, and a [`FrameSink`] takes the pictures.
 
 use std::time::Instant;
 
@@ -19,7 +19,7 @@ use crate::report::message;
 /// Length of each frame before the first picture.
 pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
-/// What happens before the camera: moves a crowd through time, and says where the camera is.
+/// Moves a crowd through time, and places the camera.
 pub(crate) trait Action {
     /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called
     /// in the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
@@ -41,11 +41,11 @@ pub(crate) trait Action {
 /// A picture of a frame.
 pub(crate) struct Shot {
     pub(crate) picture: Image,
-    /// What its pixels show at the time of the frame, if the sink needs that.
+    /// Depth and people of its pixels at the time of the frame, if the sink needs them.
     pub(crate) facts: Option<PixelFacts>,
 }
 
-/// Where the pictures go.
+/// Takes the pictures.
 pub(crate) trait FrameSink {
     /// Returns true if the picture of a frame is wanted; otherwise it is not drawn.
     fn wants(&self, frame: u32) -> bool;

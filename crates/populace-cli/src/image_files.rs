@@ -11,7 +11,7 @@ const DEPTH_UNITS: f32 = 100.0;
 /// Largest number of a person in an image; one less than fits in three bytes, since 0 is nobody.
 const MOST_IDS: u64 = 0xff_fffe;
 
-/// What the pixels of a picture show.
+/// Depth, coverage and people of the pixels of a picture.
 pub(crate) struct PixelFacts {
     pub(crate) marks: Marks,
     /// The people of the instances, by their order; `None` for other things.

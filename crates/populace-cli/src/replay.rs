@@ -34,7 +34,7 @@ use place::{Place, SLAB_M};
 
 /// People whose feet are measured when most are there.
 const METERED: usize = 16;
-/// Longest step in seconds. Feet need several in each contact, whatever the frame rate.
+/// Longest step in seconds. Feet need several steps in each contact, at any frame rate.
 const STEP_SECS: f32 = 0.041;
 /// Clips that a member plays at the same time: idle, walk and run.
 const SLOTS: usize = 4;
@@ -199,7 +199,7 @@ struct ReplayAction {
     /// `None` if nothing is drawn.
     cameras: Option<Cameras>,
     meter: SkateMeter,
-    /// The feet of every so many agents are measured.
+    /// The feet of agents are measured whose index is a multiple of this.
     every: usize,
     overlays: Overlays,
     place: Place,

@@ -70,7 +70,7 @@ impl Series {
         numbered(&self.name, frame)
     }
 
-    /// Refuses a series without a picture for each of `frames`, and names those that are missing.
+    /// Refuses a series without a picture for each of `frames`, and names the missing ones.
     pub(crate) fn check_complete(&self, frames: &RangeInclusive<u32>) -> Result<(), Failure> {
         let gaps = gaps(&self.numbers, frames);
         let Some([first, last]) = gaps.first() else { return Ok(()) };

@@ -1,4 +1,4 @@
-//! Where frames go: PNG files, or a film.
+//! Files that take frames: PNG files, or a film.
 
 use std::path::{Path, PathBuf};
 

@@ -11,7 +11,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{NamedTempFile, TempPath};
 
-/// What is being written.
+/// The files that are being written.
 struct State {
     /// The temporary file; removed if the program ends early.
     path: Option<PathBuf>,

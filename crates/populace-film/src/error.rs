@@ -61,7 +61,7 @@ pub enum Error {
     Encoder {
         /// The encoder.
         encoder: &'static str,
-        /// What it said.
+        /// Its message.
         cause: String,
     },
     /// Bytes that are no picture.

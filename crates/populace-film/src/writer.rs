@@ -1,4 +1,4 @@
-//! What writes the frames of a film.
+//! Writers of the frames of a film.
 
 use std::path::PathBuf;
 

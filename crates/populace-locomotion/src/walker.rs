@@ -119,9 +119,9 @@ pub(crate) struct Wish {
 /// The motion that a walker is led through.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Lead {
-    /// Where it is: `[x, z]` in metres.
+    /// Position `[x, z]` in metres.
     pub position: [f32; 2],
-    /// How it moves: `[x, z]` in metres per second.
+    /// Velocity `[x, z]` in metres per second.
     pub velocity: [f32; 2],
     /// The speed that it will have in half a second, in metres per second. It steps at that cadence
     /// when it sets off.

@@ -6,7 +6,7 @@ use crate::strokes::{Field, Segment, Window, coverage};
 /// A picture to draw on: RGBA in sRGB with straight alpha, rows from the top.
 ///
 /// Points are in pixels from the upper left corner of the picture; the middle of the first pixel is
-/// `[0.5, 0.5]`. Whatever lies outside of the picture is cut off.
+/// `[0.5, 0.5]`. Strokes end at the edges of the picture.
 #[derive(Debug)]
 pub struct Canvas<'a> {
     rgba: &'a mut [u8],

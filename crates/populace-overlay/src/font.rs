@@ -71,7 +71,7 @@ pub(crate) fn strokes(text: &str, size_px: f64, at: [f64; 2]) -> Vec<Segment> {
 struct Grid {
     scale: f64,
     stroke: f64,
-    /// Where the middle of a stroke lies in a pixel: 0.5 for an odd width, 0 for an even one.
+    /// Position of the middle of a stroke in a pixel: 0.5 for an odd width, 0 for an even one.
     offset: f64,
     heights: [f64; HEIGHTS.len()],
 }

@@ -25,7 +25,7 @@ impl TextStyle {
     }
 }
 
-/// Where a line of text is, relative to its point.
+/// The place of a point in its line of text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// The point is at the beginning of the base line.

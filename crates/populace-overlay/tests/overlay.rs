@@ -1,4 +1,4 @@
-//! What is drawn is compared with what it should be, in small pictures.
+//! Small pictures, compared with the expected ones.
 #![expect(clippy::unwrap_used, reason = "a step that fails fails the test")]
 
 use populace_overlay::{

@@ -36,9 +36,9 @@ pub(crate) struct Somebody {
 /// The gaze of one agent.
 #[derive(Clone, Copy, Debug, Default)]
 struct Gaze {
-    /// Whom it looks at, and until when in seconds.
+    /// The agent that it looks at, and the time in seconds at which that ends.
     at: Option<(usize, f64)>,
-    /// When it may look at somebody again.
+    /// The time in seconds from which it may look at somebody again.
     rests_until: f64,
 }
 
@@ -46,7 +46,8 @@ struct Gaze {
 #[derive(Clone, Debug)]
 pub(crate) struct Gazes {
     all: Vec<Gaze>,
-    /// People along the plan's x: where, and their index among those who are there.
+    /// Positions of people along the plan's x, in order, and their indices among the people
+    /// present.
     by_x: Vec<(f32, usize)>,
 }
 
@@ -84,7 +85,7 @@ impl Gazes {
         Ok(())
     }
 
-    /// Decides whether somebody looks at the nearest of those who pass.
+    /// Decides whether somebody looks at the nearest person who passes.
     fn notice(&mut self, somebody: &Somebody, people: &[Somebody], secs: f64) {
         let gaze = &mut self.all[somebody.agent];
         if secs < gaze.rests_until {
@@ -100,7 +101,7 @@ impl Gazes {
             .filter(passes)
             .min_by(|a, b| distance(a).total_cmp(&distance(b)).then(a.agent.cmp(&b.agent)));
         let Some(nearest) = nearest else { return };
-        // Whoever does not look now will not look at the same person a moment later.
+        // Somebody who does not look now does not look at the same person a moment later either.
         gaze.rests_until = secs + GLANCE_SECS + REST_SECS;
         if chance(somebody.agent, nearest.agent) < LOOKS {
             gaze.at = Some((nearest.agent, secs + GLANCE_SECS));

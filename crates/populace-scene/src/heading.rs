@@ -33,8 +33,7 @@ pub(crate) fn of_motion(velocities: &[[f64; 2]], step_secs: f64) -> Vec<f64> {
     settled(directions.collect(), step_secs)
 }
 
-/// Returns headings without gaps and sudden turns for those that data give; NaN where they give
-/// none.
+/// Returns headings of data without gaps and sudden turns. NaN is a gap.
 pub(crate) fn of_data(headings: &[f64], step_secs: f64) -> Vec<f64> {
     settled(
         headings.iter().map(|heading| heading.is_finite().then_some(*heading)).collect(),

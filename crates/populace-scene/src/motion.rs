@@ -31,7 +31,7 @@ const DRIFT_M: f64 = 0.12;
 /// Seconds for which somebody who drifted steps.
 const STEPS_SECS: f64 = 0.6;
 
-/// Where an agent is at one time, and how it moves there. On the plan of its recording.
+/// Position and motion of an agent at one time, on the plan of its recording.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
     /// Position `[x, y]` in metres.

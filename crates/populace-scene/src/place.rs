@@ -63,7 +63,7 @@ impl Default for PlaceSettings {
 pub struct PlacePart {
     /// Time in seconds from which it is there.
     pub from_secs: f64,
-    /// What is there: a character of one joint, in metres, with plan x along X and plan y along -Z.
+    /// A character of one joint, in metres, with plan x along X and plan y along -Z.
     pub character: Arc<Character>,
 }
 
@@ -73,12 +73,12 @@ pub struct PlacePart {
 pub enum PlaceWarning {
     /// A ring with a coordinate that is not finite or beyond 100 km.
     FarRing {
-        /// What it is: an outline, a hole or an obstacle.
+        /// Its kind: an outline, a hole or an obstacle.
         what: &'static str,
     },
     /// A ring of no area.
     EmptyRing {
-        /// What it is: an outline, a hole or an obstacle.
+        /// Its kind: an outline, a hole or an obstacle.
         what: &'static str,
     },
     /// A place that no character can be made of.
@@ -103,7 +103,7 @@ impl fmt::Display for PlaceWarning {
     }
 }
 
-/// What is drawn of a place.
+/// The characters that show a place.
 #[derive(Clone, Debug, Default)]
 pub struct PlaceModel {
     /// The place from each time on, in the order of time; empty if nothing is known.

@@ -56,7 +56,7 @@ pub struct Replay {
     present: Vec<bool>,
     leads: Vec<Lead>,
     gazes: Gazes,
-    /// Those who are there, in the order of agents.
+    /// The people present, in the order of agents.
     somebodies: Vec<Somebody>,
     /// Heights of the eyes above the ground in metres, by agent; 0 for bodies that cannot look.
     eyes_m: Vec<f32>,
@@ -119,7 +119,7 @@ impl Replay {
         self.leave(crowd)?;
         self.leads.clear();
         for agent in &self.agents {
-            // Who is not there has left above.
+            // Agents that are gone have left above.
             self.leads.extend(lead(&self.motions, *agent, self.secs));
         }
         self.walkers.follow(crowd, &self.leads, secs)?;
@@ -158,7 +158,7 @@ impl Replay {
         let Some(motion) = self.motions.agents.get(agent) else { return 0.0 };
         let span = motion.secs().find(|[from, until]| (*from..=*until).contains(&self.secs));
         let Some([from, until]) = span else { return 0.0 };
-        // Who is there when the recording begins or ends does not come or leave.
+        // Nobody comes when the recording begins, or leaves when it ends.
         let [first, last] = self.all_secs;
         let since = if from > first { self.secs - from + FADE_SECS / 8.0 } else { FADE_SECS };
         let left = if until < last { until - self.secs } else { FADE_SECS };

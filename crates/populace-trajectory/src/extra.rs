@@ -66,7 +66,7 @@ impl Extra {
 #[derive(Default)]
 pub(crate) struct Extras {
     columns: Vec<Extra>,
-    /// Where the next name is likely to be: rows mostly have the same order.
+    /// Likely index of the next name: rows mostly have the same order.
     likely: usize,
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// What separates fields.
+/// A separator of fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Separator {
     /// Any number of blanks and tabs.

@@ -144,7 +144,7 @@ impl<'a> Hdf5<'a> {
         words.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
-    /// Reads the rows, whose unit is so many metres.
+    /// Reads the rows. One unit of their positions is `metres`.
     fn read_rows(&self, table: &Table, metres: f64, rows: &mut Rows) -> Result<(), Error> {
         let [id, frame, x, y, z, ox, oy] = MEMBERS.map(|name| table.member(name));
         let (Some(id), Some(frame), Some(x), Some(y)) = (id, frame, x, y) else {

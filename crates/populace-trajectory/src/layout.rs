@@ -34,7 +34,7 @@ impl Customs {
         Self { z_is_body_height: false, angle: Angle::Untold, has_absent_rows: false };
 }
 
-/// What a row takes from a column, beside id, clock and position.
+/// The value that a column gives to a row, beside id, clock and position.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Role {
     Elevation,
@@ -49,7 +49,7 @@ pub(crate) enum Role {
     Extra(Extra),
 }
 
-/// Where a row holds what.
+/// The columns of the values of a row.
 #[derive(Clone, Debug)]
 pub(crate) struct Layout {
     pub(crate) id: usize,

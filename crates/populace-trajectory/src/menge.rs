@@ -11,7 +11,7 @@ const ASSUMED_SECS: f32 = 0.1;
 /// Files with more agents are taken to be something else.
 const MOST_AGENTS: u32 = 1 << 24;
 
-/// What the numbers of an agent in a frame stand for.
+/// The meaning of one number of an agent in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
     X,
@@ -48,7 +48,7 @@ const VERSIONS: &[((u8, u8), &[Part])] = &[
     ((2, 4), &[X, Elevation, Y, Heading]),
 ];
 
-/// What stands before the frames.
+/// The bytes before the frames.
 struct Header {
     version: (u8, u8),
     parts: &'static [Part],

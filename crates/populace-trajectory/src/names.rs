@@ -2,12 +2,12 @@
 
 use crate::Unit;
 
-/// What a column holds.
+/// The meaning of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Meaning {
     Id,
     Frame,
-    /// A time; 1 is so many seconds: see [`Name::secs`].
+    /// A time, in units of [`Name::secs`].
     Time,
     X,
     Y,
@@ -32,7 +32,7 @@ pub(crate) enum Meaning {
 pub(crate) enum NamedUnit {
     Length(Unit),
     Pixels,
-    /// So many seconds.
+    /// A unit of time, in seconds.
     Time(f64),
     Degrees,
     Radians,
@@ -45,7 +45,7 @@ pub(crate) struct Name<'a> {
     pub(crate) text: &'a str,
     pub(crate) meaning: Option<Meaning>,
     pub(crate) unit: Option<NamedUnit>,
-    /// Of two names with one meaning, that with the lower rank has it.
+    /// Rank among names with the same meaning: the lowest has it.
     pub(crate) rank: usize,
 }
 

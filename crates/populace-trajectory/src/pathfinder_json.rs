@@ -38,7 +38,7 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
     file.rows.finish(found, input.path(), settings)
 }
 
-/// What has been read, and the entry that is being read.
+/// The rows so far, and the entry that is being read.
 #[derive(Default)]
 struct File {
     rows: Rows,
@@ -137,7 +137,7 @@ enum Scalar<'a> {
     Word(&'a str),
 }
 
-/// Where in the file a part is.
+/// The level of the file at which a part is.
 #[derive(Clone, Copy, PartialEq)]
 enum Depth {
     Agents,

@@ -15,7 +15,7 @@ pub struct Polygon {
 pub struct PlaceChange {
     /// Time in seconds.
     pub from_secs: f64,
-    /// The walkable area. Holes and whatever is outside cannot be walked on.
+    /// The walkable area. Nobody walks in holes or outside.
     pub walkable: Vec<Polygon>,
 }
 

@@ -23,7 +23,7 @@ const BODY_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.5..=2.6;
 /// The axis by which rows are in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Clock {
-    /// Frames, so many of them in a second.
+    /// Frames, and their number in a second.
     Frames(Fact<f64>),
     /// Seconds.
     Seconds,

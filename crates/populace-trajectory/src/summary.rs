@@ -4,7 +4,7 @@ use crate::{Agent, Kind, Recording, Track};
 
 /// Times nearer to each other than this, in seconds, are one.
 const SAME_SECS: f64 = 1e-6;
-/// Rows further apart than so many of the usual intervals have a gap between them.
+/// Distance between rows, in usual intervals, above which there is a gap between them.
 const GAP_INTERVALS: f64 = 1.5;
 
 /// Numbers about a whole recording.
@@ -59,7 +59,7 @@ impl Recording {
     }
 
     fn peak_agents(&self) -> usize {
-        // Whoever comes at the moment when somebody goes is there with them.
+        // An agent that comes as another goes is there together with it.
         let (comes, goes) = (0_u8, 1_u8);
         let times = self.agents.iter().map(|agent| self.track(agent).times);
         let ends = times.filter_map(|times| Some((*times.first()?, *times.last()?)));
@@ -122,7 +122,7 @@ fn frames(mut times: Vec<f64>) -> usize {
     times.len()
 }
 
-/// Returns the value that so many of 100 values do not exceed; 0 without values.
+/// Returns the value that `hundredth` of 100 values do not exceed; 0 without values.
 fn percentile(values: &mut [f64], hundredth: usize) -> f64 {
     let rank = (values.len() * hundredth).div_ceil(100).max(1) - 1;
     if values.is_empty() { 0.0 } else { *values.select_nth_unstable_by(rank, f64::total_cmp).1 }

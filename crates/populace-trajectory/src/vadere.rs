@@ -8,9 +8,9 @@ use crate::input::Input;
 use crate::rows::{Clock, Found, Rows};
 use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit, area};
 
-/// A step follows the one before it without a wait if it begins so many seconds around its end.
+/// Greatest time in seconds between two steps that follow each other without a wait.
 const JOINT_SECS: f64 = 1e-6;
-/// A step that follows another without a wait begins within so many metres around its end.
+/// Greatest distance in metres between the end of such a step and the beginning of the next.
 const JOINT_M: f64 = 1e-3;
 
 /// The columns with a meaning: the index of each.

@@ -9,7 +9,7 @@ use populace_trajectory::{
 
 const VARIABLE: &str = "POPULACE_TEST_DATA";
 
-/// What a file holds, counted by other programs.
+/// The contents of a file, counted by other programs.
 struct Expected {
     file: &'static str,
     format: Format,

@@ -1,9 +1,9 @@
-//! What cameras see.
+//! People and places as cameras see them.
 #![expect(clippy::disallowed_methods, reason = "angles of the host alone; no device computes them")]
 
 use glam::Vec3;
 
-/// Where a person is.
+/// Position and heading of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
     /// The ground between the feet, in world space in metres.

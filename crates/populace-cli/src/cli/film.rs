@@ -70,7 +70,7 @@ impl FromStr for FrameRange {
 pub(crate) enum ImageKind {
     /// Depth in centimetres.
     Depth,
-    /// Who is seen.
+    /// The person in each pixel.
     Id,
     /// How much of each pixel members cover.
     Alpha,

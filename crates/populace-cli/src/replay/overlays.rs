@@ -1,5 +1,4 @@
-//! What is drawn over pictures of trajectories: a legend, trails, ids and a clock; and the colours that
-//! people have by it.
+//! A legend, trails, ids and a clock over pictures of trajectories, and people in the legend's colours.
 
 use populace::character::Image;
 use populace::{CharacterId, Crowd, MemberLook};
@@ -44,7 +43,7 @@ struct Colours {
     legend: Legend,
 }
 
-/// What is drawn over pictures.
+/// Drawings over pictures, and the colours of people.
 pub(super) struct Overlays {
     colours: Option<Colours>,
     /// The clothes of each character, and each agent's character and look.

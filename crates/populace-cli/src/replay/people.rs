@@ -11,8 +11,8 @@ use populace_variety::Variety;
 use crate::failure::Failure;
 use crate::roles::{self, CrowdRole};
 
-/// Heights that are equal for all of so many agents are an assumption of the file.
-const MEASURED: usize = 3;
+/// Fewest agents of whom equal heights are an assumption of the file, and not measured.
+const ASSUMED_FROM: usize = 3;
 /// Characters that are within this part of an agent's height may play it.
 const FITS: f32 = 0.1;
 
@@ -85,7 +85,7 @@ fn heights(recording: &Recording, asked_m: Option<f32>) -> Vec<Option<f32>> {
     let of = |agent: &Agent| agent.height_m.filter(|_| agent.kind == Kind::Person);
     let known: Vec<f32> = recording.agents.iter().filter_map(of).collect();
     let differ = known.windows(2).any(|pair| pair[0] != pair[1]);
-    let measured = differ || known.len() < MEASURED;
+    let measured = differ || known.len() < ASSUMED_FROM;
     let height = |agent| asked_m.or_else(|| of(agent).filter(|_| measured));
     recording.agents.iter().map(height).collect()
 }

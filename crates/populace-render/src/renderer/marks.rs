@@ -1,4 +1,4 @@
-//! What the pixels of a picture show: depth, instance and coverage.
+//! Depth, instance and coverage of the pixels of a picture.
 
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ use crate::model::Skin;
 use crate::programs::Kind;
 use crate::{Camera, Error, Scene};
 
-/// What each pixel of a picture shows, top row first.
+/// Depth, instance and coverage of each pixel of a picture, top row first.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
     /// Distance along the view direction in metres, at the middle of the pixel, of the nearest

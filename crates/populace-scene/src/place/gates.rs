@@ -1,4 +1,4 @@
-//! Where people pass outlines: doors.
+//! Doors: places at which people pass outlines.
 
 use populace_trajectory::{Recording, Track};
 

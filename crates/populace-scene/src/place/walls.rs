@@ -18,7 +18,7 @@ pub(super) struct Sizes {
     pub(super) slab: f64,
 }
 
-/// Where faces go.
+/// The meshes that take faces.
 pub(super) struct Faced<'a> {
     pub(super) floor: &'a mut Faces,
     pub(super) walls: &'a mut Faces,

@@ -1,4 +1,4 @@
-//! What PeTrack adds to trajectories: directions of view, body heights and markers.
+//! Directions of view, body heights and markers, which PeTrack adds to trajectories.
 
 use std::collections::HashMap;
 

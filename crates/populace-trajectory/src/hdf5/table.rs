@@ -2,16 +2,16 @@
 
 use rust_hdf5::{ByteOrder, DatatypeMessage, H5Dataset};
 
-/// A compressed table may be so many times larger than its file. Positions never compress as well,
+/// Largest size of a compressed table, as a multiple of its file's. Positions never compress as well,
 /// but damaged sizes can be larger than any memory.
 const LARGEST_RATIO: u64 = 100;
-/// Tables of up to so many bytes are read from any file.
+/// Size in bytes up to which tables are read from any file.
 const SMALL_BYTES: u64 = 16 << 20;
-/// Parts of a compressed table may have so many bytes, even if the table has fewer.
+/// Size in bytes that parts of a compressed table may have, even if the table is smaller.
 const SMALL_PART_BYTES: u64 = 4 << 20;
 
-/// Returns the reason if a dataset of a file of so many bytes needs far more memory than that, or
-/// other files.
+/// Returns the reason if a dataset needs other files, or far more memory than the `file_bytes` of its
+/// file.
 pub(super) fn check_size(dataset: &H5Dataset, file_bytes: u64) -> Result<(), String> {
     if dataset.virtual_mappings().is_ok_and(|mappings| !mappings.is_empty())
         || dataset.external_files().is_ok_and(|files| !files.is_empty())

@@ -56,7 +56,7 @@ fn set_fps(dataset: &H5Dataset, fps: f64) {
     attribute.write_numeric(&fps).expect("an attribute");
 }
 
-/// What PeTrack writes: three persons' rows, directions of view, heights and markers.
+/// A file as PeTrack writes it: three persons' rows, directions of view, heights and markers.
 pub(super) fn petrack() -> Vec<u8> {
     file(|file| {
         let row = |id, frame, x| [Int(id), Int(frame), Float(x), Float(2.0), Float(1.7)];
@@ -74,7 +74,7 @@ pub(super) fn petrack() -> Vec<u8> {
     })
 }
 
-/// What JuPedSim writes when the walkable area changes.
+/// A file as JuPedSim writes it when the walkable area changes.
 pub(super) fn jupedsim() -> Vec<u8> {
     file(|file| {
         let row = |frame, id, x, ox| {

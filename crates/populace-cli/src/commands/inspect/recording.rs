@@ -1,4 +1,4 @@
-//! What a trajectory file holds.
+//! The contents of a trajectory file.
 
 use populace_trajectory::{
     Agent, Column, Origin, Place, Polygon, Recording, Source, Summary, Values,
