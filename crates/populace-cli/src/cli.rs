@@ -2,28 +2,30 @@
 
 #[cfg(feature = "bench")]
 mod bench;
+mod devices;
 mod film;
 mod parts;
+mod picture;
+mod trajectories;
 mod values;
 
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
-use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
-use populace_render::Preset;
 
 use crate::aim::{Point, ReachArg};
-use crate::camera::View;
-use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
-pub(crate) use film::{FilmArgs, FrameRange, ImageKind, MOST_FRAMES};
+pub(crate) use devices::{DeviceArgs, build};
+pub(crate) use film::{FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use parts::{JoinArgs, PlanArgs};
-pub(crate) use values::{Size, VertexId};
-use values::{height, pixels, trail_secs, wall_height};
+pub(crate) use picture::PictureArgs;
+pub(crate) use trajectories::OverlayArgs;
+use trajectories::TrajectoryArgs;
+pub(crate) use values::VertexId;
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -150,49 +152,6 @@ pub(crate) enum Command {
     Bench(AbsentArgs),
 }
 
-/// The choice of devices.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct DeviceArgs {
-    /// Device to evaluate on: native, opencl or opencl:N, or several joined by +; see `populace
-    /// devices --help` [default: the best available]
-    #[arg(long, value_name = "DEVICE[+DEVICE]")]
-    pub(crate) device: Option<Devices>,
-    /// Distribution of members over several devices: measured balances them by their times; shares
-    /// such as 60,40 are fixed
-    #[arg(
-        long,
-        value_name = "measured|SHARE,SHARE",
-        default_value_t = Split::Measured,
-        allow_hyphen_values = true
-    )]
-    pub(crate) split: Split,
-    /// Mapping of the pipeline to the device: staged runs one kernel per stage, fused all stages in
-    /// one, as fused-wide for CPUs or fused-grouped for GPUs
-    #[arg(
-        long,
-        value_name = "staged|fused|fused-wide|fused-grouped",
-        default_value_t = Schedule::Fused
-    )]
-    pub(crate) schedule: Schedule,
-}
-
-impl DeviceArgs {
-    /// Returns a builder for a crowd on these devices, or on the best device if none is named.
-    pub(crate) fn crowd(&self) -> CrowdBuilder {
-        let builder = Crowd::builder().split(self.split.clone()).schedule(self.schedule);
-        self.device.iter().cloned().fold(builder, CrowdBuilder::devices)
-    }
-}
-
-/// Builds a crowd, and reports if it falls back to the native device.
-pub(crate) fn build(builder: CrowdBuilder) -> Result<Crowd, Failure> {
-    let crowd = builder.build()?;
-    if let Some(reason) = crowd.device_info().fallback {
-        crate::report::message!("using the native device: {reason}");
-    }
-    Ok(crowd)
-}
-
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
     /// Characters: glTF 2.0 files (.gltf, .glb), - for standard input, @people for all built-in
@@ -220,68 +179,6 @@ pub(crate) struct RenderArgs {
     pub(crate) picture: PictureArgs,
 }
 
-/// Options for trajectory files.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct TrajectoryArgs {
-    #[command(flatten)]
-    pub(crate) read: ReadArgs,
-    /// Evaluate all frames and print measures as JSON, without drawing
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) no_draw: bool,
-    #[command(flatten)]
-    pub(crate) overlay: OverlayArgs,
-}
-
-/// Options for what is drawn over pictures of trajectories.
-#[derive(Args, Clone, Debug)]
-pub(crate) struct OverlayArgs {
-    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file,
-    /// with a legend
-    #[arg(long, value_name = "NAME", alias = "color-by", help_heading = "Trajectory files")]
-    pub(crate) colour_by: Option<String>,
-    /// Draw the way that people came in the last seconds
-    #[arg(
-        long,
-        value_name = "SECONDS",
-        num_args = 0..=1,
-        default_missing_value = "3",
-        value_parser = trail_secs,
-        help_heading = "Trajectory files"
-    )]
-    pub(crate) trails: Option<f64>,
-    /// Write ids above heads
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) ids: bool,
-    /// Show the time since the beginning of the file
-    #[arg(long, help_heading = "Trajectory files")]
-    pub(crate) clock: bool,
-    /// Height of walls and obstacles in metres, from 0.01 to 100
-    #[arg(
-        long,
-        value_name = "METRES",
-        default_value_t = 0.6,
-        value_parser = wall_height,
-        help_heading = "Trajectory files"
-    )]
-    pub(crate) walls: f64,
-}
-
-impl OverlayArgs {
-    /// Refuses these options if one was given. For commands without a trajectory file.
-    pub(crate) fn refuse_unused(&self) -> Result<(), Failure> {
-        let given = [
-            ("--colour-by", self.colour_by.is_some()),
-            ("--trails", self.trails.is_some()),
-            ("--ids", self.ids),
-            ("--clock", self.clock),
-        ];
-        match given.into_iter().find(|(_, given)| *given) {
-            Some((flag, _)) => Err(Failure::usage(format!("{flag} needs a trajectory file"))),
-            None => Ok(()),
-        }
-    }
-}
-
 #[derive(Args, Debug)]
 pub(crate) struct DemoArgs {
     /// Number of members of the crowd
@@ -302,75 +199,6 @@ pub(crate) struct DemoArgs {
     pub(crate) out: PathBuf,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
-}
-
-/// Options for drawing a crowd.
-#[derive(Args, Debug)]
-pub(crate) struct PictureArgs {
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", allow_hyphen_values = true)]
-    pub(crate) size: Size,
-    #[command(flatten)]
-    pub(crate) film: FilmArgs,
-    /// Camera: crowd shows all members, and close one of the nearest, with which it goes; top looks
-    /// straight down, iso at a slant from far away, and orbit circles them once a minute; follow:ID
-    /// goes behind the member with this number, counted from 0, and eye:ID sees with its eyes; six
-    /// numbers are the positions of the camera and of its target in metres, and PATH.toml holds key
-    /// frames of a moving camera
-    #[arg(
-        long,
-        value_name = "crowd|close|top|iso|orbit|follow:ID|eye:ID|X,Y,Z,X,Y,Z|PATH.toml",
-        default_value = "crowd",
-        allow_hyphen_values = true
-    )]
-    pub(crate) camera: View,
-    /// Light and surroundings: a clear afternoon, a low sun, clouds, or a grey backdrop
-    #[arg(
-        long,
-        value_name = "day|evening|overcast|studio",
-        default_value_t = Preset::Day
-    )]
-    pub(crate) sky: Preset,
-    /// Scale every character to this height in metres [default: its own height; with several
-    /// characters, implausible heights are scaled to plausible ones]
-    #[arg(long, value_name = "METRES", value_parser = height)]
-    pub(crate) height: Option<f32>,
-    /// Add the clips of this file to all characters, retargeted if skeletons differ. The file is
-    /// not drawn. @people are the clips of the built-in people, @child those of one of them. Can be
-    /// repeated
-    #[arg(long, value_name = "FILE")]
-    pub(crate) clips: Vec<PathBuf>,
-    /// Clip that all members play [default: walk and idle clips, found by name; all clips if there
-    /// are none]
-    #[arg(long, value_name = "NAME")]
-    pub(crate) clip: Option<String>,
-    /// Move members by the root motion of their clips, cycle after cycle. Members with clips that
-    /// walk in place are always moved
-    #[arg(long)]
-    pub(crate) root_motion: bool,
-    /// Greatest distance in pixels between the surfaces of members that are drawn with fewer
-    /// triangles and their own, from 0 to 100
-    #[arg(long, value_name = "PIXELS", default_value_t = 1.0, value_parser = pixels)]
-    pub(crate) detail: f32,
-    /// Draw and evaluate all members in full detail, also those out of view
-    #[arg(long)]
-    pub(crate) full_detail: bool,
-    /// Give all members the colours, clothes and height of their character, rather than their own
-    #[arg(long)]
-    pub(crate) plain: bool,
-    /// Hide the meshes of the node with this name; can be repeated
-    #[arg(long, value_name = "NODE")]
-    pub(crate) hide: Vec<String>,
-    /// Seed of the random numbers; the same seed gives the same picture
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// Print one JSON document instead of the path
-    #[arg(long)]
-    pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
 }
 
 #[derive(Args, Debug)]

@@ -68,8 +68,8 @@ pub struct Replay {
 
 impl Replay {
     /// Leads one person through the motion of each agent; vehicles are left out. The replay stands
-    /// at a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings those who
-    /// are.
+    /// at a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings the people
+    /// of that time.
     ///
     /// # Errors
     ///
