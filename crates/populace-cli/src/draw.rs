@@ -102,9 +102,7 @@ impl DrawJob<'_> {
         };
         let shutter = Shutter::degrees(film.shutter);
         Ok(match &film.frames {
-            Some(FrameRange(range)) => {
-                Frames { first: *range.start(), last: *range.end(), rate, shutter, late_secs: 0.0 }
-            }
+            Some(FrameRange(range)) => Frames::film(range, rate, shutter),
             None => Frames { shutter, ..Frames::still(film.at.unwrap_or_default(), rate) },
         })
     }

@@ -145,7 +145,7 @@ impl Filmed {
             return report::path(out);
         }
         let view = crowd.view_statistics();
-        let mut document = json!({
+        let document = json!({
             "schema": 1,
             "device": crowd.device_info().devices.to_string(),
             "schedule": crowd.device_info().schedule.name(),
@@ -169,10 +169,7 @@ impl Filmed {
             "hidden": view.hidden,
             "out": out.to_string_lossy(),
         });
-        if let (Value::Object(document), Value::Object(more)) = (&mut document, more) {
-            document.extend(more);
-        }
-        report::json(&document)
+        report::json(&report::with_fields(document, more))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The frames of a film, and the moments that they show.
 
+use std::ops::RangeInclusive;
+
 use populace_film::FrameRate;
 
 /// Degrees of shutter for each picture that is averaged into a frame.
@@ -72,6 +74,11 @@ impl Frames {
         let late_secs = secs - rate.secs(frame);
         let late_secs = if late_secs > 1e-9 { late_secs } else { 0.0 };
         Self { first: frame, last: frame, rate, shutter: Shutter::INSTANT, late_secs }
+    }
+
+    /// Returns the frames of a film with these numbers.
+    pub(crate) fn film(range: &RangeInclusive<u32>, rate: FrameRate, shutter: Shutter) -> Self {
+        Self { first: *range.start(), last: *range.end(), rate, shutter, late_secs: 0.0 }
     }
 
     /// Returns the number of frames that are drawn.

@@ -157,7 +157,8 @@ impl ReplayJob<'_> {
             "{film_secs:.1} s in {took_secs:.1} s, {:.1} times real time",
             film_secs / took_secs
         );
-        report::json(&action.measures())
+        let document = json!({"schema": 1, "frames": frames.count()});
+        report::json(&report::with_fields(document, action.measures()))
     }
 
     /// Returns the frames that are drawn: those asked for, else the whole recording for a film, and
@@ -166,16 +167,18 @@ impl ReplayJob<'_> {
         let film = &self.picture.film;
         let rate = film_length::film_rate(film.fps)?;
         let shutter = Shutter::degrees(film.shutter);
-        let range = match &film.frames {
-            Some(FrameRange(range)) => range.clone(),
-            None if self.is_film() => 0..=film_length::frame_count(recording, rate) - 1,
-            None => {
-                let secs =
-                    film.at.unwrap_or_else(|| people::busiest(motions) - recording.secs()[0]);
-                return Ok(Frames { shutter, ..Frames::still(secs, rate) });
+        Ok(match &film.frames {
+            Some(FrameRange(range)) => Frames::film(range, rate, shutter),
+            None if self.is_film() => {
+                let last = film_length::frame_count(recording, rate) - 1;
+                Frames::film(&(0..=last), rate, shutter)
             }
-        };
-        Ok(Frames { first: *range.start(), last: *range.end(), rate, shutter, late_secs: 0.0 })
+            None => {
+                let busiest = || people::busiest(motions) - recording.secs()[0];
+                let secs = film.at.unwrap_or_else(busiest);
+                Frames { shutter, ..Frames::still(secs, rate) }
+            }
+        })
     }
 
     /// Returns true unless one picture is drawn.

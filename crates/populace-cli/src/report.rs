@@ -13,6 +13,14 @@ pub(crate) fn json(document: &Value) -> Result<(), Failure> {
     text(&format!("{document}\n"))
 }
 
+/// Returns an object with the fields of `more` added.
+pub(crate) fn with_fields(mut document: Value, more: Value) -> Value {
+    if let (Value::Object(fields), Value::Object(more)) = (&mut document, more) {
+        fields.extend(more);
+    }
+    document
+}
+
 /// Prints text. A closed pipe is reported as [`Failure::ClosedPipe`].
 pub(crate) fn text(text: &str) -> Result<(), Failure> {
     bytes(text.as_bytes())

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace_trajectory::{Agent, Recording, Track};
+use populace_trajectory::{Agent, Kind, Recording, Track};
 
 use crate::heading;
 use crate::smoothing::{at_even_times, hermite, low_pass};
@@ -71,7 +71,7 @@ struct Span {
 /// The motions of all agents of a recording.
 #[derive(Clone, Debug)]
 pub struct Motions {
-    /// The motions, in the order of the agents.
+    /// The motions, in the order of the agents. Vehicles are never there.
     pub agents: Arc<[Motion]>,
     /// The cut-off frequency of the filter in hertz.
     pub cutoff_hz: f64,
@@ -87,6 +87,9 @@ impl Motions {
         let sway_m = sway_m(recording, step_secs);
         let cutoff_hz = if sway_m > SWAYS_M { SWAYING_HZ } else { STEADY_HZ };
         let motion = |agent: &Agent| {
+            if agent.kind == Kind::Vehicle {
+                return Motion { spans: Vec::new() };
+            }
             let track = recording.track(agent);
             let spans = spans(track.times, recording.source.fps.value);
             let span = |rows: std::ops::Range<usize>| Span::new(&track, rows, step_secs, cutoff_hz);

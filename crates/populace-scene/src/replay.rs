@@ -6,7 +6,7 @@ use populace::MemberLook;
 use populace::model::{Role, RoleMap};
 use populace::{CharacterId, Crowd, MemberId, Placement};
 use populace_locomotion::{GaitSpace, Lead, WalkerSettings, Walkers};
-use populace_trajectory::{Kind, Recording};
+use populace_trajectory::Recording;
 
 use crate::Error;
 use crate::gaze::{Gazes, Somebody};
@@ -49,7 +49,7 @@ pub struct PositionError {
 #[derive(Clone, Debug)]
 pub struct Replay {
     motions: Motions,
-    people: Vec<Option<Person>>,
+    people: Vec<Person>,
     walkers: Walkers,
     /// The agents of the walkers, in their order.
     agents: Vec<usize>,
@@ -67,8 +67,8 @@ pub struct Replay {
 }
 
 impl Replay {
-    /// Leads one person through the motion of each agent; vehicles are left out. The replay stands
-    /// at a time in seconds, with nobody there. [`advance`](Self::advance) by 0 brings the people
+    /// Leads one person through the motion of each agent. The replay stands at a time in seconds,
+    /// with nobody there. [`advance`](Self::advance) by 0 brings the people
     /// of that time.
     ///
     /// # Errors
@@ -87,13 +87,10 @@ impl Replay {
         }
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
-        let walks = |kind: Kind| kind == Kind::Person;
-        let of = recording.agents.iter().zip(people);
-        let people = of.map(|(agent, person)| walks(agent.kind).then_some(*person)).collect();
         let max_raw_m = max_raw_m(recording, &motions);
         Ok(Self {
             motions,
-            people,
+            people: people.to_vec(),
             walkers,
             agents: Vec::new(),
             present: vec![false; agents],
@@ -193,8 +190,10 @@ impl Replay {
 
     /// Brings people into the crowd whose agents have come.
     fn appear(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
-        for (agent, person) in self.people.iter().enumerate() {
-            let Some(person) = person.filter(|_| !self.present[agent]) else { continue };
+        for (agent, &person) in self.people.iter().enumerate() {
+            if self.present[agent] {
+                continue;
+            }
             let Some(lead) = lead(&self.motions, agent, self.secs) else { continue };
             let [x, z] = lead.position;
             let placement =
@@ -213,8 +212,8 @@ impl Replay {
     /// Fades people in and out.
     fn fade(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
         for (agent, member) in self.present() {
-            let Some(person) = self.people[agent] else { continue };
-            let look = person.look.unwrap_or_default().with_opacity(self.opacity(agent));
+            let look =
+                self.people[agent].look.unwrap_or_default().with_opacity(self.opacity(agent));
             let mut member = crowd.member_mut(member)?;
             if member.look() != look {
                 member.set_look(look);

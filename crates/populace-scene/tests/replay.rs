@@ -206,6 +206,19 @@ fn a_clone_and_a_snapshot_go_on_as_the_original() {
 }
 
 #[test]
+fn vehicles_are_not_played_by_people() {
+    let text =
+        "id,frame,x,y,kind\n1,0,0,0,pedestrian\n2,0,9,9,car\n1,1,0.1,0,pedestrian\n2,1,9,9,car";
+    let settings = ReadSettings { fps: Some(10.0), ..ReadSettings::default() };
+    let data = parse(Path::new("street.csv"), text.into(), &settings).unwrap();
+    assert_eq!(data.agents.len(), 2);
+    let (mut crowd, mut replay) = stage(&data);
+    step(&mut crowd, &mut replay, 0.0);
+    assert_eq!(replay.present().map(|(agent, _)| agent).collect::<Vec<_>>(), [0]);
+    assert_eq!(replay.motions().agents[1].secs().count(), 0);
+}
+
+#[test]
 fn there_is_one_person_for_each_agent() {
     let data = recording(&[(1, 0, 10, [0.0; 2], [1.0, 0.0])], 0.0);
     let wrong = Replay::new(&data, Motions::new(&data), &[], Vec::new(), 0.0);

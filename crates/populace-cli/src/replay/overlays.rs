@@ -51,7 +51,8 @@ pub(super) struct Overlays {
     people: Vec<Person>,
     trail_secs: Option<f64>,
     ids: bool,
-    clock: bool,
+    /// The time in seconds that the clock counts from, if it is shown.
+    clock_from_secs: Option<f64>,
 }
 
 impl Overlays {
@@ -68,7 +69,8 @@ impl Overlays {
         let dye = |role: &CrowdRole| (role.id, Dye::of(&role.character));
         let dyes = if colours.is_some() { roles.iter().map(dye).collect() } else { Vec::new() };
         let OverlayArgs { trails: trail_secs, ids, clock, .. } = *args;
-        Ok(Self { colours, dyes, people, trail_secs, ids, clock })
+        let clock_from_secs = clock.then(|| recording.secs()[0]);
+        Ok(Self { colours, dyes, people, trail_secs, ids, clock_from_secs })
     }
 
     /// Dresses the people who are there.
@@ -113,8 +115,8 @@ impl Overlays {
         if let Some(colours) = &self.colours {
             canvas.legend(&colours.legend, Corner::TopRight);
         }
-        if self.clock {
-            canvas.clock(replay.secs() - recording.secs()[0], Corner::TopLeft);
+        if let Some(from_secs) = self.clock_from_secs {
+            canvas.clock(replay.secs() - from_secs, Corner::TopLeft);
         }
         Ok(())
     }
