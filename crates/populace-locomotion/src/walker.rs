@@ -195,6 +195,12 @@ impl Walker {
         }
     }
 
+    /// Stands at a point from now on.
+    pub(crate) fn stand_at(&mut self, position: Vec2) {
+        (self.position, self.velocity) = (position, Vec2::ZERO);
+        (self.turn_rate, self.rest) = (0.0, Vec2::ZERO);
+    }
+
     pub(crate) fn placement(&self) -> Placement {
         Placement::at([self.position.x, self.height_m, self.position.y])
             .facing(self.heading_rad)

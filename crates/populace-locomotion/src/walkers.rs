@@ -14,7 +14,7 @@ use crate::error::within;
 use crate::walker::{AHEAD_M, Lead, Walker, WalkerSettings, Wish, ground_below};
 use crate::{Error, GaitSpace};
 pub use goals::Goal;
-use goals::Orders;
+use goals::{Manner, Orders};
 
 /// Seconds between two changes of what a walker plays, and between two steers around others.
 const RENEWED_SECS: f32 = 0.1;
@@ -30,6 +30,9 @@ const HASTE: f32 = 1.3;
 /// metres per second and descend them at 0.69, horizontally (U. Weidmann, "Transporttechnik der
 /// Fussgaenger", ETH Zurich 1993). Gentler slopes are between those and level ground.
 const SLOPES: [f32; 2] = [2.4, 1.9];
+
+/// Placements and strides of members.
+type Shown = (Vec<(MemberId, Placement)>, Vec<(MemberId, Stride)>);
 
 /// Milliseconds of host time that the parts of the last update took.
 #[non_exhaustive]
@@ -76,6 +79,8 @@ pub struct Walkers {
     strides: Vec<(MemberId, Stride)>,
     /// New points of blend spaces, for walkers that change theirs in this update.
     points: Vec<(MemberId, SpacePoint)>,
+    /// Placements and strides of the walkers that do not rest, if some do.
+    shown: Shown,
     times: UpdateTimes,
 }
 
@@ -119,6 +124,7 @@ impl Walkers {
             placements: Vec::new(),
             strides: Vec::new(),
             points: Vec::new(),
+            shown: (Vec::new(), Vec::new()),
             times: UpdateTimes::default(),
         })
     }
@@ -281,7 +287,8 @@ impl Walkers {
         };
         avoidance.steer(&agents, share, &mut self.steered)?;
         for index in (share.nth..self.members.len()).step_by(share.count) {
-            self.evades[index] = self.steered[index] != self.preferred[index];
+            self.evades[index] = self.orders[index].manner == Manner::Heeds
+                && self.steered[index] != self.preferred[index];
         }
         Ok(())
     }
@@ -300,6 +307,9 @@ impl Walkers {
                 ((walker, (placement, stride)), (position, velocity)),
                 (steers, (orders, radius)),
             )| {
+                if orders.manner == Manner::Rests {
+                    return;
+                }
                 let ((preferred, steered), evades) = steers;
                 // Who need not evade follows its goal in each update, as without avoidance.
                 let wanted = Vec2::from(if *evades { *steered } else { *preferred });
@@ -322,14 +332,28 @@ impl Walkers {
         self.points.clear();
         for index in (share.nth..self.members.len()).step_by(share.count) {
             let walker = &mut self.walkers[index];
-            if walker.told != Some(walker.step) {
+            let is_moved = self.orders[index].manner != Manner::Rests;
+            if is_moved && walker.told != Some(walker.step) {
                 walker.told = Some(walker.step);
                 self.points.push((self.members[index], walker.step.point()));
             }
         }
-        crowd.set_placements(&self.placements)?;
+        let all_move = self.orders.iter().all(|orders| orders.manner != Manner::Rests);
+        let (placements, strides) = if all_move {
+            (&self.placements, &self.strides)
+        } else {
+            let moves = |index: &usize| self.orders[*index].manner != Manner::Rests;
+            let moving = || (0..self.orders.len()).filter(moves);
+            let (placements, strides) = &mut self.shown;
+            placements.clear();
+            placements.extend(moving().map(|index| self.placements[index]));
+            strides.clear();
+            strides.extend(moving().map(|index| self.strides[index]));
+            (&*placements, &*strides)
+        };
+        crowd.set_placements(placements)?;
         crowd.set_blend_parameters(&self.points, BLENDED_SECS)?;
-        Ok(crowd.set_strides(&self.strides)?)
+        Ok(crowd.set_strides(strides)?)
     }
 }
 

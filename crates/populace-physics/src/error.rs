@@ -1,5 +1,7 @@
 //! Errors of ragdolls.
 
+use populace::ErrorKind;
+
 /// The reason why a call was refused. Ragdolls and crowd are unchanged after an error.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -39,6 +41,17 @@ pub enum Error {
         /// The values that are allowed.
         rule: &'static str,
     },
+}
+
+impl Error {
+    /// Returns the kind of the error.
+    #[must_use]
+    pub fn kind(&self) -> ErrorKind {
+        match self {
+            Self::Crowd(error) => error.kind(),
+            _ => ErrorKind::InvalidInput,
+        }
+    }
 }
 
 /// Fails if a value is not finite.

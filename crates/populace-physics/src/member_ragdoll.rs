@@ -27,6 +27,7 @@ const FASTEST_RAD_PER_SEC: f32 = 40.0;
 const MODEL_OVERRIDE_SECS: f32 = 0.3;
 
 /// A joint that is moved by a limp body.
+#[derive(Clone)]
 struct CarriedJoint {
     joint: usize,
     body: usize,
@@ -46,6 +47,7 @@ struct CarriedJoint {
 }
 
 /// The physics joint between a body and its parent body.
+#[derive(Clone)]
 struct BodyConstraint {
     joint: ImpulseJointHandle,
     limits: Limits,
@@ -83,6 +85,7 @@ impl Fade {
 }
 
 /// The ragdoll of one member.
+#[derive(Clone)]
 pub(crate) struct MemberRagdoll {
     pub(crate) member: MemberId,
     pub(crate) plan: Arc<RagdollPlan>,

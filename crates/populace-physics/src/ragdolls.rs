@@ -40,6 +40,7 @@ pub enum State {
 }
 
 /// An impulse in newton-seconds on a body, at a point in world space or at the centre of mass.
+#[derive(Clone)]
 struct Push {
     body: usize,
     impulse: Vector,
@@ -47,6 +48,7 @@ struct Push {
 }
 
 /// A member that goes limp once its velocity has been measured.
+#[derive(Clone)]
 struct PendingRagdoll {
     member: MemberId,
     plan: Arc<RagdollPlan>,
@@ -62,6 +64,9 @@ struct PendingRagdoll {
 /// [`Crowd::update`]. Do not move a member that is limp as a whole: its bodies are in world space,
 /// so it would follow the new placement only one frame later. A limp member keeps its handle, its
 /// buffer ranges and its clips, because a ragdoll only writes joint overrides.
+///
+/// A clone, with a snapshot of the crowd, goes on as the original does.
+#[derive(Clone)]
 pub struct Ragdolls {
     world: World,
     pending: Vec<PendingRagdoll>,

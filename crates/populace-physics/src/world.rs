@@ -27,7 +27,7 @@ pub(crate) struct KinematicMove {
 
 /// Pairs of bodies of each ragdoll that do not collide, because they are connected or overlap from
 /// the start.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Overlaps {
     by_ragdoll: HashMap<u64, Vec<(u16, u16)>>,
 }
@@ -63,6 +63,26 @@ pub(crate) struct World {
     pub(crate) physics: PhysicsWorld,
     overlaps: Overlaps,
     ground: ColliderHandle,
+}
+
+impl Clone for World {
+    fn clone(&self) -> Self {
+        let from = &self.physics;
+        // The pipelines and the solver of continuous collisions are memory for work alone.
+        let physics = PhysicsWorld {
+            gravity: from.gravity,
+            integration_parameters: from.integration_parameters,
+            islands: from.islands.clone(),
+            broad_phase: from.broad_phase.clone(),
+            narrow_phase: from.narrow_phase.clone(),
+            bodies: from.bodies.clone(),
+            colliders: from.colliders.clone(),
+            impulse_joints: from.impulse_joints.clone(),
+            multibody_joints: from.multibody_joints.clone(),
+            ..PhysicsWorld::new()
+        };
+        Self { physics, overlaps: self.overlaps.clone(), ground: self.ground }
+    }
 }
 
 impl World {

@@ -194,6 +194,28 @@ fn simulation_is_deterministic() {
 }
 
 #[test]
+fn a_clone_goes_on_as_the_original() {
+    let mut scene = Scene::walking_man();
+    let chest = scene.joint("Spine4");
+    scene.go_limp();
+    scene.ragdolls.push(scene.member, chest, [30.0, 10.0, -50.0], None).unwrap();
+    scene.frames(20);
+    let saved = (scene.crowd.snapshot().unwrap(), scene.ragdolls.clone());
+    let run = |scene: &mut Scene| -> Vec<_> {
+        (0..40)
+            .map(|_| {
+                scene.frame();
+                scene.joints()
+            })
+            .collect()
+    };
+    let uninterrupted = run(&mut scene);
+    scene.crowd.restore(&saved.0).unwrap();
+    scene.ragdolls = saved.1;
+    assert_eq!(run(&mut scene), uninterrupted);
+}
+
+#[test]
 fn scaled_member_lies_on_a_box_and_keeps_bone_lengths() {
     let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
     let mut scene = Scene::new(man, Some("Idle"), Placement::at([5.0, 1.0, 3.0]).scaled(0.5));

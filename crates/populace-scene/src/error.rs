@@ -1,6 +1,7 @@
 //! Errors of scenes.
 
 use populace::ErrorKind;
+use populace::model::{did_you_mean, nearest_names};
 
 /// The reason why a call was refused.
 #[non_exhaustive]
@@ -12,6 +13,27 @@ pub enum Error {
     /// An error of walkers.
     #[error(transparent)]
     Locomotion(#[from] populace_locomotion::Error),
+    /// An error of ragdolls.
+    #[error(transparent)]
+    Physics(#[from] populace_physics::Error),
+    /// A name that nothing in the plan of a scene has.
+    #[error("there is no {what} \"{name}\"{}", did_you_mean(nearest))]
+    UnknownName {
+        /// The kind of thing.
+        what: &'static str,
+        /// The name.
+        name: String,
+        /// Names like it.
+        nearest: Vec<String>,
+    },
+    /// Another number of people than a crowd of a plan counts.
+    #[error("{people} people were given for a crowd of {count}; give one for each")]
+    UnequalCrowd {
+        /// The number of people.
+        people: usize,
+        /// The number that the plan says.
+        count: usize,
+    },
     /// Another number of people than of agents.
     #[error("{people} people were given for {agents} agents; give one for each")]
     UnequalLengths {
@@ -29,7 +51,20 @@ impl Error {
         match self {
             Self::Crowd(error) => error.kind(),
             Self::Locomotion(error) => error.kind(),
-            Self::UnequalLengths { .. } => ErrorKind::InvalidInput,
+            Self::Physics(error) => error.kind(),
+            Self::UnequalLengths { .. } | Self::UnknownName { .. } | Self::UnequalCrowd { .. } => {
+                ErrorKind::InvalidInput
+            }
         }
+    }
+
+    /// A name that none of some things has.
+    pub(crate) fn unknown<'a>(
+        what: &'static str,
+        name: &str,
+        known: impl Iterator<Item = &'a String>,
+    ) -> Self {
+        let nearest = nearest_names(name, known.map(String::as_str));
+        Self::UnknownName { what, name: name.to_owned(), nearest }
     }
 }

@@ -1,14 +1,21 @@
-//! Scenes of crowds: people who follow recorded trajectories.
+//! Scenes of crowds: people who follow recorded trajectories, and people who live in a street.
 
+mod behaviour;
 mod error;
 mod gaze;
 mod heading;
 mod motion;
 mod place;
+pub mod plan;
 mod replay;
+mod scene_file;
 mod smoothing;
+mod street;
 
+pub use behaviour::{Behaviours, Counts, Lights, VehicleModel};
 pub use error::Error;
 pub use motion::{Moment, Motion, Motions};
 pub use place::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};
 pub use replay::{Person, PositionError, Replay};
+pub use scene_file::SceneFileError;
+pub use street::{StreetSettings, street};

@@ -39,15 +39,34 @@ pub(super) struct Orders {
     next: u32,
     speed: f32,
     pub(super) facing_rad: Option<f32>,
+    pub(super) manner: Manner,
     /// Index of its gaits.
     pub(super) gaits: u32,
+}
+
+/// How a walker takes part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Manner {
+    /// It steers around others.
+    Heeds,
+    /// It goes straight to its goal, and others steer around it.
+    Heedless,
+    /// Something else moves its member, and others steer around it.
+    Rests,
 }
 
 impl Orders {
     /// To stand.
     pub(super) fn to_stand(gaits: u32) -> Self {
         let target = Target { point: Vec2::ZERO, is_end: true };
-        Self { goal: Goal::Stand, target, next: 0, speed: FREE_SPEED, facing_rad: None, gaits }
+        let (goal, manner) = (Goal::Stand, Manner::Heeds);
+        Self { goal, target, next: 0, speed: FREE_SPEED, facing_rad: None, manner, gaits }
+    }
+
+    /// Stands and heeds others again.
+    pub(super) fn resume(&mut self) {
+        self.set_goal(Goal::Stand);
+        (self.facing_rad, self.manner) = (None, Manner::Heeds);
     }
 
     fn set_goal(&mut self, goal: Goal) {
@@ -155,6 +174,38 @@ impl Walkers {
     pub fn set_group(&mut self, member: MemberId, group: u32) -> Result<(), Error> {
         let index = self.index_of(member)?;
         self.groups[index] = group;
+        Ok(())
+    }
+
+    /// Lets a walker go straight to its goal, like somebody who reads a message: others steer around
+    /// it, and it steers around nobody. Walls stop it all the same. `false` ends that, and a rest.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker.
+    pub fn set_heedless(&mut self, member: MemberId, is_heedless: bool) -> Result<(), Error> {
+        let index = self.index_of(member)?;
+        self.orders[index].manner = if is_heedless { Manner::Heedless } else { Manner::Heeds };
+        Ok(())
+    }
+
+    /// Leaves a member to something else that moves it, such as a ragdoll: its placement, clips and
+    /// strides are no longer set. Others walk around a disc of `radius_m` at a point `[x, z]` in
+    /// metres. [`resume`](Self::resume) makes the member walk again.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker, a coordinate that is not from -1e6 to 1e6, or a radius that is
+    /// not from 0.01 to 3.
+    pub fn rest(&mut self, member: MemberId, at: [f32; 2], radius_m: f32) -> Result<(), Error> {
+        let index = self.index_of(member)?;
+        at.iter().try_for_each(|value| check_coordinate(*value))?;
+        within("the radius of a walker that rests", radius_m, 0.01..=3.0, "from 0.01 to 3 metres")?;
+        self.orders[index].set_goal(Goal::Stand);
+        self.orders[index].manner = Manner::Rests;
+        (self.positions[index], self.velocities[index]) = (at, [0.0; 2]);
+        self.walkers[index].stand_at(at.into());
+        self.radii_m[index] = radius_m;
         Ok(())
     }
 }

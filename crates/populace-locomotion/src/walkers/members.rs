@@ -50,6 +50,23 @@ impl Walkers {
         Ok(())
     }
 
+    /// Ends a [`rest`](Self::rest): the walker stands where its member is placed, and its clips and
+    /// strides are set again. It keeps its speed and its group.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker, and the errors of [`add`](Self::add) for where it is placed.
+    pub fn resume(&mut self, crowd: &Crowd, member: MemberId) -> Result<(), Error> {
+        let index = self.index_of(member)?;
+        let (walker, _, radius_m) = self.standing(crowd, member)?;
+        self.orders[index].resume();
+        self.walkers[index] = walker;
+        self.positions[index] = walker.position.to_array();
+        self.velocities[index] = [0.0; 2];
+        self.radii_m[index] = radius_m;
+        Ok(())
+    }
+
     /// Returns a member as a walker that stands, with its orders and its radius in metres.
     fn standing(&self, crowd: &Crowd, member: MemberId) -> Result<(Walker, Orders, f32), Error> {
         let view = crowd.member(member)?;

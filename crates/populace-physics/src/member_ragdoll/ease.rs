@@ -22,6 +22,7 @@ const MODEL_OVERRIDE_SHARE: f32 = 0.3;
 const SHALLOW_M: f32 = 0.02;
 
 /// A joint that is moved by a body.
+#[derive(Clone)]
 struct EasedJoint {
     joint: usize,
     body: usize,
@@ -30,6 +31,7 @@ struct EasedJoint {
 }
 
 /// A pose of the eased joints.
+#[derive(Clone)]
 struct EasedPose {
     /// Relative to the parent, or in model space without one.
     locals: Vec<Trs>,
@@ -41,6 +43,7 @@ struct EasedPose {
 }
 
 /// A member that eases from the pose of its ragdoll, which no longer exists, into a motion.
+#[derive(Clone)]
 pub(crate) struct Ease {
     member: MemberId,
     plan: Arc<RagdollPlan>,

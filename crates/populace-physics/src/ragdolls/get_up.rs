@@ -99,6 +99,7 @@ impl GetUp {
 }
 
 /// A get-up motion that plays.
+#[derive(Clone)]
 pub(super) struct Rising {
     pub(super) member: MemberId,
     /// The way from the pose of the ragdoll into the motion.

@@ -1,0 +1,140 @@
+//! What a character brings for behaviours: clips by their use, masks, and its ragdoll.
+
+use std::sync::Arc;
+
+use populace::model::{Role, RoleMap};
+use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId};
+use populace_physics::{GetUp, RagdollPlan};
+
+use crate::Error;
+
+/// The use of a clip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Use {
+    SitDown,
+    Sit,
+    StandUp,
+    LookIn,
+    Talk,
+    Listen,
+    Phone,
+    Text,
+    Wave,
+    Point,
+    Clap,
+    Cheer,
+    OpenDoor,
+    GetIn,
+    Drive,
+    GetOut,
+    Hit,
+    Shield,
+    Spear,
+    Thrust,
+}
+
+/// Each use with the key by which scene files name it and the name of its clip.
+const USES: [(Use, &str, &str); 20] = [
+    (Use::SitDown, "sit_down", "Sit_Down"),
+    (Use::Sit, "sit", "Sit"),
+    (Use::StandUp, "stand_up", "Stand_Up"),
+    (Use::LookIn, "look_in", "Look_In"),
+    (Use::Talk, "talk", "Talk"),
+    (Use::Listen, "listen", "Talk_Listen"),
+    (Use::Phone, "phone", "Phone"),
+    (Use::Text, "text", "Text"),
+    (Use::Wave, "wave", "Wave"),
+    (Use::Point, "point", "Point"),
+    (Use::Clap, "clap", "Clap"),
+    (Use::Cheer, "cheer", "Cheer"),
+    (Use::OpenDoor, "open_door", "Open_Door"),
+    (Use::GetIn, "get_in", "Get_In"),
+    (Use::Drive, "drive", "Drive"),
+    (Use::GetOut, "get_out", "Get_Out"),
+    (Use::Hit, "hit", "Hit"),
+    (Use::Shield, "shield", "Shield"),
+    (Use::Spear, "spear", "Spear"),
+    (Use::Thrust, "thrust", "Spear_Thrust"),
+];
+
+/// Height of the eyes as a fraction of that of the body.
+const EYES: f32 = 0.93;
+
+/// A clip and its length.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct UsedClip {
+    pub(crate) id: ClipId,
+    pub(crate) secs: f32,
+}
+
+/// What a character brings.
+#[derive(Clone, Debug)]
+pub(crate) struct Body {
+    pub(crate) character: CharacterId,
+    clips: [Option<UsedClip>; USES.len()],
+    /// The spine and all above it.
+    pub(crate) upper: Option<MaskId>,
+    pub(crate) ragdoll: Arc<RagdollPlan>,
+    pub(crate) get_up: GetUp,
+    pub(crate) chest: Option<JointIndex>,
+    pub(crate) right_hand: Option<JointIndex>,
+    pub(crate) can_look: bool,
+    /// Height of the eyes in metres, at scale 1.
+    pub(crate) eye_m: f32,
+}
+
+impl Body {
+    /// Finds what a character of a crowd brings. `name` gives the name of a clip by the key of its
+    /// use, where it differs from that of the built-in people.
+    pub(crate) fn new(
+        crowd: &mut Crowd,
+        character: CharacterId,
+        name: &dyn Fn(&str) -> Option<String>,
+    ) -> Result<Self, Error> {
+        let asset = Arc::clone(crowd.character(character)?.asset());
+        let mut clips = [None; USES.len()];
+        for (clip, (_, key, usual)) in clips.iter_mut().zip(USES) {
+            let named = name(key);
+            let found = crowd.clip(character, named.as_deref().unwrap_or(usual));
+            // A clip that is named must be there; the usual ones may be missing.
+            let id = if named.is_some() { Some(found?) } else { found.ok() };
+            *clip = match id {
+                Some(id) => Some(UsedClip { id, secs: crowd.clip_mut(id)?.asset().duration_secs() }),
+                None => None,
+            };
+        }
+        let roles = crowd.character(character)?.roles().cloned();
+        let joint = |role| roles.as_ref().and_then(|roles: &RoleMap| roles.joint(role));
+        let spine = joint(Role::Spine).map(|joint| asset.skeleton.name(joint).to_owned());
+        let upper = match spine {
+            Some(spine) => {
+                let mask = Mask::of_subtrees(&asset.skeleton, [spine.as_str()]);
+                Some(crowd.character_mut(character)?.add_mask(&mask.map_err(populace::Error::from)?)?)
+            }
+            None => None,
+        };
+        let chest = joint(Role::Chest).or_else(|| joint(Role::Spine));
+        Ok(Self {
+            character,
+            clips,
+            upper,
+            ragdoll: Arc::new(RagdollPlan::from_skeleton(&asset.skeleton)),
+            get_up: GetUp::find(crowd, character),
+            chest,
+            right_hand: joint(Role::Hand(populace::model::Side::Right)),
+            can_look: joint(Role::Head).is_some(),
+            eye_m: EYES * asset.height_m(),
+        })
+    }
+
+    /// Returns the clip for a use, if the character has one.
+    pub(crate) fn clip(&self, usage: Use) -> Option<UsedClip> {
+        let at = USES.iter().position(|(other, ..)| *other == usage)?;
+        self.clips[at]
+    }
+
+    /// Returns true if the character has clips for all of some uses.
+    pub(crate) fn has(&self, uses: &[Use]) -> bool {
+        uses.iter().all(|usage| self.clip(*usage).is_some())
+    }
+}

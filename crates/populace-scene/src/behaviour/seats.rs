@@ -1,0 +1,101 @@
+//! Sitting down on a bench, and standing up again.
+
+use glam::Vec2;
+use populace::{ClipPlayback, Crowd};
+
+use super::body::Use;
+use super::person::Doing;
+use super::world::{UPPER, WHOLE, World};
+use crate::Error;
+
+/// Distance at which a seat is noticed, in metres.
+const NOTICED_M: f32 = 10.0;
+const PATIENCE_SECS: f64 = 20.0;
+const FADE_SECS: f32 = 0.25;
+/// The parts of those who sit that telephone or read meanwhile.
+const PHONES: f32 = 0.2;
+const READS: f32 = 0.35;
+
+/// Lets somebody who strolls walk to a free seat near by. Returns true if there is one.
+pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::SitDown, Use::Sit, Use::StandUp]) {
+        return Ok(false);
+    }
+    let at = world.position(who);
+    let footway = &world.footways[world.people[who].footway];
+    let near = |seat: &[f32; 3]| {
+        let seat = Vec2::new(seat[0], seat[2]);
+        let distance = seat.distance(at);
+        (distance < NOTICED_M && footway.distance_m(seat) < 1.0).then_some(distance)
+    };
+    let free = world.seats.iter().enumerate().filter(|(_, (_, taken))| taken.is_none());
+    let free = free.filter_map(|(index, (seat, _))| Some((near(&seat.at)?, index)));
+    let Some((_, seat)) = free.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
+    world.seats[seat].1 = Some(who);
+    world.people[who].doing = Doing::NearsSeat { seat, until: world.now + PATIENCE_SECS };
+    let to = front(world, seat);
+    world.send(who, to)?;
+    Ok(true)
+}
+
+/// Returns where somebody stands before sitting down on a seat.
+fn front(world: &World, seat: usize) -> Vec2 {
+    let plan = &world.seats[seat].0;
+    let (sin, cos) = plan.facing_deg.to_radians().sin_cos();
+    Vec2::new(plan.at[0], plan.at[2]) + Vec2::new(sin, cos) * 0.35
+}
+
+/// Goes on with it.
+pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+    let now = world.now;
+    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
+    match world.people[who].doing {
+        Doing::NearsSeat { seat, until } => {
+            if world.has_arrived(who) {
+                let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
+                world.halt(who)?;
+                world.face(who, Some(yaw_rad))?;
+                world.people[who].doing = Doing::FacesSeat { seat, until: now + 5.0 };
+            } else if now > until {
+                world.seats[seat].1 = None;
+                world.go_on(who)?;
+            }
+        }
+        Doing::FacesSeat { seat, until } => {
+            let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
+            if world.faces(crowd, who, yaw_rad)? || now > until {
+                let member = world.member(who);
+                world.walkers.set_heedless(member, true)?;
+                let playing = world.play(crowd, who, Use::SitDown, (WHOLE, once))?;
+                let secs = playing.map_or(0.0, |(_, secs)| secs);
+                world.people[who].doing = Doing::SitsDown { seat, until: now + secs };
+                world.counts.sat += 1;
+            }
+        }
+        Doing::SitsDown { seat, until } if now > until => {
+            let looping = ClipPlayback::looping().fade_in_secs(FADE_SECS);
+            world.play(crowd, who, Use::Sit, (WHOLE, looping))?;
+            let chance = world.people[who].random.part();
+            if chance < PHONES {
+                world.play(crowd, who, Use::Phone, (UPPER, looping))?;
+            } else if chance < PHONES + READS {
+                world.play(crowd, who, Use::Text, (UPPER, looping))?;
+            }
+            let secs = world.people[who].random.between(9.0, 24.0);
+            world.people[who].doing = Doing::Sits { seat, until: now + f64::from(secs) };
+        }
+        Doing::Sits { seat, until } if now > until => {
+            world.end(crowd, who, UPPER, FADE_SECS)?;
+            let playing = world.play(crowd, who, Use::StandUp, (WHOLE, once))?;
+            let secs = playing.map_or(0.0, |(_, secs)| secs);
+            world.people[who].doing = Doing::StandsUp { seat, until: now + secs };
+        }
+        Doing::StandsUp { seat, until } if now > until => {
+            world.end(crowd, who, WHOLE, FADE_SECS)?;
+            world.seats[seat].1 = None;
+            world.go_on(who)?;
+        }
+        _ => {}
+    }
+    Ok(())
+}

@@ -1,0 +1,85 @@
+//! Strolling, and deciding to do something else.
+
+use populace::Crowd;
+
+use super::person::Doing;
+use super::world::{DECIDES_SECS, World};
+use super::{crossings, driving, falls, phones, seats, talks, windows};
+use crate::Error;
+
+/// What somebody may decide to do.
+const CHOICES: [Choice; 8] = [
+    |world, _, who| windows::begin(world, who),
+    |world, _, who| crossings::begin(world, who),
+    |world, _, who| seats::begin(world, who),
+    |world, _, who| talks::begin(world, who),
+    |world, crowd, who| phones::call(world, crowd, who),
+    |world, crowd, who| phones::read(world, crowd, who),
+    |world, _, who| driving::begin(world, who),
+    |world, _, who| falls::begin(world, who),
+];
+
+type Choice = fn(&mut World, &mut Crowd, usize) -> Result<bool, Error>;
+
+/// Lets everybody go on with what they do.
+pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
+    talks::step_all(world, crowd)?;
+    for who in 0..world.people.len() {
+        match world.people[who].doing {
+            Doing::Strolls => {
+                if !world.is_turn(who) || !decide(world, crowd, who)? {
+                    world.keep_going(who)?;
+                }
+            }
+            Doing::NearsSpot { .. } | Doing::FacesSpot { .. } | Doing::LooksIn { .. } => {
+                windows::step(world, crowd, who)?;
+            }
+            Doing::NearsSeat { .. }
+            | Doing::FacesSeat { .. }
+            | Doing::SitsDown { .. }
+            | Doing::Sits { .. }
+            | Doing::StandsUp { .. } => seats::step(world, crowd, who)?,
+            Doing::NearsCrossing { .. }
+            | Doing::LooksBothWays { .. }
+            | Doing::Waits { .. }
+            | Doing::Crosses { .. } => crossings::step(world, crowd, who)?,
+            Doing::Meets { .. } | Doing::Talks { .. } => {}
+            Doing::Leaves { .. } => talks::step(world, crowd, who)?,
+            Doing::Phones { .. } | Doing::Texts { .. } => phones::step(world, crowd, who)?,
+            Doing::NearsCar { .. }
+            | Doing::FacesCar { .. }
+            | Doing::OpensDoor { .. }
+            | Doing::GetsIn { .. }
+            | Doing::Drives { .. }
+            | Doing::GetsOut { .. }
+            | Doing::WalksFromCar { .. } => driving::step(world, crowd, who)?,
+            Doing::Hurries { .. } | Doing::Stops { .. } | Doing::Falls { .. } | Doing::GetsUp => {
+                falls::step(world, crowd, who)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Decides what somebody who strolls does next. Returns true for something else than before.
+fn decide(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<bool, Error> {
+    let habits = &world.habits[world.people[who].habits];
+    let rates = [
+        habits.look_in,
+        habits.cross,
+        habits.sit,
+        habits.talk,
+        habits.phone,
+        habits.text,
+        habits.drive,
+        habits.hurry,
+    ];
+    #[expect(clippy::cast_possible_truncation, reason = "a half")]
+    let per_turn = DECIDES_SECS as f32 / 60.0;
+    for (rate, choice) in rates.into_iter().zip(CHOICES) {
+        if world.people[who].random.chance(rate * per_turn) && choice(world, crowd, who)? {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}

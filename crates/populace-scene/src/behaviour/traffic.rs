@@ -1,0 +1,427 @@
+//! Vehicles: they follow each other in lanes, stop for people and lights, park and set off.
+//!
+//! The acceleration is that of the intelligent driver model (M. Treiber, A. Hennecke and D. Helbing,
+//! "Congested traffic states in empirical observations and microscopic simulations", Physical
+//! Review E 62 (2000), 1805-1824).
+
+use std::f32::consts::FRAC_PI_2;
+
+use glam::Vec2;
+use populace::{CharacterId, ClipId, ClipPlayback, Crowd, MemberId, Placement, PlaybackId};
+
+use crate::Error;
+use crate::plan::{BayPlan, LanePlan};
+
+/// Gain and comfortable loss of speed, in metres per second squared.
+const GAIN: f32 = 1.6;
+const LOSS: f32 = 2.4;
+/// Highest loss of speed, in metres per second squared.
+const HARDEST: f32 = 7.0;
+/// Time between two vehicles in seconds, and distance at rest in metres.
+const HEADWAY_SECS: f32 = 1.3;
+const JAM_M: f32 = 1.6;
+/// Distance ahead of a bay in which a vehicle changes over to it, and past it in which it is back
+/// in its lane, in metres.
+const SWERVE_M: f32 = 9.0;
+/// Speed while a vehicle parks or sets off, in metres per second.
+const SWERVE_M_PER_SEC: f32 = 3.2;
+/// Free lengths of the lane behind and ahead of a vehicle that sets off, in metres.
+const MERGE_M: [f32; 2] = [16.0, 7.0];
+/// Nothing ahead.
+const FREE_M: f32 = 1e4;
+
+/// A kind of vehicle: its character in a crowd and its measures. It faces +Z.
+#[derive(Clone, Debug)]
+pub struct VehicleModel {
+    /// The character.
+    pub character: CharacterId,
+    /// Its length in metres.
+    pub length_m: f32,
+    /// The way in metres that its wheels roll in one loop of `roll`.
+    pub roll_m: f32,
+    /// The loop that turns its wheels.
+    pub roll: Option<ClipId>,
+    /// The motions that open and close the driver's door.
+    pub doors: Option<[ClipId; 2]>,
+    /// The middle of the driver's seat, in metres.
+    pub seat: [f32; 3],
+    /// Where the driver stands before getting in, facing the vehicle: `[x, z]` in metres.
+    pub entry: [f32; 2],
+    /// The handle of the driver's door, in metres.
+    pub handle: [f32; 3],
+}
+
+/// What a vehicle does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Drive {
+    /// It drives on.
+    Cruises,
+    /// It drives to a bay and parks in it.
+    Parks { bay: usize },
+    /// It stands in a bay since a time in seconds.
+    Stands { bay: usize, since: f64 },
+    /// It leaves a bay.
+    SetsOff { bay: usize },
+}
+
+/// A vehicle.
+#[derive(Clone, Debug)]
+pub(crate) struct Vehicle {
+    pub(crate) member: MemberId,
+    pub(crate) model: usize,
+    pub(crate) lane: usize,
+    /// Length along its lane to its middle, in metres.
+    pub(crate) along_m: f32,
+    pub(crate) speed: f32,
+    pub(crate) drive: Drive,
+    /// The number of the person who drives it.
+    pub(crate) driver: Option<u32>,
+    /// The number of the person who is about to get in.
+    pub(crate) claimed: Option<u32>,
+    /// True while its door is open.
+    pub(crate) is_open: bool,
+    /// What turns its wheels, and the speed that it was told, in metres per second.
+    rolling: Option<(PlaybackId, f32)>,
+    /// Its share of the lane's speed.
+    pace: f32,
+    placement: Placement,
+}
+
+/// A place to park.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Bay {
+    pub(crate) lane: usize,
+    pub(crate) along_m: f32,
+    /// Distance of its middle to the left of the lane's line, in metres.
+    aside_m: f32,
+    pub(crate) vehicle: Option<usize>,
+}
+
+/// A lane.
+#[derive(Clone, Debug)]
+pub(crate) struct Lane {
+    from: Vec2,
+    direction: Vec2,
+    length_m: f32,
+    speed: f32,
+    yaw_rad: f32,
+    height_m: f32,
+}
+
+impl Lane {
+    fn new(plan: &LanePlan) -> Self {
+        let [from, to] = plan.ends.map(Vec2::from);
+        let direction = (to - from).normalize_or(Vec2::X);
+        let yaw_rad = direction.x.atan2(direction.y);
+        let length_m = from.distance(to).max(1.0);
+        let (speed, height_m) = (plan.speed.clamp(0.1, 40.0), plan.height_m);
+        Self { from, direction, length_m, speed, yaw_rad, height_m }
+    }
+
+    /// Returns the length along the lane of the point nearest to another, and that one's distance to
+    /// the left.
+    pub(crate) fn place(&self, point: Vec2) -> [f32; 2] {
+        let off = point - self.from;
+        [off.dot(self.direction), off.dot(Vec2::new(self.direction.y, -self.direction.x))]
+    }
+}
+
+/// Something that stops vehicles of a lane.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stop {
+    pub(crate) lane: usize,
+    /// Where the front of a vehicle stops, as a length along the lane in metres.
+    pub(crate) along_m: f32,
+    /// True for somebody who is about to step onto the road: vehicles that cannot brake in comfort
+    /// go on.
+    pub(crate) is_polite: bool,
+}
+
+/// All vehicles of a scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Traffic {
+    pub(crate) models: Vec<VehicleModel>,
+    pub(crate) lanes: Vec<Lane>,
+    pub(crate) bays: Vec<Bay>,
+    pub(crate) vehicles: Vec<Vehicle>,
+    /// Vehicles on the road by lane and length along it.
+    order: Vec<usize>,
+}
+
+impl Traffic {
+    /// Brings the vehicles of lanes and bays into a crowd. Vehicles in lanes have no drivers yet.
+    pub(crate) fn new(
+        crowd: &mut Crowd,
+        lanes: &[LanePlan],
+        bays: &[BayPlan],
+        models: &[VehicleModel],
+    ) -> Result<Self, Error> {
+        let mut traffic = Self { models: models.to_vec(), ..Self::default() };
+        traffic.lanes = lanes.iter().map(Lane::new).collect();
+        for plan in bays {
+            let lane = lanes.iter().position(|lane| lane.name == plan.lane);
+            let lane = lane.ok_or_else(|| Error::unknown("lane", &plan.lane, lanes.iter().map(|lane| &lane.name)))?;
+            let [along_m, aside_m] = traffic.lanes[lane].place(plan.at.into());
+            traffic.bays.push(Bay { lane, along_m, aside_m, vehicle: None });
+        }
+        if models.is_empty() {
+            return Ok(traffic);
+        }
+        for (bay, _) in bays.iter().enumerate().filter(|(_, plan)| plan.taken) {
+            let Bay { lane, along_m, .. } = traffic.bays[bay];
+            let drive = Drive::Stands { bay, since: f64::NEG_INFINITY };
+            traffic.bays[bay].vehicle = Some(traffic.vehicles.len());
+            traffic.add(crowd, lane, along_m, drive)?;
+        }
+        for (lane, plan) in lanes.iter().enumerate() {
+            let apart = traffic.lanes[lane].length_m / plan.vehicles.max(1) as f32;
+            for nth in 0..plan.vehicles {
+                traffic.add(crowd, lane, apart * (nth as f32 + 0.5), Drive::Cruises)?;
+            }
+        }
+        Ok(traffic)
+    }
+
+    fn add(
+        &mut self,
+        crowd: &mut Crowd,
+        lane: usize,
+        along_m: f32,
+        drive: Drive,
+    ) -> Result<(), Error> {
+        let nth = self.vehicles.len();
+        let model = nth % self.models.len();
+        let placement = self.placement(lane, along_m, drive);
+        let VehicleModel { character, roll, .. } = self.models[model];
+        let member = crowd.spawn(character, placement)?;
+        let mut view = crowd.member_mut(member)?;
+        let mut rolling = None;
+        if let Some(roll) = roll {
+            rolling = Some((view.play(roll, ClipPlayback::looping().speed(0.0))?, 0.0));
+        }
+        let is_parked = matches!(drive, Drive::Stands { .. });
+        let speed = if is_parked { 0.0 } else { self.lanes[lane].speed };
+        // Golden ratio steps spread the paces evenly.
+        let pace = 0.85 + 0.25 * (nth as f32 * 0.618_034).fract();
+        let (driver, claimed, is_open) = (None, None, false);
+        self.vehicles.push(Vehicle {
+            member, model, lane, along_m, speed, drive, driver, claimed, is_open, rolling, pace,
+            placement,
+        });
+        Ok(())
+    }
+
+    /// The placement of a vehicle.
+    pub(crate) fn placement_of(&self, vehicle: usize) -> Placement {
+        self.vehicles[vehicle].placement
+    }
+
+    fn placement(&self, lane: usize, along_m: f32, drive: Drive) -> Placement {
+        let Lane { from, direction, yaw_rad, height_m, .. } = self.lanes[lane];
+        let (aside_m, slope) = match drive {
+            Drive::Cruises => (0.0, 0.0),
+            Drive::Stands { bay, .. } => (self.bays[bay].aside_m, 0.0),
+            Drive::Parks { bay } => {
+                let Bay { along_m: to, aside_m, .. } = self.bays[bay];
+                let (part, slope) = eased((along_m - (to - SWERVE_M)) / SWERVE_M);
+                (part * aside_m, slope * aside_m / SWERVE_M)
+            }
+            Drive::SetsOff { bay } => {
+                let Bay { along_m: from, aside_m, .. } = self.bays[bay];
+                let (part, slope) = eased((along_m - from) / SWERVE_M);
+                ((1.0 - part) * aside_m, -slope * aside_m / SWERVE_M)
+            }
+        };
+        let left = Vec2::new(direction.y, -direction.x);
+        let at = from + direction * along_m + left * aside_m;
+        Placement::at([at.x, height_m, at.y]).facing(yaw_rad + slope.atan())
+    }
+
+    /// Moves all vehicles on by `secs`. `stops` are in any order.
+    pub(crate) fn advance(
+        &mut self,
+        crowd: &mut Crowd,
+        stops: &[Stop],
+        (now, secs): (f64, f32),
+    ) -> Result<(), Error> {
+        self.sort();
+        for place in 0..self.order.len() {
+            let index = self.order[place];
+            let acceleration = self.acceleration(place, stops);
+            let lane = self.vehicles[index].lane;
+            let length_m = self.lanes[lane].length_m;
+            let vehicle = &mut self.vehicles[index];
+            let speed = (vehicle.speed + acceleration * secs).max(0.0);
+            vehicle.along_m += 0.5 * (vehicle.speed + speed) * secs;
+            vehicle.speed = speed;
+            match vehicle.drive {
+                Drive::Parks { bay } => {
+                    let to = self.bays[bay].along_m;
+                    if to - vehicle.along_m < 0.05 || vehicle.speed < 0.02 && to - vehicle.along_m < 0.6 {
+                        vehicle.speed = 0.0;
+                        vehicle.drive = Drive::Stands { bay, since: now };
+                    }
+                }
+                Drive::SetsOff { bay } if vehicle.along_m > self.bays[bay].along_m + SWERVE_M => {
+                    vehicle.drive = Drive::Cruises;
+                    self.bays[bay].vehicle = None;
+                }
+                _ => {}
+            }
+            if vehicle.along_m >= length_m {
+                vehicle.along_m -= length_m;
+            }
+        }
+        for index in 0..self.vehicles.len() {
+            let Vehicle { lane, along_m, drive, .. } = self.vehicles[index];
+            let placement = self.placement(lane, along_m, drive);
+            let roll_m = self.models[self.vehicles[index].model].roll_m;
+            let vehicle = &mut self.vehicles[index];
+            if placement != vehicle.placement {
+                vehicle.placement = placement;
+                crowd.member_mut(vehicle.member)?.set_placement(placement)?;
+            }
+            let speed = vehicle.speed;
+            if let Some((rolling, told)) = &mut vehicle.rolling
+                && (speed - *told).abs() > 0.02 * told.abs() + if speed == 0.0 { 0.0 } else { 0.02 }
+            {
+                *told = speed;
+                crowd.member_mut(vehicle.member)?.set_speed(*rolling, speed / roll_m)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Sorts the vehicles on the road by lane and length along it.
+    fn sort(&mut self) {
+        let vehicles = &self.vehicles;
+        self.order.clear();
+        let moves = |index: &usize| !matches!(vehicles[*index].drive, Drive::Stands { .. });
+        self.order.extend((0..vehicles.len()).filter(moves));
+        self.order.sort_unstable_by(|a, b| {
+            let (a_at, b_at) = (&vehicles[*a], &vehicles[*b]);
+            a_at.lane.cmp(&b_at.lane).then(a_at.along_m.total_cmp(&b_at.along_m)).then(a.cmp(b))
+        });
+    }
+
+    fn acceleration(&self, place: usize, stops: &[Stop]) -> f32 {
+        let index = self.order[place];
+        let vehicle = &self.vehicles[index];
+        let lane = &self.lanes[vehicle.lane];
+        let half = 0.5 * self.models[vehicle.model].length_m;
+        let mut speed = lane.speed * vehicle.pace;
+        let mut ahead = self.leader(place).unwrap_or((FREE_M, lane.speed));
+        match vehicle.drive {
+            Drive::Parks { bay } => {
+                let left = self.bays[bay].along_m - vehicle.along_m;
+                // Slow from where the brakes must begin, and slower to the end of the bay.
+                let slow = SWERVE_M_PER_SEC.powi(2) + 2.0 * LOSS * (left - SWERVE_M).max(0.0);
+                speed = speed.min(slow.sqrt()).min((2.0 * left.max(0.0)).sqrt().max(0.3));
+            }
+            Drive::SetsOff { .. } => speed = speed.min(SWERVE_M_PER_SEC),
+            _ => {}
+        }
+        for stop in stops.iter().filter(|stop| stop.lane == vehicle.lane) {
+            let gap = stop.along_m - (vehicle.along_m + half);
+            let needed = vehicle.speed.powi(2) / (2.0 * LOSS);
+            let is_passed = gap < -0.5 || stop.is_polite && gap < needed;
+            if !is_passed && gap + JAM_M < ahead.0 {
+                // It stops at the line itself, not a distance before it.
+                ahead = (gap + JAM_M, 0.0);
+            }
+        }
+        intelligent_driver(vehicle.speed, speed, ahead)
+    }
+
+    /// Returns the distance to the vehicle ahead and its speed.
+    fn leader(&self, place: usize) -> Option<(f32, f32)> {
+        let vehicle = &self.vehicles[self.order[place]];
+        let same = |index: &&usize| self.vehicles[**index].lane == vehicle.lane;
+        let next = self.order.get(place + 1).filter(same);
+        let (next, laps) = match next {
+            Some(next) => (*next, 0.0),
+            None => (*self.order.iter().find(same)?, self.lanes[vehicle.lane].length_m),
+        };
+        if next == self.order[place] {
+            return None;
+        }
+        let other = &self.vehicles[next];
+        let [own, its] = [vehicle, other].map(|of| 0.5 * self.models[of.model].length_m);
+        Some((other.along_m + laps - vehicle.along_m - own - its, other.speed))
+    }
+
+    /// Sends a vehicle that stands back to the road if there is room. Returns true if it set off.
+    pub(crate) fn set_off(&mut self, vehicle: usize) -> bool {
+        let Vehicle { lane, along_m, drive: Drive::Stands { bay, .. }, .. } = self.vehicles[vehicle]
+        else {
+            return false;
+        };
+        let is_free = self.vehicles.iter().enumerate().all(|(index, other)| {
+            let off = other.along_m - along_m;
+            let [behind, ahead] = MERGE_M;
+            let is_near = off > -(behind + 1.5 * other.speed) && off < ahead;
+            index == vehicle
+                || other.lane != lane
+                || matches!(other.drive, Drive::Stands { .. })
+                || !is_near
+        });
+        if is_free {
+            self.vehicles[vehicle].drive = Drive::SetsOff { bay };
+        }
+        is_free
+    }
+
+    /// Sends a vehicle that cruises to a free bay ahead. Returns true if there is one.
+    pub(crate) fn park(&mut self, vehicle: usize) -> bool {
+        let Vehicle { lane, along_m, speed, drive: Drive::Cruises, .. } = self.vehicles[vehicle]
+        else {
+            return false;
+        };
+        let brakes_m = SWERVE_M + speed.powi(2) / (1.2 * LOSS);
+        let is_ahead = |bay: &Bay| (brakes_m..brakes_m + 25.0).contains(&(bay.along_m - along_m));
+        let free = |bay: &Bay| bay.lane == lane && bay.vehicle.is_none() && is_ahead(bay);
+        let Some(bay) = self.bays.iter().position(free) else { return false };
+        self.bays[bay].vehicle = Some(vehicle);
+        self.vehicles[vehicle].drive = Drive::Parks { bay };
+        true
+    }
+
+    /// Returns true if nobody who steps onto a lane now is met by a vehicle within `secs`, at a
+    /// length along the lane.
+    pub(crate) fn is_clear(&self, lane: usize, along_m: f32, secs: f32) -> bool {
+        self.vehicles.iter().filter(|vehicle| vehicle.lane == lane).all(|vehicle| {
+            let gap = along_m - vehicle.along_m - 0.5 * self.models[vehicle.model].length_m;
+            let stands = vehicle.speed < 0.4 || matches!(vehicle.drive, Drive::Stands { .. });
+            let has_passed = gap < -self.models[vehicle.model].length_m - 1.5;
+            stands && gap > 0.3 || stands && has_passed || has_passed || gap > vehicle.speed * secs + 2.0
+        })
+    }
+
+    /// Returns the point in the world of a point `[x, y, z]` of a vehicle.
+    pub(crate) fn world_point(&self, vehicle: usize, point: [f32; 3]) -> [f32; 3] {
+        self.vehicles[vehicle].placement.world_from_model().transform_point(point)
+    }
+
+    /// Returns the heading of somebody who faces a vehicle's driver's side.
+    pub(crate) fn entry_yaw_rad(&self, vehicle: usize) -> f32 {
+        self.vehicles[vehicle].placement.yaw_rad() - FRAC_PI_2
+    }
+}
+
+/// Returns a smooth step from 0 to 1, and its slope.
+fn eased(part: f32) -> (f32, f32) {
+    let part = part.clamp(0.0, 1.0);
+    (part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part))
+}
+
+/// Returns the acceleration of a vehicle behind another.
+fn intelligent_driver(speed: f32, wanted: f32, (gap_m, leader): (f32, f32)) -> f32 {
+    let closing = speed * (speed - leader) / (2.0 * (GAIN * LOSS).sqrt());
+    let distance = JAM_M + (speed * HEADWAY_SECS + closing).max(0.0);
+    let free = if speed <= wanted {
+        GAIN * (1.0 - (speed / wanted).powi(4))
+    } else {
+        -LOSS * (1.0 - wanted / speed)
+    };
+    (free - GAIN * (distance / gap_m.max(0.1)).powi(2)).max(-HARDEST)
+}

@@ -1,0 +1,84 @@
+//! Looking into windows.
+
+use glam::Vec2;
+use populace::{ClipPlayback, Crowd};
+
+use super::body::Use;
+use super::person::Doing;
+use super::world::{WHOLE, World};
+use crate::Error;
+
+/// How far ahead a window is noticed, and how far somebody walks aside to it, in metres.
+const NOTICED_M: f32 = 14.0;
+/// Seconds after which somebody who cannot get there goes on.
+const PATIENCE_SECS: f64 = 20.0;
+const FADE_SECS: f32 = 0.45;
+
+/// Lets somebody who strolls walk to a free spot ahead. Returns true if there is one.
+pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::LookIn]) {
+        return Ok(false);
+    }
+    let at = world.position(who);
+    let person = &world.people[who];
+    let footway = &world.footways[person.footway];
+    let (_, along) = footway.at(footway.place(at));
+    let ahead = along * person.direction;
+    let reachable = |spot: Vec2| {
+        let off = spot - at;
+        off.length() < NOTICED_M && off.dot(ahead) > 1.0 && footway.distance_m(spot) < 1.5
+    };
+    let free = world.spots.iter().enumerate().filter(|(_, (spot, taken))| {
+        taken.is_none() && reachable(spot.at.into())
+    });
+    let distance = |spot: &[f32; 2]| Vec2::from(*spot).distance_squared(at);
+    let nearest = free.min_by(|a, b| distance(&a.1.0.at).total_cmp(&distance(&b.1.0.at)));
+    let Some((spot, _)) = nearest else { return Ok(false) };
+    world.spots[spot].1 = Some(who);
+    world.people[who].doing = Doing::NearsSpot { spot, until: world.now + PATIENCE_SECS };
+    let to = world.spots[spot].0.at.into();
+    world.send(who, to)?;
+    Ok(true)
+}
+
+/// Goes on with it.
+pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+    let now = world.now;
+    match world.people[who].doing {
+        Doing::NearsSpot { spot, until } => {
+            if world.has_arrived(who) {
+                let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
+                world.halt(who)?;
+                world.face(who, Some(yaw_rad))?;
+                world.people[who].doing = Doing::FacesSpot { spot, until: now + 4.0 };
+            } else if now > until {
+                leave(world, who, spot)?;
+            }
+        }
+        Doing::FacesSpot { spot, until } => {
+            let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
+            if world.faces(crowd, who, yaw_rad)? || now > until {
+                let playback = ClipPlayback::looping().fade_in_secs(FADE_SECS);
+                world.play(crowd, who, Use::LookIn, (WHOLE, playback))?;
+                let look_at = world.spots[spot].0.look_at;
+                world.look(crowd, who, look_at)?;
+                let secs = world.people[who].random.between(4.0, 11.0);
+                let until = now + f64::from(secs);
+                world.people[who].doing = Doing::LooksIn { spot, until };
+                world.counts.looked_in += 1;
+            }
+        }
+        Doing::LooksIn { spot, until } if now > until => {
+            world.end(crowd, who, WHOLE, FADE_SECS)?;
+            world.look_ahead(crowd, who)?;
+            leave(world, who, spot)?;
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn leave(world: &mut World, who: usize, spot: usize) -> Result<(), Error> {
+    world.spots[spot].1 = None;
+    world.go_on(who)
+}

@@ -1,0 +1,256 @@
+//! All that the activities of people share: who they are, where, and what they can be told.
+
+use glam::Vec2;
+use populace::{
+    ClipPlayback, Crowd, LayerSettings, MemberId, PlaybackId, Target, Weight,
+};
+use populace_locomotion::{Goal, Walkers};
+use populace_physics::Ragdolls;
+
+use crate::Error;
+use crate::plan::{CrossingPlan, SeatPlan, SpotPlan, StrollPlan};
+
+use super::body::{Body, Use};
+use super::footways::{Footway, Place};
+use super::person::{Doing, Person};
+use super::traffic::Traffic;
+
+/// The layer of motions of the whole body.
+pub(crate) const WHOLE: usize = 1;
+/// The layer of motions of the upper body.
+pub(crate) const UPPER: usize = 2;
+/// How far ahead on a footway people are sent, and how near they come before they are sent on.
+const SENT_M: f32 = 14.0;
+const SENT_ON_M: f32 = 5.0;
+/// Distance from a goal at which somebody has arrived, and speed below which somebody stands.
+const ARRIVED_M: f32 = 0.12;
+const STANDS_M_PER_SEC: f32 = 0.05;
+/// Angle within which somebody faces a direction, in radians.
+const FACES_RAD: f32 = 0.06;
+
+/// Seconds between two decisions of a person.
+pub(crate) const DECIDES_SECS: f64 = 0.5;
+
+/// Things of a scene that have happened, by kind.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Looks into windows.
+    pub looked_in: u32,
+    /// Looks left and right before a road.
+    pub looked_both_ways: u32,
+    /// Roads crossed.
+    pub crossed: u32,
+    /// Talks of two or more.
+    pub talked: u32,
+    /// Times that somebody sat down on a seat.
+    pub sat: u32,
+    /// Times that somebody got into a vehicle and drove off.
+    pub drove_off: u32,
+    /// Times that somebody got out of a vehicle.
+    pub got_out: u32,
+    /// Times that somebody was run into and fell.
+    pub fell: u32,
+    /// Times that somebody got up again.
+    pub got_up: u32,
+    /// Telephone calls.
+    pub phoned: u32,
+    /// Messages read.
+    pub texted: u32,
+}
+
+/// A talk of two or three.
+#[derive(Clone, Debug)]
+pub(crate) struct Talk {
+    pub(crate) people: Vec<usize>,
+    pub(crate) middle: Vec2,
+    /// When it ends.
+    pub(crate) until: f64,
+    /// Who talks, as an index among the people, and until when.
+    pub(crate) speaker: usize,
+    pub(crate) turn_until: f64,
+    pub(crate) has_begun: bool,
+}
+
+/// A crossing between two footways.
+#[derive(Clone, Debug)]
+pub(crate) struct Crossing {
+    pub(crate) plan: CrossingPlan,
+    /// The footways of its ends.
+    pub(crate) footways: [usize; 2],
+    /// The lanes that it crosses, and the length along each.
+    pub(crate) lanes: Vec<(usize, f32)>,
+}
+
+/// The people of a scene, and what they meet.
+#[derive(Clone)]
+pub(crate) struct World {
+    pub(crate) now: f64,
+    /// Length of this step in seconds.
+    pub(crate) step_secs: f64,
+    pub(crate) walkers: Walkers,
+    pub(crate) ragdolls: Ragdolls,
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) habits: Vec<StrollPlan>,
+    pub(crate) people: Vec<Person>,
+    pub(crate) footways: Vec<Footway>,
+    pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
+    pub(crate) seats: Vec<(SeatPlan, Option<usize>)>,
+    pub(crate) crossings: Vec<Crossing>,
+    pub(crate) traffic: Traffic,
+    pub(crate) talks: Vec<Option<Talk>>,
+    pub(crate) counts: Counts,
+    /// Index of the walker of each person; `None` for those in vehicles.
+    pub(crate) walker_of: Vec<Option<usize>>,
+    /// Those who have got out of a vehicle in this step, and the vehicles.
+    pub(crate) starts_from_car: Vec<(usize, usize)>,
+}
+
+impl World {
+    /// Returns the position of a person who walks or rests.
+    pub(crate) fn position(&self, who: usize) -> Vec2 {
+        self.walker_of[who].map_or(self.people[who].goal, |at| self.walkers.positions()[at].into())
+    }
+
+    /// Returns true if it is a person's turn to decide in this step: two times a second.
+    pub(crate) fn is_turn(&self, who: usize) -> bool {
+        // Golden ratio steps spread the turns evenly.
+        let turns = |now: f64| (now / DECIDES_SECS + who as f64 * 0.618_034).floor();
+        turns(self.now - self.step_secs) < turns(self.now)
+    }
+
+    fn velocity(&self, who: usize) -> Vec2 {
+        self.walker_of[who].map_or(Vec2::ZERO, |at| self.walkers.velocities()[at].into())
+    }
+
+    /// Finds the walkers of all people anew, after some have come or gone.
+    pub(crate) fn find_walkers(&mut self, index_of_member: &[usize]) {
+        self.walker_of.iter_mut().for_each(|walker| *walker = None);
+        for (index, member) in self.walkers.members().iter().enumerate() {
+            self.walker_of[index_of_member[member.number() as usize]] = Some(index);
+        }
+    }
+
+    pub(crate) fn body(&self, who: usize) -> &Body {
+        &self.bodies[self.people[who].body]
+    }
+
+    pub(crate) fn member(&self, who: usize) -> MemberId {
+        self.people[who].member
+    }
+
+    /// Returns a point at the height of somebody's eyes.
+    pub(crate) fn eyes(&self, who: usize) -> [f32; 3] {
+        let at = self.position(who);
+        [at.x, self.body(who).eye_m * self.people[who].scale, at.y]
+    }
+
+    /// Sends a person to a point.
+    pub(crate) fn send(&mut self, who: usize, to: Vec2) -> Result<(), Error> {
+        self.people[who].goal = to;
+        Ok(self.walkers.set_goal(self.people[who].member, Goal::Point(to.to_array()))?)
+    }
+
+    /// Lets a person stand.
+    pub(crate) fn halt(&mut self, who: usize) -> Result<(), Error> {
+        self.people[who].goal = self.position(who);
+        Ok(self.walkers.set_goal(self.people[who].member, Goal::Stand)?)
+    }
+
+    pub(crate) fn face(&mut self, who: usize, yaw_rad: Option<f32>) -> Result<(), Error> {
+        Ok(self.walkers.set_facing(self.people[who].member, yaw_rad)?)
+    }
+
+    /// Returns true for somebody who stands at the goal.
+    pub(crate) fn has_arrived(&self, who: usize) -> bool {
+        self.position(who).distance(self.people[who].goal) < ARRIVED_M
+            && self.velocity(who).length() < STANDS_M_PER_SEC
+    }
+
+    /// Returns true for somebody who stands and faces a heading.
+    pub(crate) fn faces(&self, crowd: &Crowd, who: usize, yaw_rad: f32) -> Result<bool, Error> {
+        let off = crowd.member(self.member(who))?.placement().yaw_rad() - yaw_rad;
+        let stands = self.velocity(who).length() < STANDS_M_PER_SEC;
+        Ok(stands && off.cos() > FACES_RAD.cos())
+    }
+
+    /// Lets a person stroll on from where it is.
+    pub(crate) fn go_on(&mut self, who: usize) -> Result<(), Error> {
+        let (member, pace) = (self.people[who].member, self.people[who].pace);
+        self.people[who].doing = Doing::Strolls;
+        self.walkers.set_heedless(member, false)?;
+        self.walkers.set_facing(member, None)?;
+        self.walkers.set_speed(member, pace)?;
+        self.send_along(who)
+    }
+
+    /// Sends a person on along its footway, and back from its end.
+    pub(crate) fn send_along(&mut self, who: usize) -> Result<(), Error> {
+        let at = self.position(who);
+        let person = &mut self.people[who];
+        let footway = &self.footways[person.footway];
+        let along = footway.place(at).along_m;
+        let left = if person.direction > 0.0 { footway.length_m() - along } else { along };
+        if left < SENT_ON_M {
+            person.direction = -person.direction;
+            person.lane = person.random.between(0.1, 0.95);
+        }
+        let along_m = (along + SENT_M * person.direction).clamp(0.0, footway.length_m());
+        let aside_m = -person.direction * person.lane * footway.half_m;
+        let (to, _) = footway.at(Place { along_m, aside_m });
+        self.send(who, to)
+    }
+
+    /// Keeps a person going along its footway.
+    pub(crate) fn keep_going(&mut self, who: usize) -> Result<(), Error> {
+        if self.position(who).distance(self.people[who].goal) < SENT_ON_M {
+            self.send_along(who)?;
+        }
+        Ok(())
+    }
+
+    /// Plays a motion on a layer for as long as it is or until it is ended, and returns its length
+    /// in seconds; `None` if the body has none.
+    pub(crate) fn play(
+        &self,
+        crowd: &mut Crowd,
+        who: usize,
+        usage: Use,
+        (layer, playback): (usize, ClipPlayback),
+    ) -> Result<Option<(PlaybackId, f64)>, Error> {
+        let Some(clip) = self.body(who).clip(usage) else { return Ok(None) };
+        let mut member = crowd.member_mut(self.member(who))?;
+        let playing = member.play(clip.id, playback.on_layer(layer))?;
+        Ok(Some((playing, f64::from(clip.secs))))
+    }
+
+    /// Ends what a layer plays.
+    pub(crate) fn end(&self, crowd: &mut Crowd, who: usize, layer: usize, secs: f32) -> Result<(), Error> {
+        Ok(crowd.member_mut(self.member(who))?.stop(layer, secs)?)
+    }
+
+    /// Turns a person's head to a point.
+    pub(crate) fn look(&self, crowd: &mut Crowd, who: usize, at: [f32; 3]) -> Result<(), Error> {
+        if self.body(who).can_look {
+            let weight = Weight::FULL.over_secs(0.35).easing_over();
+            crowd.member_mut(self.member(who))?.look_at(Target::Point(at), weight)?;
+        }
+        Ok(())
+    }
+
+    /// Lets a person look ahead again.
+    pub(crate) fn look_ahead(&self, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+        if self.body(who).can_look {
+            crowd.member_mut(self.member(who))?.clear_look_at(0.4)?;
+        }
+        Ok(())
+    }
+
+    /// Sets the layers of a person that has just been brought into the crowd.
+    pub(crate) fn set_layers(&self, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+        let upper = self.body(who).upper;
+        let mut member = crowd.member_mut(self.member(who))?;
+        member.set_layer(WHOLE, LayerSettings::default(), None)?;
+        Ok(member.set_layer(UPPER, LayerSettings::default(), upper)?)
+    }
+}

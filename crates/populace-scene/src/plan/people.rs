@@ -1,0 +1,228 @@
+//! Who is in a scene, and what they do.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// Characters by a name.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CastPlan {
+    /// The name by which crowds refer to it.
+    pub name: String,
+    /// Files, folders, or `@people` and the names of built-in people. Paths are relative to the
+    /// scene file.
+    pub from: Vec<String>,
+    /// Files with more clips.
+    #[serde(default)]
+    pub clips_from: Vec<String>,
+    /// Names of clips by their role, such as `sit = "SitIdle"`, for characters whose clips have
+    /// other names than those of the built-in people.
+    #[serde(default)]
+    pub clips: BTreeMap<String, String>,
+    /// Seed of colours, options and heights; they are as in the file if false.
+    #[serde(default = "yes")]
+    pub varied: bool,
+    /// Things that each member wears or holds, by the prop's kind: `shield`, `spear`, `helmet`.
+    #[serde(default)]
+    pub holds: Vec<String>,
+    /// A colour for the region `top`, linear red, green and blue from 0 to 1, over the variety.
+    #[serde(default)]
+    pub top: Option<[f32; 3]>,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+/// Members of a cast that do the same kind of thing.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CrowdPlan {
+    /// The cast.
+    pub cast: String,
+    /// Number of members.
+    pub count: usize,
+    /// What they do.
+    pub does: BehaviourPlan,
+    /// Clips that they play over what they do.
+    #[serde(default)]
+    pub layers: Vec<LayerPlan>,
+    /// Where they look, unless what they do says otherwise.
+    #[serde(default)]
+    pub gaze: Option<GazePlan>,
+}
+
+/// What members do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+#[non_exhaustive]
+pub enum BehaviourPlan {
+    /// They walk about on footways, look into windows, cross, sit, talk and drive.
+    Stroll(StrollPlan),
+    /// They sit on a stand, clap, cheer and do the wave.
+    Spectate(SpectatePlan),
+    /// They stand in a line of battle, advance and fight.
+    Fight(FightPlan),
+    /// They stand where they are.
+    Stand(StandPlan),
+}
+
+/// How people stroll. Rates are the number of times in a minute at which one person would do a
+/// thing if there were always a place for it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StrollPlan {
+    /// Names of the footways; all if empty.
+    pub footways: Vec<String>,
+    /// The mean walking speed in metres per second.
+    pub speed: f32,
+    /// Looks into a window.
+    pub look_in: f32,
+    /// Crosses the road.
+    pub cross: f32,
+    /// Sits down.
+    pub sit: f32,
+    /// Meets somebody and talks.
+    pub talk: f32,
+    /// Telephones.
+    pub phone: f32,
+    /// Reads a message while walking, and heeds nobody meanwhile.
+    pub text: f32,
+    /// Gets into a parked car.
+    pub drive: f32,
+    /// Is in a hurry, and may run into somebody.
+    pub hurry: f32,
+}
+
+impl Default for StrollPlan {
+    fn default() -> Self {
+        Self {
+            footways: Vec::new(),
+            speed: 1.25,
+            look_in: 0.5,
+            cross: 0.5,
+            sit: 0.35,
+            talk: 0.35,
+            phone: 0.25,
+            text: 0.3,
+            drive: 0.2,
+            hurry: 0.1,
+        }
+    }
+}
+
+/// How people watch from seats.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SpectatePlan {
+    /// Where they look.
+    pub watch: [f32; 3],
+    /// Times in a minute at which one person claps.
+    pub clap: f32,
+    /// Times in a minute at which one person cheers.
+    pub cheer: f32,
+    /// Seconds from one wave to the next; 0 for none. It begins at the first seat.
+    pub wave_every_s: f32,
+    /// Speed of the wave in metres per second.
+    pub wave_speed: f32,
+}
+
+impl Default for SpectatePlan {
+    fn default() -> Self {
+        // A wave passes about 20 seats of 0.5 m each second (I. Farkas, D. Helbing and T. Vicsek,
+        // "Mexican waves in an excitable medium", Nature 419 (2002), 131).
+        Self { watch: [0.0; 3], clap: 2.0, cheer: 0.6, wave_every_s: 20.0, wave_speed: 11.0 }
+    }
+}
+
+/// How people fight: in ranks, against those of another crowd.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct FightPlan {
+    /// The middle of the front rank `[x, z]`.
+    pub at: [f32; 2],
+    /// The heading of the line.
+    pub facing_deg: f32,
+    /// Members in a rank.
+    pub rank: usize,
+    /// Distance between neighbours in a rank and between ranks.
+    pub spacing_m: [f32; 2],
+    /// Distance that the line advances before it fights.
+    pub advance_m: f32,
+    /// Times in a minute at which a member of the front rank thrusts its spear.
+    pub thrust: f32,
+    /// Times in a minute at which one of the front rank is hit; one in four hit falls.
+    pub hit: f32,
+}
+
+impl Default for FightPlan {
+    fn default() -> Self {
+        Self {
+            at: [0.0; 2],
+            facing_deg: 0.0,
+            rank: 50,
+            spacing_m: [0.9, 1.2],
+            advance_m: 8.0,
+            thrust: 12.0,
+            hit: 3.0,
+        }
+    }
+}
+
+/// How people stand.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct StandPlan {
+    /// The middle `[x, z]`.
+    pub at: [f32; 2],
+    /// Their heading.
+    pub facing_deg: f32,
+    /// Members in a row.
+    pub row: usize,
+    /// Distance between neighbours.
+    pub spacing_m: f32,
+    /// The clip that they play.
+    pub clip: String,
+}
+
+impl Default for StandPlan {
+    fn default() -> Self {
+        Self { at: [0.0; 2], facing_deg: 0.0, row: 10, spacing_m: 1.0, clip: "Idle".into() }
+    }
+}
+
+/// A clip over what members do.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LayerPlan {
+    /// The clip's name.
+    pub clip: String,
+    /// The weight, 0 to 1.
+    #[serde(default = "one")]
+    pub weight: f32,
+    /// True to add the clip's difference from its first pose; it replaces otherwise.
+    #[serde(default)]
+    pub additive: bool,
+    /// True to affect the spine and all above it alone.
+    #[serde(default = "yes")]
+    pub upper_body: bool,
+    /// The share of members that play it, 0 to 1.
+    #[serde(default = "one")]
+    pub share: f32,
+}
+
+const fn one() -> f32 {
+    1.0
+}
+
+/// A point to look at.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GazePlan {
+    /// The point.
+    pub at: [f32; 3],
+    /// The weight, 0 to 1.
+    #[serde(default = "one")]
+    pub weight: f32,
+}

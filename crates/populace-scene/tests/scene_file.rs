@@ -1,0 +1,77 @@
+//! Scene files: what is written is read again, and what is wrong is named with its line.
+
+use populace_scene::plan::ScenePlan;
+use populace_scene::{StreetSettings, street};
+
+/// A file with a footway and people on it, before a line that is put in.
+const GOOD: &str = "\
+schema = 1
+
+[[cast]]
+name = \"people\"
+from = [\"@people\"]
+
+[[footway]]
+name = \"path\"
+points = [[0, 0], [20, 0]]
+width_m = 4
+
+[[crowd]]
+cast = \"people\"
+count = 20
+does.stroll = { speed = 1.2 }
+";
+
+#[track_caller]
+fn refused(text: &str, line: usize, words: &str) {
+    let error = ScenePlan::parse(text).unwrap_err();
+    assert_eq!(error.line, line, "{error}");
+    assert!(error.message.contains(words), "no {words:?} in: {error}");
+}
+
+#[test]
+fn a_street_is_written_and_read_again() {
+    let plan = street(StreetSettings { members: 500, seed: 3 });
+    let text = plan.to_toml().unwrap();
+    assert_eq!(ScenePlan::parse(&text).unwrap(), plan);
+    assert!(text.starts_with("schema = 1\n"), "{text}");
+}
+
+#[test]
+fn a_small_file_is_read() {
+    let plan = ScenePlan::parse(GOOD).unwrap();
+    assert_eq!(plan.member_count(), 20);
+    assert_eq!(plan.light.sky, "day", "what is left out has its default");
+}
+
+#[test]
+fn misspelt_keys_are_named_with_their_line_and_the_nearest() {
+    refused(&GOOD.replace("width_m", "widht_m"), 10, "no key `widht_m` here; did you mean \"width_m\"");
+    refused(&GOOD.replace("does.stroll", "does.strol"), 15, "no key `strol`");
+    refused(&GOOD.replace("speed", "sped"), 15, "did you mean \"speed\"");
+    refused(&GOOD.replace("[[crowd]]", "[[crowds]]"), 12, "did you mean \"crowd\"");
+    refused(&GOOD.replace("count = 20\n", ""), 12, "missing field `count`");
+    refused("schema = 1\nseed = x\n", 2, "");
+}
+
+#[test]
+fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
+    refused(&GOOD.replace("schema = 1", "schema = 2"), 1, "`schema` must be 1");
+    refused(&GOOD.replace("count = 20", "count = 0"), 14, "`count` of a [[crowd]] must be from 1");
+    refused(
+        &GOOD.replace("cast = \"people\"", "cast = \"poeple\""),
+        13,
+        "none is \"poeple\"; did you mean \"people\"",
+    );
+    refused(&GOOD.replace("width_m = 4", "width_m = -4"), 10, "`width_m` of a [[footway]]");
+    refused(&GOOD.replace(", [20, 0]", ""), 9, "at least two points");
+    refused(&GOOD.replace("[20, 0]", "[2e7, 0]"), 9, "of at most 1000000 metres");
+    let twice = format!("{GOOD}\n[[cast]]\nname = \"people\"\nfrom = [\"@man\"]\n");
+    refused(&twice, 18, "must be unique");
+    let bay = format!("{GOOD}\n[[bay]]\nlane = \"north\"\nat = [0, 0]\n");
+    refused(&bay, 18, "none is \"north\"");
+    let camera = "\n[[camera]]\nname = \"a\"\n[[camera.key]]\nfrom = [0, 1, 2]\nto = [0, 1, 0]\nfov = 0\n";
+    refused(&format!("{GOOD}{camera}"), 19, "`fov` from 1 to 170");
+    let stroll = GOOD.replace("speed = 1.2", "footways = [\"road\"]");
+    refused(&stroll, 15, "none is \"road\"");
+}
