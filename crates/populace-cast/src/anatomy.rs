@@ -6,7 +6,7 @@ use crate::Look;
 
 /// The left or the right half of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Side {
+pub enum Side {
     /// At +X.
     Left,
     /// At -X.

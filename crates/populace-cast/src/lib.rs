@@ -12,7 +12,7 @@
 //!
 //! let tall = person(&Look { height_m: 1.9, ..Look::man() })?;
 //! assert!((tall.height_m() - 1.9).abs() < 0.01);
-//! assert_eq!(tall.clips.len(), 8);
+//! assert_eq!(tall.clips.len(), 33);
 //! let broken = Look { height_m: f64::NAN, ..Look::man() };
 //! assert!(person(&broken).is_err());
 //! # Ok::<(), populace_character::Error>(())
@@ -27,8 +27,10 @@
 //! names and rest rotations.
 
 mod anatomy;
+mod grip;
 mod look;
 mod motion;
+mod places;
 mod rig;
 mod surface;
 
@@ -38,7 +40,14 @@ use populace_character::Error;
 use populace_character::{Character, CharacterSource, SkinInstance, sole_points, vertex_reach_m};
 use populace_clip::Clip;
 
+pub use anatomy::Side;
+pub use grip::{grip, helmet};
 pub use look::{Bag, Bottom, Colors, Extra, Face, Glasses, Hair, Hat, Look, Reach, Rig, Top};
+pub use places::{
+    CAR_FLOOR_M, CAR_SEAT_M, CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD, LEAN_WALL_M,
+    PUSH_BAR, SEAT_BACK_M, SEAT_HEIGHT_M, STEERING_WHEEL_M, STEERING_WHEEL_RADIUS_M,
+    STEERING_WHEEL_TILT_RAD,
+};
 
 /// Returns one character for each preset, in the order of [`Look::presets`].
 ///

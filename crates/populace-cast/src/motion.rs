@@ -1,10 +1,14 @@
 //! Motions of a body: stances sampled over a cycle, or key poses on the ground, solved to segment
 //! rotations.
 
+mod act;
 mod curve;
+mod figure;
 mod gait;
 mod get_up;
 mod idle;
+mod limb;
+mod reach;
 mod stance;
 mod stride;
 
@@ -13,6 +17,7 @@ use glam::{DQuat, DVec3};
 use crate::anatomy::{Body, SEGMENTS};
 use crate::rig::Joints;
 use crate::surface::Surface;
+use figure::Figure;
 
 /// Pose of all segments, relative to rest, in model space.
 #[derive(Clone, Debug)]
@@ -47,8 +52,11 @@ impl Motion {
 
 /// Returns all motions of a body.
 pub(crate) fn all(body: &Body, joints: &Joints, surface: &Surface) -> Vec<Motion> {
+    let figure = Figure::new(body, joints, surface);
     let mut motions =
         vec![idle::breathe(body), idle::shift(body), gait::walk(body), gait::run(body)];
-    motions.extend(get_up::all(body, joints, surface));
+    motions.extend(get_up::all(&figure));
+    motions.extend(act::loops(&figure));
+    motions.extend(act::once(&figure));
     motions
 }

@@ -1,4 +1,4 @@
-//! Periodic monotone interpolation.
+//! Monotone interpolation, periodic and not.
 
 /// Knots of one cycle: (phase, value). Phases increase and are in [0, 1).
 pub(super) type Knots = [(f64, f64)];
@@ -28,6 +28,30 @@ pub(super) fn at(knots: &Knots, phase: f64) -> f64 {
     let (start, end) =
         (slope(secants[0], secants[1]) * width, slope(secants[1], secants[2]) * width);
     hermite((phase - from.0) / width, [from.1, to.1], [start, end])
+}
+
+/// Evaluates the piecewise cubic through `knots`, which is flat before the first and after the
+/// last. Slopes are those of [`at`].
+pub(super) fn through(knots: &Knots, x: f64) -> f64 {
+    let last = knots.len() - 1;
+    let from = knots.iter().rposition(|knot| knot.0 <= x);
+    let Some(from) = from else { return knots[0].1 };
+    if from == last {
+        return knots[last].1;
+    }
+    let secant = |a: usize, b: usize| {
+        let ((x0, y0), (x1, y1)) = (knots[a], knots[b]);
+        if x1 > x0 { (y1 - y0) / (x1 - x0) } else { 0.0 }
+    };
+    let slope = |before: f64, next: f64| {
+        if before * next <= 0.0 { 0.0 } else { 2.0 * before * next / (before + next) }
+    };
+    let own = secant(from, from + 1);
+    let before = secant(from.saturating_sub(1), from);
+    let next = secant(from + 1, (from + 2).min(last));
+    let width = knots[from + 1].0 - knots[from].0;
+    let slopes = [slope(before, own) * width, slope(own, next) * width];
+    hermite((x - knots[from].0) / width, [knots[from].1, knots[from + 1].1], slopes)
 }
 
 /// Evaluates the cubic Hermite curve from `from` (t = 0) to `to` (t = 1) with the slopes `start`

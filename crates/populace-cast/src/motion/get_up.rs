@@ -1,17 +1,14 @@
 //! Getting up from the ground: key poses, solved for the body so that it rests on the ground.
 
-mod figure;
 mod key;
 mod keys;
 mod solve;
 
 use glam::DQuat;
 
+use super::figure::Figure;
 use super::{Motion, Pose, idle};
-use crate::anatomy::Body;
-use crate::rig::Joints;
-use crate::surface::{Surface, smooth};
-use figure::Figure;
+use crate::surface::smooth;
 use key::{Key, between};
 
 /// Keys of a clip per second.
@@ -21,9 +18,8 @@ const END_SECS: f64 = 0.6;
 
 /// Returns the motions of getting up from the back, the front, and the left and the right side.
 /// They end in the first pose of the idle.
-pub(super) fn all(body: &Body, joints: &Joints, surface: &Surface) -> [Motion; 4] {
-    let figure = Figure::new(body, joints, surface);
-    let end = idle::breathe(body).poses.swap_remove(0);
+pub(super) fn all(figure: &Figure) -> [Motion; 4] {
+    let end = idle::first(figure.body);
     let left = keys::from_left();
     let right = left.iter().map(|key| key.mirrored()).collect();
     [
@@ -32,7 +28,7 @@ pub(super) fn all(body: &Body, joints: &Joints, surface: &Surface) -> [Motion; 4
         ("GetUp_Left", left),
         ("GetUp_Right", right),
     ]
-    .map(|(name, keys)| motion(name, &figure, &keys, &end))
+    .map(|(name, keys)| motion(name, figure, &keys, &end))
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen keys")]

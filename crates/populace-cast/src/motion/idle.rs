@@ -4,25 +4,39 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec3};
 
-use super::Motion;
 use super::stance::{Arm, Leg, Stance};
+use super::{Motion, Pose};
 use crate::anatomy::{Body, Limb, Side};
 
 /// Keys per second.
 const KEYS_PER_SEC: f64 = 12.0;
 
+/// Duration in seconds of standing still for two breaths.
+const BREATHE_SECS: f64 = 7.0;
+
 /// Returns the motion of standing still for two breaths.
 pub(super) fn breathe(body: &Body) -> Motion {
-    let secs = 7.0;
-    sampled("Idle", secs, body, |phase| {
-        let wave = |cycles: f64, shift: f64| (TAU * (cycles * phase - shift)).sin();
-        IdleState {
-            left: 0.12 * wave(1.0, 0.0),
-            breath: wave(2.0, 0.0),
-            look: 0.10 * wave(1.0, 0.3),
-            nod: 0.03 * wave(2.0, 0.15),
-        }
-    })
+    sampled("Idle", BREATHE_SECS, body, breathing)
+}
+
+/// Returns the stance at a time of standing still.
+pub(super) fn at(body: &Body, secs: f64) -> Stance {
+    stance(body, &breathing(secs / BREATHE_SECS))
+}
+
+/// Returns the first pose of standing still.
+pub(super) fn first(body: &Body) -> Pose {
+    at(body, 0.0).solve(body)
+}
+
+fn breathing(phase: f64) -> IdleState {
+    let wave = |cycles: f64, shift: f64| (TAU * (cycles * phase - shift)).sin();
+    IdleState {
+        left: 0.12 * wave(1.0, 0.0),
+        breath: wave(2.0, 0.0),
+        look: 0.10 * wave(1.0, 0.3),
+        nod: 0.03 * wave(2.0, 0.15),
+    }
 }
 
 /// Returns the motion of standing with the weight alternating between the legs.
@@ -42,15 +56,15 @@ pub(super) fn shift(body: &Body) -> Motion {
 }
 
 /// State of a standing person at one instant.
-struct IdleState {
+pub(super) struct IdleState {
     /// Weight on the left leg (1), on the right leg (-1), or on both (0).
-    left: f64,
+    pub(super) left: f64,
     /// Breath, fully in (1) to fully out (-1).
-    breath: f64,
+    pub(super) breath: f64,
     /// Rotation of the head to the left in radians.
-    look: f64,
+    pub(super) look: f64,
     /// Rotation of the head downwards in radians.
-    nod: f64,
+    pub(super) nod: f64,
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few dozen keys")]
@@ -59,7 +73,8 @@ fn sampled(name: &'static str, secs: f64, body: &Body, state: impl Fn(f64) -> Id
     Motion::sampled(name, secs, keys, body, |phase| stance(body, &state(phase)))
 }
 
-fn stance(body: &Body, state: &IdleState) -> Stance {
+/// Returns the stance of a standing person.
+pub(super) fn stance(body: &Body, state: &IdleState) -> Stance {
     let h = body.height;
     let IdleState { left, breath, look, nod } = *state;
     let tilt = 0.055 * left;

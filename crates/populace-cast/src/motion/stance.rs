@@ -34,6 +34,19 @@ pub(super) struct Leg {
     pub(super) yaw_rad: f64,
 }
 
+impl Leg {
+    /// Returns the leg a fraction of the way to another.
+    pub(super) fn towards(&self, end: &Self, part: f64) -> Self {
+        let mix = |a: f64, b: f64| a + (b - a) * part;
+        Self {
+            ankle: self.ankle.lerp(end.ankle, part),
+            pitch_rad: mix(self.pitch_rad, end.pitch_rad),
+            toe_pitch_rad: mix(self.toe_pitch_rad, end.toe_pitch_rad),
+            yaw_rad: mix(self.yaw_rad, end.yaw_rad),
+        }
+    }
+}
+
 /// Stance of a body. Rotations are relative to rest, in model space.
 #[derive(Clone, Debug)]
 pub(super) struct Stance {
@@ -49,6 +62,20 @@ pub(super) struct Stance {
 }
 
 impl Stance {
+    /// Returns a stance whose trunk is a fraction of the way to that of another. Arms are those of
+    /// `self`.
+    pub(super) fn towards(&self, end: &Self, part: f64) -> Self {
+        Self {
+            pelvis_offset: self.pelvis_offset.lerp(end.pelvis_offset, part),
+            pelvis: self.pelvis.slerp(end.pelvis, part),
+            chest: self.chest.slerp(end.chest, part),
+            head: self.head.slerp(end.head, part),
+            shrug_rad: self.shrug_rad + (end.shrug_rad - self.shrug_rad) * part,
+            arms: self.arms,
+            legs: std::array::from_fn(|side| self.legs[side].towards(&end.legs[side], part)),
+        }
+    }
+
     /// Returns the rotations of all segments.
     pub(super) fn solve(&self, body: &Body) -> Pose {
         let mut rotations = [DQuat::IDENTITY; SEGMENTS];
@@ -128,12 +155,22 @@ pub(super) fn solve_fingers(
     curl_rad: f64,
     rotations: &mut [DQuat; SEGMENTS],
 ) {
+    solve_hand(body, side, [curl_rad; 5], rotations);
+}
+
+/// Sets the rotations of a hand's thumb and fingers, each with its own flexion in radians.
+pub(super) fn solve_hand(
+    body: &Body,
+    side: Side,
+    curl_rad: [f64; 5],
+    rotations: &mut [DQuat; SEGMENTS],
+) {
     let on_side = |q: DQuat| side.mirror_rotation(q);
     let hand = rotations[Limb::Hand.of(side)];
     let towards_palm = body.along.cross(-body.outward).normalize();
     for finger in 1..5 {
         let mut rotation = hand;
-        let curl = curl_rad * (0.85 + 0.15 * finger as f64);
+        let curl = curl_rad[finger] * (0.85 + 0.15 * finger as f64);
         // The little finger spreads backwards, the index finger forwards.
         let fan = DQuat::from_axis_angle(body.outward, 0.02 * (finger as f64 - 2.3));
         for (joint, part) in [0.9, 1.15, 0.7].into_iter().enumerate() {
@@ -145,7 +182,7 @@ pub(super) fn solve_fingers(
     let across = body.thumb.cross(-body.outward).normalize();
     let mut rotation = hand;
     for (joint, part) in [0.42, 0.4, 0.5].into_iter().enumerate() {
-        rotation *= on_side(DQuat::from_axis_angle(across, curl_rad * part));
+        rotation *= on_side(DQuat::from_axis_angle(across, curl_rad[0] * part));
         rotations[Limb::Finger(0, joint).of(side)] = rotation;
     }
 }

@@ -2,10 +2,11 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::figure::Figure;
 use super::key::{Foot, Hand, Key};
 use crate::anatomy::{HEAD, Limb, NECK, PELVIS, SEGMENTS, SPINE, Side};
 use crate::motion::Pose;
+use crate::motion::figure::Figure;
+use crate::motion::limb::bend;
 use crate::motion::stance::{rotation_between, solve_fingers};
 
 /// Most steps in which the trunk is laid onto the ground. Each moves it by the gap that is left.
@@ -15,13 +16,6 @@ const CLOSE_M: f64 = 2e-4;
 /// Distance in metres within which the trunk's height changes over from the key pose's to that of
 /// the ground.
 const SOFT_M: f64 = 0.012;
-
-/// The bones of a limb: directions of the upper and the lower one, and the axis of the bend.
-struct Bones {
-    upper: DVec3,
-    lower: DVec3,
-    hinge: DVec3,
-}
 
 impl Figure<'_> {
     /// Returns the pose that a key describes. `end` is the pose in which the motion ends.
@@ -45,7 +39,8 @@ impl Figure<'_> {
                 let hip = self.joint(&at, Limb::Thigh, side);
                 let shoulder = self.joint(&at, Limb::UpperArm, side);
                 self.bend_leg(&mut pose, side, foot, [hip, ankles[side.index()]]);
-                self.bend_arm(&mut pose, side, hand, [shoulder, wrists[side.index()]]);
+                let elbow = side.mirror_point(DVec3::from_array(hand.elbow));
+                self.bend_arm(&mut pose, side, elbow, [shoulder, wrists[side.index()]]);
             }
             let before = pose.pelvis_offset.y;
             pose.pelvis_offset.y = soft_max(wanted, before - self.trunk_low(&pose));
@@ -115,24 +110,6 @@ impl Figure<'_> {
             rotation_between([end - knee, DVec3::X], [bones.lower, bones.hinge]);
     }
 
-    fn bend_arm(&self, pose: &mut Pose, side: Side, hand: &Hand, span: [DVec3; 2]) {
-        let rest = [Limb::UpperArm, Limb::Forearm, Limb::Hand].map(|l| self.body.joint(l, side));
-        let back = side.mirror_point(DVec3::from_array(hand.elbow));
-        let bones = bend(rest, span, back, self.elbow);
-        let along = side.mirror_point(self.body.along);
-        let hinge = side.mirror_point(-self.body.outward) * side.sign();
-        pose.rotations[Limb::UpperArm.of(side)] =
-            rotation_between([along, hinge], [bones.upper, bones.hinge]);
-        let forearm = rotation_between([along, hinge], [bones.lower, bones.hinge]);
-        // The forearm takes a part of the hand's twist about it. The sine has no jump at half a
-        // turn.
-        let between = forearm.inverse() * pose.rotations[Limb::Hand.of(side)];
-        let sine = DVec3::new(between.x, between.y, between.z).dot(along);
-        let twist = 2.0 * (sine * between.w.signum()).atan2(between.w.abs());
-        pose.rotations[Limb::Forearm.of(side)] =
-            forearm * DQuat::from_axis_angle(along, 0.6 * twist.sin());
-    }
-
     /// Mixes in an arm that hangs from the chest as it does at the end.
     fn hang(&self, pose: &mut Pose, side: Side, hand: &Hand, end: &Pose) {
         let weight = hand.hang.clamp(0.0, 1.0);
@@ -171,45 +148,6 @@ fn trunk(key: &Key) -> [DQuat; SEGMENTS] {
         rotations[Limb::Clavicle.of(side)] = chest;
     }
     rotations
-}
-
-/// Bends a limb of two bones between two points. The middle joint points towards `side`, but stays
-/// above the ground by `radius`.
-fn bend(rest: [DVec3; 3], [from, to]: [DVec3; 2], side: DVec3, radius: f64) -> Bones {
-    let [first, middle, last] = rest;
-    let (a, b) = ((middle - first).length(), (last - middle).length());
-    let straight = (to - from).normalize_or(-DVec3::Y);
-    let reach = (to - from).length().clamp((a - b).abs() + 1e-6, (a + b) * (1.0 - 1e-4));
-    // By the law of cosines.
-    let cos = ((a * a + reach * reach - b * b) / (2.0 * a * reach)).clamp(-1.0, 1.0);
-    let sin = (1.0 - cos * cos).sqrt();
-    let away =
-        (side - straight * side.dot(straight)).normalize_or(straight.any_orthonormal_vector());
-    let centre = from + straight * (a * cos);
-    let away = above_ground(away, straight, (radius - centre.y) / (a * sin).max(1e-9));
-    let joint = centre + away * (a * sin);
-    Bones {
-        upper: (joint - from).normalize(),
-        lower: (from + straight * reach - joint).normalize(),
-        hinge: away.cross(straight).normalize(),
-    }
-}
-
-/// Turns the unit vector `away` about `axis` as little as needed for its height to be `least`.
-fn above_ground(away: DVec3, axis: DVec3, least: f64) -> DVec3 {
-    if away.y >= least {
-        return away;
-    }
-    let up = DVec3::Y - axis * axis.y;
-    let most = up.length();
-    if most < 1e-6 {
-        return away;
-    }
-    let up = up / most;
-    let aside = up.cross(axis);
-    let cos = (least / most).min(1.0);
-    let sin = (1.0 - cos * cos).sqrt() * if away.dot(aside) < 0.0 { -1.0 } else { 1.0 };
-    up * cos + aside * sin
 }
 
 /// Returns a smooth maximum, at least both values.

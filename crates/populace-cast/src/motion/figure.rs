@@ -11,6 +11,9 @@ use crate::surface::Surface;
 /// corners of a cube.
 const STEPS: [f64; 3] = [-1.0, 0.0, 1.0];
 
+/// Extent of the rump below the hip joints, as a fraction of the body's height.
+const RUMP: f64 = 0.09;
+
 /// A point of the surface with its joints and weights.
 struct Point {
     rest: DVec3,
@@ -23,9 +26,14 @@ pub(super) struct Figure<'a> {
     joints: &'a Joints,
     /// Points of trunk, head, upper arms and thighs.
     trunk: Vec<Point>,
+    /// Points of the pelvis and of the upper ends of the thighs.
+    rump: Vec<Point>,
     /// Points of each hand and of each foot, which move with the wrist or the ankle.
     hands: [Vec<Point>; 2],
     feet: [Vec<Point>; 2],
+    /// Distances in metres before the model's origin at rest: of the belly, and of the breast.
+    pub(super) belly: f64,
+    pub(super) front: f64,
     /// Distances of the surface from the joints of elbow and knee in metres.
     pub(super) elbow: f64,
     pub(super) knee: f64,
@@ -44,12 +52,18 @@ impl<'a> Figure<'a> {
             outermost(&fingers.chain([Limb::Hand.of(side)]).collect::<Vec<_>>())
         };
         let foot = |side: Side| outermost(&[Limb::Foot, Limb::Toes].map(|l| l.of(side)));
+        let mut rump =
+            outermost(&[PELVIS, Limb::Thigh.of(Side::Left), Limb::Thigh.of(Side::Right)]);
+        rump.retain(|point| point.rest.y > body.hip_y - RUMP * body.height);
         Self {
             body,
             joints,
             trunk: outermost(&trunk),
+            rump,
             hands: Side::BOTH.map(hand),
             feet: Side::BOTH.map(foot),
+            belly: foremost(body, surface, [0.05, 0.5]),
+            front: foremost(body, surface, [0.3, 0.9]),
             elbow: girth(body, surface, [Limb::UpperArm, Limb::Forearm]),
             knee: girth(body, surface, [Limb::Thigh, Limb::Shin]),
         }
@@ -76,9 +90,15 @@ impl<'a> Figure<'a> {
         positions[usize::from(self.joints.of_segment[limb.of(side)])]
     }
 
+    /// Returns a segment's place: of the joint that moves it, posed and at rest.
+    pub(super) fn place(&self, positions: &[DVec3], segment: Segment) -> (DVec3, DVec3) {
+        let joint = usize::from(self.joints.of_segment[segment]);
+        (positions[joint], self.joints.position(joint))
+    }
+
     /// Returns the height of the lowest point of trunk, head, upper arms and thighs.
     pub(super) fn trunk_low(&self, pose: &Pose) -> f64 {
-        self.low(&self.trunk, &self.positions(pose), &pose.rotations)
+        self.low(&self.trunk, pose, DVec3::Y)
     }
 
     /// Returns the height of a hand's lowest point above the wrist, a negative number.
@@ -89,6 +109,16 @@ impl<'a> Figure<'a> {
     /// Returns the height of a foot's lowest point above the ankle, a negative number.
     pub(super) fn foot_low(&self, side: Side, rotations: &[DQuat; SEGMENTS]) -> f64 {
         self.low_from(&self.feet[side.index()], Limb::Foot, side, rotations)
+    }
+
+    /// Returns the farthest point of trunk, head, upper arms and thighs in a direction.
+    pub(super) fn trunk_end(&self, pose: &Pose, towards: DVec3) -> f64 {
+        -self.low(&self.trunk, pose, -towards)
+    }
+
+    /// Returns the height of the lowest point of the rump: what a seat touches.
+    pub(super) fn rump_low(&self, pose: &Pose) -> f64 {
+        self.low(&self.rump, pose, DVec3::Y)
     }
 
     /// Returns the height of the lowest point relative to a limb's joint, which carries it rigidly
@@ -125,15 +155,17 @@ impl<'a> Figure<'a> {
         points.iter().map(height).fold(f64::MAX, f64::min)
     }
 
-    fn low(&self, points: &[Point], positions: &[DVec3], rotations: &[DQuat; SEGMENTS]) -> f64 {
+    /// Returns the least distance of points in the direction `up`.
+    fn low(&self, points: &[Point], pose: &Pose, up: DVec3) -> f64 {
+        let positions = self.positions(pose);
         let height = |point: &Point| -> f64 {
             point
                 .weights
                 .iter()
                 .map(|&(joint, weight)| {
                     let offset = point.rest - self.joints.position(joint);
-                    weight
-                        * (positions[joint].y + (rotations[self.joints.driver(joint)] * offset).y)
+                    let turned = pose.rotations[self.joints.driver(joint)] * offset;
+                    weight * (positions[joint] + turned).dot(up)
                 })
                 .sum()
         };
@@ -168,6 +200,17 @@ fn outermost(joints: &Joints, surface: &Surface, segments: &[Segment]) -> Vec<Po
             }
         })
         .collect()
+}
+
+/// Returns the farthest distance before the model's origin at rest, of trunk points between two
+/// heights ([`Body::trunk_y`]).
+fn foremost(body: &Body, surface: &Surface, [low, high]: [f64; 2]) -> f64 {
+    let heights = body.trunk_y(low)..body.trunk_y(high);
+    let trunk = |p: usize| main(surface, p) <= SPINE[3];
+    let points = (0..surface.points.len())
+        .filter(|&p| heights.contains(&surface.points[p].y) && trunk(p))
+        .map(|p| surface.points[p].z);
+    points.fold(0.0, f64::max)
 }
 
 /// Returns the segment with the largest weight at a point.
