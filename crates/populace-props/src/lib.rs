@@ -1,0 +1,19 @@
+//! Things made by code for scenes of crowds.
+
+mod build;
+mod dice;
+mod furniture;
+mod hinge;
+mod images;
+mod leaves;
+mod lights;
+mod road;
+mod shop;
+
+pub use furniture::{
+    SEAT_M, SeatPoint, Seating, bench, bin, bollard, cafe_table, planter, street_lamp,
+};
+pub use leaves::tree;
+pub use lights::{Lamp, traffic_light, walk_light};
+pub use road::{Crossing, CrossingKind, KERB_M, LANE_M, Road, RoadPlan, road};
+pub use shop::{HOUSE_DEPTH_M, ShopWindow, Shopfront, shopfront};
