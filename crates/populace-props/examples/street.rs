@@ -19,7 +19,11 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 const SIZE: [u32; 2] = [1120, 630];
 
 /// Name, eye and target of each picture.
-const VIEWS: [(&str, [f32; 3], [f32; 3]); 9] = [
+const VIEWS: [(&str, [f32; 3], [f32; 3]); 13] = [
+    ("car", [-4.6, 1.6, 5.0], [-8.6, 0.6, 1.7]),
+    ("rear", [-15.0, 1.8, 5.2], [-9.4, 0.5, 1.7]),
+    ("door", [-17.5, 1.7, 2.2], [-16.0, 0.6, -2.3]),
+    ("cars", [5.0, 2.4, 2.5], [13.0, 0.6, 0.0]),
     ("street", [-21.0, 2.2, 3.6], [10.0, 2.6, -2.5]),
     ("shops", [-14.0, 1.65, -1.0], [-17.0, 2.0, -7.6]),
     ("across", [-10.0, 1.7, 6.4], [-6.0, 3.6, -8.0]),
@@ -118,6 +122,29 @@ impl Street {
         self.put(table, &[([9.0, 0.0, -6.2], 0.3), ([6.8, 0.0, -6.1], -0.2)])
     }
 
+    fn cars(&mut self) -> Result<()> {
+        use props::CarKind::{Hatchback, Saloon, Van};
+        let places = [
+            (Hatchback, 0, -9.0, 1.7, FRAC_PI_2, false),
+            (Saloon, 1, 9.0, -1.7, -FRAC_PI_2, false),
+            (Van, 2, 16.0, 1.7, FRAC_PI_2, false),
+            (Saloon, 3, -16.0, -2.3, -FRAC_PI_2, true),
+        ];
+        for (kind, seed, x, z, yaw, opens) in places {
+            let car = props::car(kind, seed)?.character;
+            let triangles: usize = car.parts.iter().map(|p| p.mesh.indices.len() / 3).sum();
+            println!("{kind:?}: {triangles} triangles");
+            let id = self.crowd.add_character(car)?;
+            let at = Placement::at([x, -props::KERB_M, z]).facing(yaw);
+            let member = self.crowd.spawn(id, at)?;
+            if opens {
+                let clip = self.crowd.clip(id, "Door_Open")?;
+                self.crowd.member_mut(member)?.play(clip, ClipPlayback::once())?;
+            }
+        }
+        Ok(())
+    }
+
     fn lights(&mut self) -> Result<()> {
         let (cars, people) = (Lamp::OF_CARS, Lamp::OF_PEOPLE);
         self.light(props::traffic_light()?, Lamp::Red, &cars, [-3.4, 0.0, 3.6], -FRAC_PI_2)?;
@@ -146,7 +173,8 @@ fn main() -> Result<()> {
     street.furniture()?;
     street.lights()?;
     street.people()?;
-    street.crowd.update(0.3)?;
+    street.cars()?;
+    street.crowd.update(1.0)?;
     let mut scene: Scene = Preset::Day.scene();
     if let Some(ground) = &mut scene.ground {
         ground.height_m = -0.4;

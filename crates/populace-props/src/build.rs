@@ -183,8 +183,22 @@ impl Builder {
 
     /// Adds a solid. Faces that meet at an angle of at most `crease_deg` are smooth.
     pub(crate) fn add(&mut self, solid: &Solid, crease_deg: f64) -> &mut Self {
+        let ([r, g, b, a], fade) = (self.tint, self.fade);
+        let factor = |position: DVec3| fade.at(position.y);
+        self.colored(solid, crease_deg, |position| {
+            let factor = factor(position);
+            [r * factor, g * factor, b * factor, a]
+        })
+    }
+
+    /// Adds a solid as [`Self::add`] does, with a factor of its colour and alpha by position.
+    pub(crate) fn colored(
+        &mut self,
+        solid: &Solid,
+        crease_deg: f64,
+        color: impl Fn(DVec3) -> [f64; 4],
+    ) -> &mut Self {
         let moved = solid.moved(&self.at);
-        let (tint, fade) = (self.tint, self.fade);
         let tile_m = self.tiles_m.get(self.finish.0).copied().flatten();
         let joint = u16::try_from(self.joint).unwrap_or_default();
         let piece = self.pieces.entry((self.node, self.finish)).or_default();
@@ -196,11 +210,9 @@ impl Builder {
                 let key = (point, solid::rounded(normal), texture_axis);
                 *corners.entry(key).or_insert_with(|| {
                     let position = moved.points[point];
-                    let factor = fade.at(position.y);
-                    let [r, g, b, a] = tint;
                     piece.positions.push(position);
                     piece.normals.push(normal);
-                    piece.colors.push([r * factor, g * factor, b * factor, a]);
+                    piece.colors.push(color(position));
                     piece.joints.push(joint);
                     if let Some(tile_m) = tile_m {
                         piece.uvs.push(solid::planar(position, axis).map(|v| v / tile_m));

@@ -1,6 +1,7 @@
 //! Things made by code for scenes of crowds.
 
 mod build;
+mod car;
 mod dice;
 mod furniture;
 mod hinge;
@@ -10,6 +11,7 @@ mod lights;
 mod road;
 mod shop;
 
+pub use car::{Car, CarKind, CarPlan, DOOR_TURN_RAD, DRIVER_SEAT, car};
 pub use furniture::{
     SEAT_M, SeatPoint, Seating, bench, bin, bollard, cafe_table, planter, street_lamp,
 };

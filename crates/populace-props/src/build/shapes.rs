@@ -28,33 +28,23 @@ pub(crate) fn bevelled(low: [f64; 3], high: [f64; 3], cut: f64) -> Solid {
         let reach = |a: usize| if a == axis { half[a] } else { (half[a] - cut).max(0.0) };
         middle + DVec3::new(side(0) * reach(0), side(1) * reach(1), side(2) * reach(2))
     };
-    let points = (0..24).map(|i| point(i / 3, i % 3)).collect();
+    let points: Vec<DVec3> = (0..24).map(|i| point(i / 3, i % 3)).collect();
     let mut faces: Vec<Vec<usize>> = Vec::new();
     for axis in 0..3 {
-        let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
-        let top = 1 << axis;
-        faces.push([top, top | u, top | u | v, top | v].map(|c| 3 * c + axis).to_vec());
-        faces.push([0, v, u | v, u].map(|c| 3 * c + axis).to_vec());
+        let (a, b, top) = ((axis + 1) % 3, (axis + 2) % 3, 1 << axis);
+        let (u, v) = (1 << a, 1 << b);
+        for base in [0, top] {
+            faces.push([base, base | u, base | u | v, base | v].map(|c| 3 * c + axis).to_vec());
+        }
         // The edges along this axis lie between the two other faces of each corner.
-        let (a, b) = ((axis + 1) % 3, (axis + 2) % 3);
-        for (corner, flipped) in [(0, true), (u, false), (v, false), (u | v, true)] {
-            let near = [3 * corner + a, 3 * corner + b];
-            let far = [3 * (corner | top) + b, 3 * (corner | top) + a];
-            let mut edge = [near, far].concat();
-            if flipped {
-                edge.reverse();
-            }
-            faces.push(edge);
+        for corner in [0, u, v, u | v] {
+            let end = corner | top;
+            faces.push(vec![3 * corner + a, 3 * corner + b, 3 * end + b, 3 * end + a]);
         }
     }
-    for corner in 0..8_usize {
-        let mut cut_off: Vec<usize> = (0..3).map(|axis| 3 * corner + axis).collect();
-        if corner.count_ones() % 2 == 0 {
-            cut_off.reverse();
-        }
-        faces.push(cut_off);
-    }
-    Solid { points, faces }
+    faces.extend((0..8).map(|corner| (0..3).map(|axis| 3 * corner + axis).collect()));
+    let solid = Solid { points, faces };
+    solid.outwards_from(middle)
 }
 
 /// Returns one flat face of points in order.

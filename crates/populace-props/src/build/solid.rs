@@ -53,7 +53,19 @@ impl Solid {
         self
     }
 
-    /// Returns the solid after a transform. One that mirrors leaves the outside out.
+    /// Returns the solid with all faces turned away from a point.
+    pub(crate) fn outwards_from(mut self, middle: DVec3) -> Self {
+        for index in 0..self.faces.len() {
+            let face = &self.faces[index];
+            let away: DVec3 = face.iter().map(|p| self.points[*p] - middle).sum();
+            if self.area(face).dot(away) < 0.0 {
+                self.faces[index].reverse();
+            }
+        }
+        self
+    }
+
+    /// Returns the solid after a transform. One that mirrors keeps the outside.
     pub(crate) fn moved(&self, to: &DAffine3) -> Self {
         let points = self.points.iter().map(|p| to.transform_point3(*p)).collect();
         let moved = Self { points, faces: self.faces.clone() };
