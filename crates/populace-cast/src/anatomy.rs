@@ -139,6 +139,10 @@ pub(crate) struct Body {
     pub(crate) joints: [DVec3; SEGMENTS],
 }
 
+/// Thickness of usual hair at the crown, as a fraction of the head's height. Joints do not depend on
+/// the cut, so that people of one build share their clips.
+const HAIR: f64 = 0.04;
+
 /// Lengths of the index to little fingers, as fractions of the body's height.
 pub(crate) const FINGERS: [f64; 4] = [0.041, 0.046, 0.042, 0.033];
 /// Offsets of the knuckles across the hand, index finger first, as fractions of the half width;
@@ -157,7 +161,7 @@ impl Body {
     pub(crate) fn new(look: &Look) -> Self {
         let height = look.height_m;
         let head = 0.132 * height * look.head;
-        let chin_y = height - head * (1.0 + look.hair.height());
+        let chin_y = height - head * (1.0 + HAIR);
         let foot = height / 1.75 * look.foot;
         let (sin, cos) = REST_SPREAD_RAD.sin_cos();
         let along = DVec3::new(sin, -cos, 0.0);

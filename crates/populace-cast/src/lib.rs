@@ -27,6 +27,7 @@
 //! names and rest rotations.
 
 mod anatomy;
+mod dressed;
 mod grip;
 mod look;
 mod motion;
@@ -34,11 +35,7 @@ mod places;
 mod rig;
 mod surface;
 
-use std::sync::Arc;
-
-use populace_character::Error;
-use populace_character::{Character, CharacterSource, SkinInstance, sole_points, vertex_reach_m};
-use populace_clip::Clip;
+use populace_character::{Character, Error};
 
 pub use anatomy::Side;
 pub use grip::{grip, helmet};
@@ -55,19 +52,20 @@ pub use places::{
 ///
 /// The errors of [`person`]. The presets cause none.
 pub fn cast() -> Result<Vec<Character>, Error> {
-    Look::presets().iter().map(person).collect()
+    dress(&Look::presets())
 }
 
-/// Returns all presets in `outfits` outfits each, for a crowd without clones.
+/// Returns all presets in `outfits` outfits each, for a crowd without clones. The outfits of a
+/// preset share their clips.
 ///
 /// # Errors
 ///
 /// The errors of [`person`]. The presets cause none.
 pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
     let presets = Look::presets();
-    (0..outfits)
-        .flat_map(|number| presets.iter().map(move |look| person(&look.in_outfit(number))))
-        .collect()
+    let all =
+        (0..outfits).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
+    dress(&all.collect::<Vec<_>>())
 }
 
 /// Returns one person with clips, in what the look wears. The result is deterministic: equal looks
@@ -78,11 +76,11 @@ pub fn people(outfits: usize) -> Result<Vec<Character>, Error> {
 /// An [`Error`] of [`populace_character`] if a number of the look is not finite, or if it gives an
 /// invalid body.
 pub fn person(look: &Look) -> Result<Character, Error> {
-    create(look, false)
+    dressed::one(look, false)
 }
 
 /// Returns one person with clips and with all options of the look as parts: what it wears, and then
-/// what it has to spare. Skeleton and clips are those of [`person`].
+/// what it has to spare. Joints and clips are those of [`person`].
 ///
 /// Options are the parts that [`option_of`] knows. At most one of a group may be shown on a body,
 /// and always one of the group `hair`. [`Look::worn_parts`] names those to show by default.
@@ -91,7 +89,26 @@ pub fn person(look: &Look) -> Result<Character, Error> {
 ///
 /// The errors of [`person`].
 pub fn person_with_options(look: &Look) -> Result<Character, Error> {
-    create(look, true)
+    dressed::one(look, true)
+}
+
+/// Returns a [`person`] for each look, on all cores. Looks of one build, such as those of
+/// [`Look::in_outfit`], share their clips: motions are solved once for each build.
+///
+/// # Errors
+///
+/// The errors of [`person`].
+pub fn dress(looks: &[Look]) -> Result<Vec<Character>, Error> {
+    dressed::all(looks, false)
+}
+
+/// Returns a [`person_with_options`] for each look, as [`dress`] does.
+///
+/// # Errors
+///
+/// The errors of [`person`].
+pub fn dress_with_options(looks: &[Look]) -> Result<Vec<Character>, Error> {
+    dressed::all(looks, true)
 }
 
 /// Returns the group and the name of an option, by the name of its part
@@ -104,30 +121,3 @@ pub fn option_of(part: &str) -> Option<(&str, &str)> {
 
 /// Start of the names of parts that can be hidden.
 const OPTION: &str = "Option:";
-
-fn create(look: &Look, all: bool) -> Result<Character, Error> {
-    let body = anatomy::Body::new(look);
-    let joints = rig::Joints::new(&body);
-    let skeleton = joints.skeleton()?;
-    let palette = joints.palette(&skeleton);
-    let wardrobe = surface::Wardrobe::of(&body, all);
-    let (parts, materials) = surface::parts(&wardrobe, &joints, &look.colors);
-    let reach = vertex_reach_m(&skeleton, &palette, &parts);
-    let soles = sole_points(&skeleton, &palette, &parts);
-    let skeleton = skeleton.with_reach(&reach).with_soles(&soles);
-    let clips = motion::all(&body, &joints, &wardrobe.touching)
-        .iter()
-        .map(|motion| Clip::new(joints.tracks(&body, motion), &skeleton).map(Arc::new))
-        .collect::<Result<_, _>>()?;
-    let skins = vec![SkinInstance { skin: 0, node: 0, joints: palette.clone() }];
-    Character::new(CharacterSource {
-        name: look.name.clone(),
-        skeleton,
-        palette,
-        parts,
-        materials,
-        images: Vec::new(),
-        skins,
-        clips,
-    })
-}

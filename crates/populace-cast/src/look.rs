@@ -86,7 +86,7 @@ pub struct Look {
     pub name: String,
     /// Skeleton.
     pub rig: Rig,
-    /// Height in metres from sole to crown, including hair but no hat.
+    /// Height in metres from sole to crown, with hair of usual thickness and no hat.
     pub height_m: f64,
     /// Factor of the head's fraction of the height.
     pub head: f64,
@@ -140,6 +140,27 @@ impl Look {
         worn.extend(self.glasses.map(Extra::Glasses));
         worn.extend(self.bag.map(Extra::Bag));
         worn
+    }
+
+    /// Returns the look that stands for all that have its joints and clips: the same build, in plain
+    /// clothes and in the thickest hair that it has.
+    pub(crate) fn build(&self) -> Self {
+        let extras = self.worn().into_iter().chain(self.spare.iter().copied());
+        let cuts = extras.filter_map(|e| if let Extra::Hair(cut) = e { Some(cut) } else { None });
+        Self {
+            name: String::new(),
+            face: Face::man(),
+            hair: cuts.max_by_key(|cut| cut.bulk()).unwrap_or(self.hair),
+            hat: None,
+            glasses: None,
+            bag: None,
+            spare: Vec::new(),
+            top: Top::Sweater,
+            sleeves: Reach::Long,
+            bottom: Bottom::Trousers,
+            colors: Colors::plain(),
+            ..self.clone()
+        }
     }
 
     /// Returns the names of the options' parts that the person wears. All other options of

@@ -1,7 +1,8 @@
 //! Loads the characters of a crowd, from files or from the built-in people.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use populace::character::Character;
 use populace::clip::{Clip, RootMotion};
@@ -10,7 +11,7 @@ use populace::retarget::Binding;
 use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
-use populace_cast::{Look, person, person_with_options};
+use populace_cast::{Look, dress, dress_with_options, person};
 use populace_lod::with_levels;
 
 use crate::failure::Failure;
@@ -175,11 +176,8 @@ pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
 }
 
 fn built_in(name: &str, options: bool) -> Result<Vec<Character>, Failure> {
-    let make = |look| match options {
-        true => person_with_options(look).map_err(|e| Failure::Run(e.into())),
-        false => create_person(look),
-    };
-    looks(name)?.iter().map(make).collect()
+    let make = if options { dress_with_options } else { dress };
+    make(&looks(name)?).map_err(|e| Failure::Run(e.into()))
 }
 
 /// Returns the inputs with folders replaced by the glTF files in them, by name.
@@ -218,8 +216,18 @@ pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Cli
     }
 }
 
+/// Returns the clips of a built-in person; `people` stands for the first of them. They are made
+/// once.
 pub(crate) fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
-    looks(name)?.first().map_or(Ok(Vec::new()), |look| Ok(create_person(look)?.clips.clone()))
+    static MADE: Mutex<BTreeMap<String, Vec<Arc<Clip>>>> = Mutex::new(BTreeMap::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(clips) = made.get(name) {
+        return Ok(clips.clone());
+    }
+    let looks = looks(name)?;
+    let clips = looks.first().map(create_person).transpose()?.map_or(vec![], |p| p.clips.clone());
+    made.insert(name.to_owned(), clips.clone());
+    Ok(clips)
 }
 
 /// Adds a character and the clips of others to the crowd. A humanoid that then has no clips gets

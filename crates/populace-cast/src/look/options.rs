@@ -24,14 +24,18 @@ pub enum Hair {
 }
 
 impl Hair {
-    /// Returns the thickness of the hair at the crown, as a fraction of the head's height.
-    pub(crate) fn height(self) -> f64 {
+    /// Returns how far the hair keeps a head off the ground, in an order without unit.
+    pub(crate) fn bulk(self) -> u8 {
         match self {
-            Self::Short => 0.035,
-            Self::SidePart | Self::Bob | Self::Long | Self::Headscarf => 0.045,
-            Self::Bun | Self::Ponytail => 0.03,
-            Self::Receding => 0.0,
-            Self::Curly => 0.085,
+            Self::Receding => 0,
+            Self::Short => 1,
+            Self::SidePart => 2,
+            Self::Bob => 3,
+            Self::Long => 4,
+            Self::Headscarf => 5,
+            Self::Curly => 6,
+            Self::Ponytail => 7,
+            Self::Bun => 8,
         }
     }
 }

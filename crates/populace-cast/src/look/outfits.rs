@@ -68,6 +68,13 @@ const TOPS: [Top; 8] = [
 ];
 
 impl Colors {
+    /// Returns black everywhere.
+    pub(super) fn plain() -> Self {
+        let none = [0.0; 3];
+        let [shirt, under, trousers, shoes, accessory, bag] = [none; 6];
+        Self { skin: none, hair: none, shirt, under, trousers, shoes, accessory, bag }
+    }
+
     /// Returns these colours of skin and hair with other clothes.
     pub(super) fn dressed(mut self, set: usize) -> Self {
         let [shirt, under, trousers, shoes, accessory, bag] = SETS[set % SETS.len()];
@@ -78,8 +85,7 @@ impl Colors {
 }
 
 impl Look {
-    /// Returns the same build with other clothes, colours, hair and face, and a slightly different
-    /// height. Hair, hat, glasses and bag are among those that the look wears or has to spare.
+    /// Returns the same build with other clothes, colours, hair and face. Hair, hat, glasses and bag are among those that the look wears or has to spare.
     /// Number 0 is `self` unchanged. The same number gives builds of different names different
     /// outfits.
     #[must_use]
@@ -93,7 +99,6 @@ impl Look {
         let seed = own + number;
         let pick = |count: usize, stride: usize| (number * stride + own) % count;
         look.name = format!("{} {}", self.name, number + 1);
-        look.height_m *= [1.0, 0.97, 1.025, 0.985, 1.015][pick(5, 1)];
         let old = self.stoop_rad > 0.1;
         look.colors.skin = SKINS[pick(SKINS.len(), 5)];
         if !old {

@@ -8,7 +8,7 @@ const GREY_HAIR: [f32; 3] = [0.52, 0.50, 0.47];
 
 impl Face {
     /// Returns an adult man's face.
-    fn man() -> Self {
+    pub(super) fn man() -> Self {
         Self {
             jaw: 1.04,
             chin: 1.0,
@@ -70,9 +70,7 @@ impl Face {
 
 /// Returns colours of skin and hair, with the clothes of a set of [`Colors::dressed`].
 fn colors(skin: [f32; 3], hair: [f32; 3], set: usize) -> Colors {
-    let none = [0.0; 3];
-    let [shirt, under, trousers, shoes, accessory, bag] = [none; 6];
-    Colors { skin, hair, shirt, under, trousers, shoes, accessory, bag }.dressed(set)
+    Colors { skin, hair, ..Colors::plain() }.dressed(set)
 }
 
 impl Look {

@@ -28,6 +28,8 @@ pub(super) struct Figure<'a> {
     trunk: Vec<Point>,
     /// Points of the pelvis and of the upper ends of the thighs.
     rump: Vec<Point>,
+    /// Points of pelvis and back.
+    back: Vec<Point>,
     /// Points of each hand and of each foot, which move with the wrist or the ankle.
     hands: [Vec<Point>; 2],
     feet: [Vec<Point>; 2],
@@ -60,6 +62,7 @@ impl<'a> Figure<'a> {
             joints,
             trunk: outermost(&trunk),
             rump,
+            back: outermost(&trunk[..=SPINE.len()]),
             hands: Side::BOTH.map(hand),
             feet: Side::BOTH.map(foot),
             belly: foremost(body, surface, [0.05, 0.5]),
@@ -111,9 +114,9 @@ impl<'a> Figure<'a> {
         self.low_from(&self.feet[side.index()], Limb::Foot, side, rotations)
     }
 
-    /// Returns the farthest point of trunk, head, upper arms and thighs in a direction.
-    pub(super) fn trunk_end(&self, pose: &Pose, towards: DVec3) -> f64 {
-        -self.low(&self.trunk, pose, -towards)
+    /// Returns how far pelvis and back are behind the model's origin.
+    pub(super) fn back(&self, pose: &Pose) -> f64 {
+        -self.low(&self.back, pose, DVec3::Z)
     }
 
     /// Returns the height of the lowest point of the rump: what a seat touches.

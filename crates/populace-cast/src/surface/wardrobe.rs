@@ -23,9 +23,6 @@ pub(crate) struct Item {
 pub(crate) struct Wardrobe {
     /// The body with the clothes that are always worn.
     pub(crate) body: Surface,
-    /// The surface that touches the ground when the person lies: body and hair, without what gives
-    /// way.
-    pub(crate) touching: Surface,
     /// Worn options, and others after them if they were asked for.
     pub(crate) items: Vec<Item>,
 }
@@ -37,14 +34,18 @@ impl Wardrobe {
         let spare = if all { look.spare.as_slice() } else { &[] };
         let extras = look.worn().into_iter().chain(spare.iter().copied());
         let items: Vec<Item> = extras.map(|extra| item(body, extra)).collect();
-        let mut touching = dressed(body);
-        let mut dressed = touching.clone();
+        let mut dressed = dressed(body);
         collar::build(&mut dressed, body, &Covers::of(look, body.height));
         skirt::build(&mut dressed, body);
-        for hair in items.iter().filter(|item| item.group == "hair").take(1) {
-            touching.append(&hair.surface);
-        }
-        Self { body: dressed, touching, items }
+        Self { body: dressed, items }
+    }
+
+    /// Returns the surface with which a person touches the ground or a seat: body and hair, without
+    /// what gives way.
+    pub(crate) fn touching(body: &Body) -> Surface {
+        let mut touching = dressed(body);
+        touching.append(&item(body, Extra::Hair(body.look.hair)).surface);
+        touching
     }
 }
 

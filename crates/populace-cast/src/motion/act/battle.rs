@@ -13,7 +13,7 @@ use crate::motion::{Motion, Pose, curve};
 pub(super) fn shield(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
-    Timing("Shield", 5.0, 10.0).looping(|phase| {
+    Timing("Shield", 5.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: 0.35 * wave(phase, 1.0, 0.0),
             breath: wave(phase, 2.0, 0.0),
@@ -29,6 +29,8 @@ pub(super) fn shield(figure: &Figure) -> Motion {
         stance.legs[1].ankle.z -= 0.05 * h;
         stance.legs[1].yaw_rad += 0.25;
         let mut pose = stance.solve(body);
+        let upright =
+            DQuat::from_rotation_x(-0.1 - body.look.stoop_rad) * DQuat::from_rotation_y(0.22);
         // The face of the shield looks along the back of the hand, forward in model space.
         let reach = Reach {
             frame: figure.chest(&pose),
@@ -38,8 +40,8 @@ pub(super) fn shield(figure: &Figure) -> Motion {
                 figure.front + 0.13 * h,
             ),
             spot: GRIP_SPOT,
-            fingers: DQuat::from_rotation_y(0.22) * DVec3::new(-1.0, 0.06, 0.0),
-            palm: DQuat::from_rotation_y(0.22) * DVec3::new(0.0, 0.0, -1.0),
+            fingers: upright * DVec3::new(-1.0, 0.06, 0.0),
+            palm: upright * DVec3::new(0.0, 0.0, -1.0),
             elbow: DVec3::new(0.75, -1.0, 0.1),
             curl: FIST.map(|curl| curl + 0.08 * wave(phase, 1.0, 0.0)),
         };
@@ -62,7 +64,8 @@ pub(super) fn shield(figure: &Figure) -> Motion {
 /// the point raised by an angle in radians.
 fn on_spear(figure: &Figure, pose: &Pose, [out, up, ahead]: [f64; 3], raised: f64) -> Reach {
     let body = figure.body;
-    let (sin, cos) = raised.sin_cos();
+    // A bent back does not lower the point.
+    let (sin, cos) = (raised + body.look.stoop_rad).sin_cos();
     Reach {
         frame: figure.chest(pose),
         at: DVec3::new(out, 0.0, ahead) * body.height + DVec3::Y * body.trunk_y(up),
@@ -78,7 +81,7 @@ fn on_spear(figure: &Figure, pose: &Pose, [out, up, ahead]: [f64; 3], raised: f6
 /// Returns standing with a spear in the right hand, its point up and forward.
 pub(super) fn spear(figure: &Figure) -> Motion {
     let body = figure.body;
-    Timing("Spear", 5.0, 10.0).looping(|phase| {
+    Timing("Spear", 5.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: 0.3 * wave(phase, 1.0, 0.5),
             breath: wave(phase, 2.0, 0.0),
@@ -107,9 +110,9 @@ pub(super) fn thrust(figure: &Figure) -> Motion {
             (0.2, 0.0),
             (0.42, -0.35),
             (0.5, -0.3),
-            (0.72, 1.0),
-            (0.86, 1.0),
-            (1.4, 0.0),
+            (0.80, 1.0),
+            (0.92, 1.0),
+            (1.45, 0.0),
         ]);
         let raised = through(&[(0.0, 0.75), (0.4, 0.15), (0.72, 0.24), (0.9, 0.24), (1.5, 0.75)]);
         let crouch = through(&[(0.0, 0.0), (0.45, 0.6), (0.72, 1.0), (0.9, 1.0), (1.5, 0.0)]);

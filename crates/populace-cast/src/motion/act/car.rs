@@ -24,7 +24,7 @@ const HANDS_RAD: f64 = 0.30;
 pub(super) fn drive(figure: &Figure) -> Motion {
     let body = figure.body;
     let seated = seated(figure);
-    Timing("Drive", 6.0, 10.0).looping(|phase| {
+    Timing("Drive", 6.0, 8.0).looping(|phase| {
         let steer = 0.10 * wave(phase, 2.0, 0.0) + 0.05 * wave(phase, 5.0, 0.0);
         let mirror = curve::at(&[(0.50, 0.0), (0.56, 1.0), (0.64, 1.0), (0.71, 0.0)], phase);
         let mut stance = seated.clone();

@@ -15,7 +15,7 @@ use crate::places::{CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD, PUS
 pub(super) fn carry(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
-    Timing("Carry", 5.0, 10.0).looping(|phase| {
+    Timing("Carry", 5.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: 0.5 * wave(phase, 1.0, 0.0),
             breath: wave(phase, 2.0, 0.0),
@@ -52,7 +52,7 @@ pub(super) fn push(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
     let [up, ahead] = PUSH_BAR.map(f64::from);
-    Timing("Push", 5.0, 10.0).looping(|phase| {
+    Timing("Push", 5.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: 0.35 * wave(phase, 1.0, 0.0),
             breath: wave(phase, 2.0, 0.0),

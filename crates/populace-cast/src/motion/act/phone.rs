@@ -13,7 +13,7 @@ use crate::motion::{Motion, curve};
 pub(super) fn call(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
-    Timing("Phone", 8.0, 10.0).looping(|phase| {
+    Timing("Phone", 8.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: 0.7 * (1.4 * wave(phase, 1.0, 0.0)).tanh(),
             breath: wave(phase, 2.0, 0.0),
@@ -35,7 +35,7 @@ pub(super) fn call(figure: &Figure) -> Motion {
         let ear = DVec3::new(0.37 * body.head, body.chin_y + 0.40 * body.head, 0.03 * body.head);
         let reach = Reach {
             frame: figure.head(&pose),
-            at: ear + DVec3::new(0.012, -0.016, 0.008) * h,
+            at: ear + DVec3::new(0.003 + 0.012 * body.look.limbs, -0.016, 0.008) * h,
             spot: [PALM_SPOT[0] + 0.006, 0.016],
             fingers: DVec3::new(-0.26, 0.88, -0.40),
             palm: DVec3::new(-1.0, -0.22, 0.20),
@@ -51,7 +51,7 @@ pub(super) fn call(figure: &Figure) -> Motion {
 pub(super) fn text(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
-    Timing("Text", 7.0, 10.0).looping(|phase| {
+    Timing("Text", 7.0, 8.0).looping(|phase| {
         let glance = curve::at(&[(0.6, 0.0), (0.66, 1.0), (0.78, 1.0), (0.84, 0.0)], phase);
         let state = IdleState {
             left: 0.5 * wave(phase, 1.0, 0.6),

@@ -112,7 +112,7 @@ pub(super) fn sit(figure: &Figure) -> Motion {
             phase,
         )
     };
-    Timing("Sit", 8.0, 10.0).looping(|phase| {
+    Timing("Sit", 8.0, 8.0).looping(|phase| {
         let state = State {
             breath: wave(phase, 2.0, 0.0),
             look: look(phase) - look(0.0),

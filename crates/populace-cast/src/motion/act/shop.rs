@@ -24,7 +24,7 @@ pub(super) fn look_around(figure: &Figure) -> Motion {
         (0.76, -0.1),
         (0.88, 0.12),
     ];
-    Timing("Idle_Look", 10.0, 10.0).looping(|phase| {
+    Timing("Idle_Look", 10.0, 8.0).looping(|phase| {
         let look = curve::at(head, phase);
         // Chest and weight follow the head late.
         let late = curve::at(head, phase - 0.035);
@@ -47,7 +47,7 @@ pub(super) fn look_around(figure: &Figure) -> Motion {
 pub(super) fn look_in(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
-    Timing("Look_In", 9.0, 10.0).looping(|phase| {
+    Timing("Look_In", 9.0, 8.0).looping(|phase| {
         let shade = curve::at(&[(0.40, 0.0), (0.50, 1.0), (0.70, 1.0), (0.80, 0.0)], phase);
         let hand = curve::at(&[(0.35, 0.0), (0.45, 1.0), (0.75, 1.0), (0.86, 0.0)], phase);
         let bend = 0.75 + 0.25 * shade + 0.08 * wave(phase, 2.0, 0.1);

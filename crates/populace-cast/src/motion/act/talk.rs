@@ -77,7 +77,7 @@ pub(super) fn listen(figure: &Figure) -> Motion {
         (0.70, 0.0),
         (0.9, 0.0),
     ];
-    Timing("Talk_Listen", 8.0, 10.0).looping(|phase| {
+    Timing("Talk_Listen", 8.0, 8.0).looping(|phase| {
         let state = IdleState {
             left: (1.6 * wave(phase, 1.0, 0.35)).tanh() * 0.85,
             breath: wave(phase, 2.0, 0.1),

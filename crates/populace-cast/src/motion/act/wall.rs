@@ -16,7 +16,7 @@ pub(super) fn lean(figure: &Figure) -> Motion {
     let body = figure.body;
     let h = body.height;
     let back = against(figure, &leaning(figure, &IDLE));
-    Timing("Lean", 9.0, 10.0).looping(|phase| {
+    Timing("Lean", 9.0, 8.0).looping(|phase| {
         let look = curve::at(
             &[(0.05, 0.1), (0.2, 0.6), (0.32, 0.65), (0.45, -0.2), (0.62, -0.5), (0.8, -0.4)],
             phase,
@@ -75,7 +75,7 @@ fn against(figure: &Figure, stance: &Stance) -> f64 {
     for _ in 0..4 {
         let mut stance = stance.clone();
         stance.pelvis_offset.z += moved;
-        let back = figure.trunk_end(&stance.solve(figure.body), DVec3::NEG_Z);
+        let back = figure.back(&stance.solve(figure.body));
         moved += back - f64::from(LEAN_WALL_M);
     }
     moved
