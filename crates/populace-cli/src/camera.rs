@@ -15,6 +15,7 @@ use populace_render::Camera;
 use crate::failure::Failure;
 use crate::frames::single;
 use fit::{elevated, fit, upright};
+pub(crate) use keys::Keys;
 pub(crate) use subject::{Pose, Subject};
 pub(crate) use view::View;
 

@@ -55,10 +55,10 @@ fn command() -> clap::Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw a crowd of the built-in people; needs no file.
+    /// Draw a street full of people; needs no file.
     ///
-    /// Before the first picture, 20 frames of 1/60 s are evaluated and timed. Everything else works
-    /// as in `populace render`.
+    /// The picture shows the street 20 s after its beginning. Everything else works as in `populace
+    /// render`.
     Demo(DemoArgs),
     /// Draw a crowd of characters from files into pictures or a film, without a window.
     ///
@@ -185,7 +185,7 @@ pub(crate) struct DemoArgs {
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 250,
+        default_value_t = 500,
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
     pub(crate) members: u32,
@@ -197,6 +197,9 @@ pub(crate) struct DemoArgs {
     /// file, and films need it
     #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
     pub(crate) out: PathBuf,
+    /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
+    #[arg(long, value_name = "FILE.toml")]
+    pub(crate) write_scene: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }

@@ -117,7 +117,7 @@ impl ReplayJob<'_> {
         if let Some(filming) = filming {
             filming.check(&roles, &loaded.files)?;
         }
-        let gaits = people::gaits(crowd, &roles)?;
+        let gaits = crate::people::gaits(crowd, &roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, &roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);

@@ -15,8 +15,8 @@ pub const LANE_M: f32 = 3.25;
 /// Height in metres of the sidewalks over the carriageway. Sidewalks are at y = 0.
 pub const KERB_M: f32 = 0.12;
 
-/// Half the width of the carriageway in metres.
-const HALF_M: f64 = 3.25;
+/// Width of a lane in metres.
+const LANE: f64 = 3.25;
 const DROP_M: f64 = 0.12;
 /// Width in metres of the kerb stones, and of the gutters beside them.
 const STONE_M: f64 = 0.16;
@@ -51,6 +51,8 @@ pub struct RoadPlan {
     pub length_m: f32,
     /// Width in metres of each sidewalk with its kerb, from 2 to 20.
     pub sidewalk_m: f32,
+    /// Width in metres of the strips between lanes and sidewalks in which cars park, from 0 to 6.
+    pub parking_m: f32,
     /// Crossings; at most 16. They are kept apart from each other and from the ends.
     pub crossings: Vec<Crossing>,
 }
@@ -59,7 +61,7 @@ impl Default for RoadPlan {
     /// Returns 60 m of road with sidewalks of 4 m, and a zebra crossing in the middle.
     fn default() -> Self {
         let zebra = Crossing { x_m: 0.0, width_m: 4.0, kind: CrossingKind::Zebra };
-        Self { length_m: 60.0, sidewalk_m: 4.0, crossings: vec![zebra] }
+        Self { length_m: 60.0, sidewalk_m: 4.0, parking_m: 0.0, crossings: vec![zebra] }
     }
 }
 
@@ -71,6 +73,8 @@ pub struct Road {
     /// The road, of one joint.
     pub character: Character,
     length_m: f64,
+    /// Distance of the kerbs from the middle.
+    kerb_m: f64,
     sidewalk_m: f64,
     ramps: Vec<Ramp>,
 }
@@ -84,6 +88,7 @@ pub struct Road {
 pub fn road(plan: &RoadPlan) -> Result<Road, Error> {
     let length = within(plan.length_m, 4.0, 1000.0);
     let sidewalk = within(plan.sidewalk_m, 2.0, 20.0);
+    let kerb = LANE + within(plan.parking_m, 0.0, 6.0);
     let mut crossings: Vec<(Crossing, Ramp)> = Vec::new();
     for crossing in plan.crossings.iter().take(16) {
         let ramp = Ramp::new(f64::from(crossing.x_m), within(crossing.width_m, 1.5, 10.0));
@@ -96,18 +101,19 @@ pub fn road(plan: &RoadPlan) -> Result<Road, Error> {
     let mut b = Builder::new("road");
     let finishes = Finishes::new(&mut b);
     let ramps: Vec<Ramp> = crossings.iter().map(|(_, ramp)| *ramp).collect();
-    let mut layer = Layer { b: &mut b, finishes: &finishes, half: 0.5 * length, sidewalk };
+    let mut layer = Layer { b: &mut b, finishes: &finishes, half: 0.5 * length, kerb, sidewalk };
     layer.carriageway();
     for side in [1.0, -1.0] {
         layer.sidewalk(&ramps, side);
         layer.drains(&ramps, side);
     }
     layer.centre_line(&ramps);
+    layer.parking_lines(&ramps);
     for (crossing, ramp) in &crossings {
         layer.crossing(crossing.kind, ramp);
     }
     let character = b.build(Vec::new())?;
-    Ok(Road { character, length_m: length, sidewalk_m: sidewalk, ramps })
+    Ok(Road { character, length_m: length, kerb_m: kerb, sidewalk_m: sidewalk, ramps })
 }
 
 fn within(value: f32, low: f64, high: f64) -> f64 {
@@ -124,14 +130,14 @@ impl Road {
     /// Distance in metres from the middle of the road to where houses stand.
     #[must_use]
     pub fn front_m(&self) -> f32 {
-        single(HALF_M + self.sidewalk_m)
+        single(self.kerb_m + self.sidewalk_m)
     }
 
     /// Returns the height in metres of the surface at a place, as its triangles have it. Beyond the
     /// road's ends it goes on; beyond the sidewalks it is 0.
     #[must_use]
     pub fn height_m(&self, x: f32, z: f32) -> f32 {
-        let (x, away) = (f64::from(x), f64::from(z).abs() - HALF_M);
+        let (x, away) = (f64::from(x), f64::from(z).abs() - self.kerb_m);
         if away < 0.0 {
             return -KERB_M;
         }
@@ -171,31 +177,33 @@ struct Layer<'a> {
     b: &'a mut Builder,
     finishes: &'a Finishes,
     half: f64,
+    /// Distance of the kerbs from the middle.
+    kerb: f64,
     sidewalk: f64,
 }
 
 impl Layer<'_> {
     fn carriageway(&mut self) {
-        let (half, y) = (self.half, -DROP_M);
-        let edge = HALF_M - GUTTER_M;
+        let (half, kerb, y) = (self.half, self.kerb, -DROP_M);
+        let edge = kerb - GUTTER_M;
         let mut strip = |finish: Finish, near: f64, far: f64| {
             let corners = [[-half, y, far], [half, y, far], [half, y, near], [-half, y, near]];
             self.b.on(finish).flat(&plate(&corners));
         };
         strip(self.finishes.asphalt, -edge, edge);
-        strip(self.finishes.setts, edge, HALF_M);
-        strip(self.finishes.setts, -HALF_M, -edge);
+        strip(self.finishes.setts, edge, kerb);
+        strip(self.finishes.setts, -kerb, -edge);
         // Ends, so that nobody looks under the road.
-        let (out, low) = (HALF_M + self.sidewalk, -0.4);
+        let (out, low) = (kerb + self.sidewalk, -0.4);
         self.b.on(self.finishes.kerb).tinted([0.7; 3]);
         let profile = [
             [-out, low],
             [out, low],
             [out, 0.0],
-            [HALF_M, 0.0],
-            [HALF_M, y],
-            [-HALF_M, y],
-            [-HALF_M, 0.0],
+            [kerb, 0.0],
+            [kerb, y],
+            [-kerb, y],
+            [-kerb, 0.0],
             [-out, 0.0],
         ];
         let mut slab: Solid = along_x(&profile, -half, half);
@@ -207,12 +215,13 @@ impl Layer<'_> {
     /// Adds the sidewalk at `side` Z with its kerb. Its lines along X are those of the ramps, so
     /// that neighbouring faces share their corners.
     fn sidewalk(&mut self, ramps: &[Ramp], side: f64) {
+        let kerb = self.kerb;
         let mut xs = vec![-self.half, self.half];
         xs.extend(ramps.iter().flat_map(|ramp| ramp.lines(STONE_M)));
         xs.sort_by(f64::total_cmp);
         let height =
             |x: f64, away: f64| ramps.iter().map(|ramp| ramp.height(x, away)).fold(0.0, f64::min);
-        let at = |x: f64, away: f64| DVec3::new(x, height(x, away), side * (HALF_M + away));
+        let at = |x: f64, away: f64| DVec3::new(x, height(x, away), side * (kerb + away));
         let aways = [STONE_M, ramps::DEPTH_M, self.sidewalk];
         let mut slabs = Solid::default();
         let mut knobs = Solid::default();
@@ -227,7 +236,7 @@ impl Layer<'_> {
                 let falls = height(l, near) < height(r, near);
                 cell(into, [at(l, near), at(r, near), at(r, far), at(l, far)], falls, side);
             }
-            let lip = |x: f64, away: f64, y: f64| DVec3::new(x, y, side * (HALF_M + away));
+            let lip = |x: f64, away: f64, y: f64| DVec3::new(x, y, side * (kerb + away));
             let falls = height(l, 0.0) < height(r, 0.0);
             let [hl, hr] = [height(l, 0.0), height(r, 0.0)];
             let cut = 0.025_f64;
@@ -266,18 +275,32 @@ impl Layer<'_> {
         }
     }
 
+    /// Marks the edges of lanes beside which cars park.
+    fn parking_lines(&mut self, ramps: &[Ramp]) {
+        let mut x = -self.half + 0.3;
+        while self.kerb > LANE && x + 0.6 < self.half {
+            if ramps.iter().all(|ramp| x + 0.6 < ramp.from() || x > ramp.to()) {
+                for z in [LANE, -LANE] {
+                    self.mark(self.finishes.paint, [x, x + 0.6], [z - 0.05, z + 0.05]);
+                }
+            }
+            x += 1.2;
+        }
+    }
+
     fn crossing(&mut self, kind: CrossingKind, ramp: &Ramp) {
         let [l, r] = ramp.flat();
         let paint = self.finishes.paint;
         match kind {
             CrossingKind::Zebra => {
-                for bar in 0..6 {
-                    let z = -2.75 + 1.0 * f64::from(bar);
+                let mut z = 0.5 - self.kerb;
+                while z + 0.5 < self.kerb {
                     self.mark(paint, [l, r], [z, z + 0.5]);
+                    z += 1.0;
                 }
             }
             CrossingKind::Signals => {
-                let edge = HALF_M - GUTTER_M - 0.05;
+                let edge = self.kerb - GUTTER_M - 0.05;
                 for x in [l, r - 0.14] {
                     let mut z = -edge;
                     while z + 0.4 < edge + 0.01 {
@@ -288,7 +311,7 @@ impl Layer<'_> {
             }
         }
         // Cars to +X come from -X, on the side of +Z.
-        let edge = HALF_M - GUTTER_M - 0.05;
+        let edge = LANE - GUTTER_M - 0.05;
         self.mark(paint, [l - 1.6, l - 1.25], [0.12, edge]);
         self.mark(paint, [r + 1.25, r + 1.6], [-edge, -0.12]);
         for (x, z) in [(l - 1.4, 0.0), (r - 2.6, 0.0)] {
@@ -302,7 +325,7 @@ impl Layer<'_> {
         let mut x = -self.half + 5.0;
         while x < self.half - 1.0 {
             if ramps.iter().all(|ramp| x + 0.6 < ramp.from() || x > ramp.to()) {
-                let z = side * (HALF_M - 0.14);
+                let z = side * (self.kerb - 0.14);
                 self.mark(self.finishes.iron, [x, x + 0.5], [z - 0.13, z + 0.13]);
                 self.b.tinted([0.35; 3]);
                 let y = PAINT_M + 0.003 - DROP_M;

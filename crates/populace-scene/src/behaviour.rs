@@ -24,16 +24,15 @@ use populace_physics::Ragdolls;
 use crate::Error;
 use crate::plan::{BehaviourPlan, CastPlan, CrowdPlan, ScenePlan, StrollPlan};
 use crate::replay::Person as CastPerson;
+use crate::stage::{Lights, Stage};
 
-use body::{Body, Use};
+use body::Body;
 use footways::{Footway, Place};
 use person::{Doing, Person};
 use random::Random;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
-pub use crossings::Lights;
-pub use traffic::VehicleModel;
 pub use world::Counts;
 
 /// Acceleration of gravity in metres per second squared.
@@ -46,15 +45,12 @@ const GRAVITY: [f32; 3] = [0.0, -9.81, 0.0];
 #[derive(Clone)]
 pub struct Behaviours {
     world: World,
-    /// Index of the person of a member, by the member's number.
-    person_of: Vec<usize>,
     stops: Vec<Stop>,
 }
 
 impl Behaviours {
     /// Brings the people and vehicles of a plan into a crowd. `people` has a list for each crowd of
     /// the plan, with as many people as the crowd counts. `gaits` are those of all their characters.
-    /// Vehicles take the models in turn; without models there are none.
     ///
     /// # Errors
     ///
@@ -63,17 +59,18 @@ impl Behaviours {
     pub fn new(
         crowd: &mut Crowd,
         plan: &ScenePlan,
+        stage: &Stage,
         people: &[Vec<CastPerson>],
         gaits: Vec<GaitSpace>,
-        vehicles: &[VehicleModel],
     ) -> Result<Self, Error> {
-        let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, vehicles)?;
+        let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, &stage.vehicles)?;
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
         let mut avoidance = Avoidance::new(AvoidanceSettings::default())
             .map_err(populace_locomotion::Error::from)?;
         avoidance.set_obstacles(&obstacles(plan)).map_err(populace_locomotion::Error::from)?;
         walkers.set_avoidance(Some(avoidance));
+        walkers.set_ground(stage.ground().clone());
         let mut ragdolls = Ragdolls::new(GRAVITY)?;
         ragdolls.set_floor(plan.ground.height_m)?;
         let footways: Vec<_> = plan.footways.iter().filter_map(Footway::new).collect();
@@ -88,15 +85,13 @@ impl Behaviours {
             people: Vec::new(),
             crossings: crossings.collect(),
             footways,
-            spots: plan.spots.iter().map(|spot| (spot.clone(), None)).collect(),
-            seats: plan.seats.iter().map(|seat| (seat.clone(), None)).collect(),
+            spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
+            seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
             traffic,
             talks: Vec::new(),
             counts: Counts::default(),
-            walker_of: Vec::new(),
-            starts_from_car: Vec::new(),
         };
-        let mut behaviours = Self { world, person_of: Vec::new(), stops: Vec::new() };
+        let mut behaviours = Self { world, stops: Vec::new() };
         for (nth, crowd_plan) in plan.crowds.iter().enumerate() {
             let people = people.get(nth).map_or(&[][..], Vec::as_slice);
             if people.len() != crowd_plan.count {
@@ -108,7 +103,6 @@ impl Behaviours {
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
             behaviours.bring(crowd, plan, (cast, crowd_plan), people)?;
         }
-        behaviours.find_walkers();
         behaviours.set_out()?;
         Ok(behaviours)
     }
@@ -128,10 +122,8 @@ impl Behaviours {
         crossings::stops(world, &mut self.stops);
         world.traffic.advance(crowd, &self.stops, (world.now, secs))?;
         stroll::step(world, crowd)?;
-        self.find_walkers();
-        driving::send_home(&mut self.world)?;
-        self.world.walkers.update(crowd, secs)?;
-        Ok(self.world.ragdolls.step(crowd, secs)?)
+        world.walkers.update(crowd, secs)?;
+        Ok(world.ragdolls.step(crowd, secs)?)
     }
 
     /// The time in seconds since the beginning.
@@ -163,11 +155,6 @@ impl Behaviours {
         world.crossings.iter().map(move |at| at.plan.lights.then(|| lights(at)))
     }
 
-    fn find_walkers(&mut self) {
-        self.world.walker_of.resize(self.world.people.len(), None);
-        self.world.find_walkers(&self.person_of);
-    }
-
     /// Brings the people of a crowd of the plan.
     fn bring(
         &mut self,
@@ -177,7 +164,9 @@ impl Behaviours {
         people: &[CastPerson],
     ) -> Result<(), Error> {
         match &of.does {
-            BehaviourPlan::Stroll(habits) => self.bring_strollers(crowd, plan, (cast, habits), people),
+            BehaviourPlan::Stroll(habits) => {
+                self.bring_strollers(crowd, plan, (cast, habits), people)
+            }
             _ => Ok(()),
         }
     }
@@ -245,16 +234,13 @@ impl Behaviours {
     /// Adds a person: to the driver's seat of a vehicle that drives without one, or on foot.
     fn add(&mut self, crowd: &mut Crowd, person: Person) -> Result<(), Error> {
         let (who, member) = (self.world.people.len(), person.member);
-        let number = member.number() as usize;
-        self.person_of.resize(self.person_of.len().max(number + 1), 0);
-        self.person_of[number] = who;
         self.world.people.push(person);
         self.world.set_layers(crowd, who)?;
         let lacks_driver = |vehicle: &traffic::Vehicle| {
             vehicle.driver.is_none() && vehicle.drive == traffic::Drive::Cruises
         };
         let vehicle = self.world.traffic.vehicles.iter().position(lacks_driver);
-        let drives = self.world.body(who).has(&[Use::Drive, Use::GetOut]);
+        let drives = driving::may_drive(&self.world, who);
         match vehicle.filter(|_| drives) {
             Some(car) => {
                 driving::board(&mut self.world, crowd, who, car)?;
@@ -313,11 +299,7 @@ fn obstacles(plan: &ScenePlan) -> Vec<Obstacle> {
 }
 
 /// Finds the footways and lanes of a crossing.
-fn crossing(
-    plan: &crate::plan::CrossingPlan,
-    footways: &[Footway],
-    traffic: &Traffic,
-) -> Crossing {
+fn crossing(plan: &crate::plan::CrossingPlan, footways: &[Footway], traffic: &Traffic) -> Crossing {
     let nearest = |end: [f32; 2]| {
         let distance = |footway: &usize| footways[*footway].distance_m(end.into());
         let nearest = (0..footways.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));

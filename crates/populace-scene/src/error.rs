@@ -15,7 +15,7 @@ pub enum Error {
     Locomotion(#[from] populace_locomotion::Error),
     /// An error of ragdolls.
     #[error(transparent)]
-    Physics(#[from] populace_physics::Error),
+    Physics(populace_physics::Error),
     /// A name that nothing in the plan of a scene has.
     #[error("there is no {what} \"{name}\"{}", did_you_mean(nearest))]
     UnknownName {
@@ -42,6 +42,15 @@ pub enum Error {
         /// The number of agents.
         agents: usize,
     },
+}
+
+impl From<populace_physics::Error> for Error {
+    fn from(error: populace_physics::Error) -> Self {
+        match error {
+            populace_physics::Error::Crowd(error) => Self::Crowd(error),
+            error => Self::Physics(error),
+        }
+    }
 }
 
 impl Error {

@@ -10,12 +10,14 @@ pub mod plan;
 mod replay;
 mod scene_file;
 mod smoothing;
+mod stage;
 mod street;
 
-pub use behaviour::{Behaviours, Counts, Lights, VehicleModel};
+pub use behaviour::{Behaviours, Counts};
 pub use error::Error;
 pub use motion::{Moment, Motion, Motions};
 pub use place::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};
 pub use replay::{Person, PositionError, Replay};
 pub use scene_file::SceneFileError;
+pub use stage::{Lights, PROP_KINDS, Stage};
 pub use street::{StreetSettings, street};

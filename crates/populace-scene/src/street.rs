@@ -3,7 +3,7 @@
 
 use crate::plan::{
     BayPlan, BehaviourPlan, CameraKey, CameraPlan, CastPlan, CrossingPlan, CrowdPlan, FootwayPlan,
-    LanePlan, PropPlan, ScenePlan, SeatPlan, SpotPlan, StrollPlan, WallPlan,
+    LanePlan, PropPlan, ScenePlan, StrollPlan, WallPlan,
 };
 
 /// Length of a block along the street, in metres.
@@ -19,6 +19,8 @@ const BENCH_M: f32 = 6.9;
 const TREE_M: f32 = 6.35;
 const FOOTWAY_M: f32 = 9.8;
 const FRONT_M: f32 = 12.5;
+/// Width of a lane, in metres.
+const LANE_WIDTH_M: f32 = 3.25;
 /// Width of a footway, and height of a kerb, in metres.
 const FOOTWAY_WIDTH_M: f32 = 4.8;
 const KERB_HEIGHT_M: f32 = 0.12;
@@ -85,8 +87,38 @@ pub fn street(settings: StreetSettings) -> ScenePlan {
             lights: block % 2 == 0,
             ahead_s: 11.0 * block as f32,
         });
+        let has_lights = block % 2 == 0;
+        plan.props.push(PropPlan {
+            size_m: vec![BLOCK_M, FRONT_M - KERB_M, KERB_M - LANE_WIDTH_M],
+            ..prop("road", [x, 0.0, 0.0], 0.0, u64::from(has_lights))
+        });
+        if has_lights {
+            lights(&mut plan, x, block);
+        }
+    }
+    for x in [-0.5 * BEYOND_M, length + 0.5 * BEYOND_M] {
+        plan.props.push(PropPlan {
+            size_m: vec![BEYOND_M, FRONT_M - KERB_M, KERB_M - LANE_WIDTH_M],
+            ..prop("road", [x, 0.0, 0.0], 0.0, 0)
+        });
     }
     plan
+}
+
+/// Plans the lights of a crossing.
+fn lights(plan: &mut ScenePlan, x: f32, crossing: usize) {
+    let half = 0.5 * CROSSING_WIDTH_M;
+    for side in [Side::North, Side::South] {
+        let [away, _] = side.away_and_towards();
+        // Those who cross see the one at the other side, and drivers the one before the crossing.
+        let across = [side.ahead(x, half + 0.5), 0.0, side.z(KERB_M + 0.5)];
+        let light = prop("walk_light", across, away + 180.0, 0);
+        plan.props.push(PropPlan { crossing: Some(crossing), ..light });
+        let before = [side.ahead(x, -half - 0.9), 0.0, side.z(KERB_M + 0.5)];
+        let facing_deg = if side == Side::North { -90.0 } else { 90.0 };
+        let light = prop("traffic_light", before, facing_deg, 0);
+        plan.props.push(PropPlan { crossing: Some(crossing), ..light });
+    }
 }
 
 fn camera(length: f32) -> CameraPlan {
@@ -178,7 +210,8 @@ impl Side {
         let [away, towards] = self.away_and_towards();
         for house in 0..HOUSES {
             let x = from + HOUSE_M * (house as f32 + 0.5);
-            let seed = seed.wrapping_mul(31).wrapping_add(house as u64 * 2 + u64::from(self == Self::South));
+            let side = 3 * u64::from(self == Self::South);
+            let seed = seed.wrapping_add(5 * house as u64 + side) % VARIANTS;
             plan.props.push(PropPlan {
                 kind: "shopfront".into(),
                 at: [x, 0.0, self.z(FRONT_M)],
@@ -187,13 +220,6 @@ impl Side {
                 size_m: vec![HOUSE_M],
                 crossing: None,
             });
-            for aside in WINDOWS_M {
-                plan.spots.push(SpotPlan {
-                    at: [x + aside, self.z(FRONT_M - 0.75)],
-                    facing_deg: away,
-                    look_at: [x + 0.6 * aside, 1.15, self.z(FRONT_M + 0.5)],
-                });
-            }
         }
         for (nth, bay) in BAYS_M.into_iter().enumerate() {
             let x = from + bay;
@@ -204,7 +230,7 @@ impl Side {
             });
         }
         for x in [12.0, 36.0] {
-            self.tree(plan, from + x, seed + x as u64);
+            self.tree(plan, from + x, seed.wrapping_add(u64::from(x > 20.0)) % VARIANTS);
         }
         for x in [14.3, 33.7] {
             self.bench(plan, from + x, away);
@@ -225,9 +251,6 @@ impl Side {
     fn bench(self, plan: &mut ScenePlan, x: f32, facing_deg: f32) {
         let z = self.z(BENCH_M);
         plan.props.push(prop("bench", [x, 0.0, z], facing_deg, 0));
-        for aside in [-0.6, 0.0, 0.6] {
-            plan.seats.push(SeatPlan { at: [x + aside, 0.45, z], facing_deg });
-        }
         let back = self.z(BENCH_M - 0.3);
         let points = vec![[x - 0.9, back], [x + 0.9, back]];
         plan.walls.push(WallPlan { points, closed: false });
@@ -253,11 +276,11 @@ impl Side {
     }
 }
 
-/// Houses of a block, their width, and where people stand before their windows, in metres aside of
-/// the middle.
+/// Houses of a side of a block, and their width in metres.
 const HOUSES: usize = 6;
 const HOUSE_M: f32 = BLOCK_M / HOUSES as f32;
-const WINDOWS_M: [f32; 2] = [-2.2, 0.4];
+/// Number of different houses and of different trees.
+const VARIANTS: u64 = 8;
 
 fn prop(kind: &str, at: [f32; 3], facing_deg: f32, seed: u64) -> PropPlan {
     PropPlan { kind: kind.into(), at, facing_deg, seed, size_m: Vec::new(), crossing: None }

@@ -46,7 +46,11 @@ fn a_small_file_is_read() {
 
 #[test]
 fn misspelt_keys_are_named_with_their_line_and_the_nearest() {
-    refused(&GOOD.replace("width_m", "widht_m"), 10, "no key `widht_m` here; did you mean \"width_m\"");
+    refused(
+        &GOOD.replace("width_m", "widht_m"),
+        10,
+        "no key `widht_m` here; did you mean \"width_m\"",
+    );
     refused(&GOOD.replace("does.stroll", "does.strol"), 15, "no key `strol`");
     refused(&GOOD.replace("speed", "sped"), 15, "did you mean \"speed\"");
     refused(&GOOD.replace("[[crowd]]", "[[crowds]]"), 12, "did you mean \"crowd\"");
@@ -70,7 +74,8 @@ fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
     refused(&twice, 18, "must be unique");
     let bay = format!("{GOOD}\n[[bay]]\nlane = \"north\"\nat = [0, 0]\n");
     refused(&bay, 18, "none is \"north\"");
-    let camera = "\n[[camera]]\nname = \"a\"\n[[camera.key]]\nfrom = [0, 1, 2]\nto = [0, 1, 0]\nfov = 0\n";
+    let camera =
+        "\n[[camera]]\nname = \"a\"\n[[camera.key]]\nfrom = [0, 1, 2]\nto = [0, 1, 0]\nfov = 0\n";
     refused(&format!("{GOOD}{camera}"), 19, "`fov` from 1 to 170");
     let stroll = GOOD.replace("speed = 1.2", "footways = [\"road\"]");
     refused(&stroll, 15, "none is \"road\"");

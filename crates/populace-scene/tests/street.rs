@@ -1,8 +1,11 @@
 //! The street: everything that people do there happens, and can be saved and restored.
 
-use populace::{Crowd, Device};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use populace::{Affine, Crowd, Device};
 use populace_locomotion::GaitSpace;
-use populace_scene::{Behaviours, Person, StreetSettings, street};
+use populace_scene::{Behaviours, Counts, Person, Stage, StreetSettings, street};
 
 const SECS: f32 = 1.0 / 30.0;
 
@@ -12,8 +15,8 @@ struct Street {
 }
 
 impl Street {
-    fn new(members: usize) -> Self {
-        let plan = street(StreetSettings { members, seed: 7 });
+    fn new(members: usize, seed: u64) -> Self {
+        let plan = street(StreetSettings { members, seed });
         let mut crowd = Crowd::builder()
             .device(Device::native())
             .capacity(members + 400)
@@ -33,8 +36,9 @@ impl Street {
             look: None,
         };
         let people = vec![(0..members).map(person).collect()];
-        let models = [];
-        let behaviours = Behaviours::new(&mut crowd, &plan, &people, gaits, &models).unwrap();
+        let mut prepare = |character| Ok(Arc::new(character));
+        let stage = Stage::new(&mut crowd, &plan, &BTreeMap::new(), &mut prepare).unwrap();
+        let behaviours = Behaviours::new(&mut crowd, &plan, &stage, &people, gaits).unwrap();
         Self { crowd, behaviours }
     }
 
@@ -44,16 +48,94 @@ impl Street {
     }
 }
 
+/// Everything that can be seen of a frame: placements and palettes.
+fn seen(crowd: &mut Crowd) -> Vec<u32> {
+    let mut bits = Vec::new();
+    for member in crowd.members() {
+        let placement = member.placement().world_from_model();
+        bits.extend(placement.rows.as_flattened().iter().map(|value| value.to_bits()));
+    }
+    let mut palettes = |_, palette: &[Affine]| {
+        let values = palette.iter().flat_map(|matrix| matrix.rows.as_flattened());
+        bits.extend(values.map(|value| value.to_bits()));
+    };
+    crowd.palettes(&mut palettes).unwrap();
+    bits
+}
+
 #[test]
 fn everything_happens_ten_times_in_a_minute() {
-    let mut street = Street::new(500);
-    let start = std::time::Instant::now();
-    let mut behave = 0.0;
-    for _ in 0..1800 {
-        let s = std::time::Instant::now();
-        street.behaviours.advance(&mut street.crowd, SECS).unwrap();
-        behave += s.elapsed().as_secs_f64();
-        street.crowd.update(SECS).unwrap();
+    let mut street = Street::new(500, 7);
+    (0..1800).for_each(|_| street.frame());
+    let counts = street.behaviours.counts();
+    let Counts { looked_in, looked_both_ways, crossed, talked, sat, .. } = counts;
+    let Counts { drove_off, got_out, fell, got_up, phoned, texted, .. } = counts;
+    let all = [
+        looked_in,
+        looked_both_ways,
+        crossed,
+        talked,
+        sat,
+        drove_off,
+        got_out,
+        fell,
+        got_up,
+        phoned,
+        texted,
+    ];
+    assert!(all.iter().all(|count| *count >= 10), "{counts:?}");
+}
+
+#[test]
+fn a_saved_scene_goes_on_as_it_would_have() {
+    let mut street = Street::new(260, 3);
+    // Until somebody lies on the ground.
+    while street.behaviours.counts().fell == 0 {
+        street.frame();
     }
-    println!("{:?} {:?} behave {:.2} ms", street.behaviours.counts(), start.elapsed(), behave / 1.8);
+    (0..15).for_each(|_| street.frame());
+    let saved = (street.crowd.snapshot().unwrap(), street.behaviours.clone());
+    let run = |street: &mut Street| -> Vec<Vec<u32>> {
+        (0..60)
+            .map(|_| {
+                street.frame();
+                seen(&mut street.crowd)
+            })
+            .collect()
+    };
+    let uninterrupted = run(&mut street);
+    street.crowd.restore(&saved.0).unwrap();
+    street.behaviours = saved.1;
+    assert!(run(&mut street) == uninterrupted, "a frame differs after the restore");
+}
+
+#[test]
+fn equal_seeds_give_equal_frames_and_others_do_not() {
+    let run = |seed| {
+        let mut street = Street::new(120, seed);
+        (0..240).for_each(|_| street.frame());
+        seen(&mut street.crowd)
+    };
+    let first = run(1);
+    assert!(first == run(1), "two runs of one seed differ");
+    assert!(first != run(2), "two seeds give the same frame");
+}
+
+#[test]
+fn nobody_walks_into_a_house_and_nobody_sinks() {
+    let mut street = Street::new(200, 5);
+    for _ in 0..900 {
+        street.frame();
+    }
+    for member in street.behaviours.people() {
+        let view = street.crowd.member(member).unwrap();
+        if view.attached_to().is_some() {
+            continue;
+        }
+        let [x, y, z] = view.placement().position();
+        assert!(z.abs() < 12.5, "{member:?} is in a house at {x}, {z}");
+        assert!((-0.2..=0.05).contains(&y), "{member:?} stands at a height of {y}");
+        let is_on_road = z.abs() < 5.0;
+        assert!(!is_on_road || y < -0.02, "{member:?} floats over the road: {y}");
+    }
 }

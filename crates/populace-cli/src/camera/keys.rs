@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::path::Path;
 
+use populace_scene::plan::{CameraKey, CameraPlan};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -43,6 +44,17 @@ struct KeyTable {
 }
 
 impl Keys {
+    /// The keys of a camera of a scene, which has at least one.
+    pub(crate) fn of_plan(camera: &CameraPlan) -> Self {
+        let key = |key: &CameraKey| Key {
+            time: key.time,
+            from: key.from.map(f64::from),
+            to: key.to.map(f64::from),
+            fov_deg: f64::from(key.fov),
+        };
+        Self(camera.keys.iter().map(key).collect())
+    }
+
     /// Reads a file. Errors name the line.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let named = |reason: String| format!("{}: {reason}", path.display());

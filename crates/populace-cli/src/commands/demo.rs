@@ -1,22 +1,26 @@
 //! `populace demo`
 
-use std::path::PathBuf;
+use populace_scene::{StreetSettings, street};
 
 use crate::cli::DemoArgs;
-use crate::draw::DrawJob;
 use crate::failure::Failure;
+use crate::output;
+use crate::report;
+use crate::scene::SceneJob;
 
-/// Frames timed before the first picture.
-const TIMED_FRAMES: u32 = 20;
+/// Seconds before the first picture: people have met, sat down and begun to cross by then.
+const LEAD_IN_SECS: f32 = 20.0;
 
 pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
-    let people = [PathBuf::from("@people")];
-    let job = DrawJob {
-        inputs: if args.cast.is_empty() { &people } else { &args.cast },
-        members: args.members,
-        out: &args.out,
-        lead_in: TIMED_FRAMES,
-        args: &args.picture,
-    };
+    let settings = StreetSettings { members: args.members as usize, seed: args.picture.seed };
+    let mut plan = street(settings);
+    plan.output.lead_in_s = LEAD_IN_SECS;
+    if let Some(file) = &args.write_scene {
+        let text = plan.to_toml().map_err(|error| Failure::Run(error.into()))?;
+        output::write(file, text.as_bytes())?;
+        return report::path(file);
+    }
+    let job =
+        SceneJob { plan, file: None, cast: &args.cast, out: &args.out, picture: &args.picture };
     job.run()
 }

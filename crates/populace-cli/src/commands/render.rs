@@ -6,6 +6,7 @@ use crate::cli::RenderArgs;
 use crate::draw::DrawJob;
 use crate::failure::Failure;
 use crate::replay::ReplayJob;
+use crate::scene::{self, SceneJob};
 use crate::trajectory;
 
 /// Members of a crowd unless set.
@@ -24,6 +25,9 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
             ))),
         };
     }
+    if let Some(file) = args.inputs.iter().find(|input| scene::is_scene(input)) {
+        return scene(args, file);
+    }
     args.trajectory.read.refuse_unused()?;
     args.trajectory.overlay.refuse_unused()?;
     let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
@@ -37,6 +41,28 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
         lead_in: 0,
         args: &args.picture,
     };
+    job.run()
+}
+
+fn scene(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
+    if args.members.is_some() {
+        return Err(Failure::usage(
+            "--members has no meaning here: the scene file says how many people there are",
+        ));
+    }
+    if let Some(other) = args.inputs.iter().find(|input| *input != file) {
+        let (file, other) = (file.display(), other.display());
+        return Err(Failure::usage(format!(
+            "{file} is a scene, which names its own characters; give {other} by --cast"
+        )));
+    }
+    args.trajectory.read.refuse_unused()?;
+    args.trajectory.overlay.refuse_unused()?;
+    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
+        return Err(Failure::usage("--no-draw needs a trajectory file"));
+    };
+    let plan = scene::read(file)?;
+    let job = SceneJob { plan, file: Some(file), cast: &args.cast, out, picture: &args.picture };
     job.run()
 }
 

@@ -1,15 +1,12 @@
 //! The people who play the agents of a recording.
 
-use populace::Crowd;
 use populace::character::Character;
-use populace_locomotion::GaitSpace;
 use populace_scene::{Motion, Motions, Person};
 use populace_testkit::Rng;
 use populace_trajectory::{Agent, Kind, Recording};
 use populace_variety::Variety;
 
-use crate::failure::Failure;
-use crate::roles::{self, CrowdRole};
+use crate::roles::CrowdRole;
 
 /// Fewest agents of whom equal heights are an assumption of the file, and not measured.
 const ASSUMED_FROM: usize = 3;
@@ -23,28 +20,6 @@ pub(crate) struct CastSettings {
     pub(crate) plain: bool,
     /// Height of everybody in metres, if it was asked for.
     pub(crate) height_m: Option<f32>,
-}
-
-/// Returns the gaits of each role. A humanoid without clips that walk gets those of the built-in
-/// people.
-pub(crate) fn gaits(crowd: &mut Crowd, roles: &[CrowdRole]) -> Result<Vec<GaitSpace>, Failure> {
-    roles
-        .iter()
-        .map(|role| {
-            if let Ok(gaits) = GaitSpace::of(crowd, role.id) {
-                return Ok(gaits);
-            }
-            for clip in &roles::built_in_clips("people")? {
-                // Clips that do not fit the body add nothing.
-                let _ = crowd.character_mut(role.id)?.add_clip(clip);
-            }
-            let cannot = |error: populace_locomotion::Error| {
-                let name = &role.character.name;
-                Failure::Input(anyhow::anyhow!("\"{name}\" cannot walk: {error}"))
-            };
-            GaitSpace::of(crowd, role.id).map_err(cannot)
-        })
-        .collect()
 }
 
 /// Returns a person for each agent.

@@ -166,6 +166,13 @@ impl Walkers {
         self.gaits.iter().rposition(|gaits| gaits.character() == character)
     }
 
+    /// Returns the index of a member in slices; `None` unless it is a walker. Indices change when
+    /// walkers are removed.
+    #[must_use]
+    pub fn index(&self, member: MemberId) -> Option<usize> {
+        self.index_of(member).ok()
+    }
+
     pub(super) fn index_of(&self, member: MemberId) -> Result<usize, Error> {
         let number = member.number();
         let known = self.by_member.get(number as usize).map(|index| *index as usize);

@@ -57,9 +57,6 @@ const USES: [(Use, &str, &str); 20] = [
     (Use::Thrust, "thrust", "Spear_Thrust"),
 ];
 
-/// Height of the eyes as a fraction of that of the body.
-const EYES: f32 = 0.93;
-
 /// A clip and its length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UsedClip {
@@ -79,8 +76,8 @@ pub(crate) struct Body {
     pub(crate) chest: Option<JointIndex>,
     pub(crate) right_hand: Option<JointIndex>,
     pub(crate) can_look: bool,
-    /// Height of the eyes in metres, at scale 1.
-    pub(crate) eye_m: f32,
+    /// Height in metres, at scale 1.
+    pub(crate) height_m: f32,
 }
 
 impl Body {
@@ -99,7 +96,9 @@ impl Body {
             // A clip that is named must be there; the usual ones may be missing.
             let id = if named.is_some() { Some(found?) } else { found.ok() };
             *clip = match id {
-                Some(id) => Some(UsedClip { id, secs: crowd.clip_mut(id)?.asset().duration_secs() }),
+                Some(id) => {
+                    Some(UsedClip { id, secs: crowd.clip_mut(id)?.asset().duration_secs() })
+                }
                 None => None,
             };
         }
@@ -109,7 +108,11 @@ impl Body {
         let upper = match spine {
             Some(spine) => {
                 let mask = Mask::of_subtrees(&asset.skeleton, [spine.as_str()]);
-                Some(crowd.character_mut(character)?.add_mask(&mask.map_err(populace::Error::from)?)?)
+                Some(
+                    crowd
+                        .character_mut(character)?
+                        .add_mask(&mask.map_err(populace::Error::from)?)?,
+                )
             }
             None => None,
         };
@@ -123,7 +126,7 @@ impl Body {
             chest,
             right_hand: joint(Role::Hand(populace::model::Side::Right)),
             can_look: joint(Role::Head).is_some(),
-            eye_m: EYES * asset.height_m(),
+            height_m: asset.height_m(),
         })
     }
 

@@ -9,6 +9,7 @@ use super::person::Doing;
 use super::traffic::Stop;
 use super::world::{Crossing, World};
 use crate::Error;
+use crate::stage::Lights;
 
 /// Distance at which a crossing is noticed, in metres.
 const NOTICED_M: f32 = 18.0;
@@ -27,26 +28,11 @@ const STOP_M: f32 = 1.2;
 /// Phases of lights, in seconds: people walk, nobody moves, vehicles drive, nobody moves.
 const PHASES_SECS: [f64; 4] = [9.0, 6.0, 14.0, 3.0];
 
-/// The lights of a crossing.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Lights {
-    /// People walk.
-    Walk,
-    /// Nobody moves: the road is cleared of people.
-    ClearOfPeople,
-    /// Vehicles drive.
-    Drive,
-    /// Nobody moves: the road is cleared of vehicles.
-    ClearOfVehicles,
-}
-
 /// Returns the lights of a crossing at a time, and the seconds that they last.
 pub(crate) fn lights(crossing: &Crossing, now: f64) -> (Lights, f64) {
     let all: f64 = PHASES_SECS.iter().sum();
     let mut at = (now + f64::from(crossing.plan.ahead_s)).rem_euclid(all);
-    let phases =
-        [Lights::Walk, Lights::ClearOfPeople, Lights::Drive, Lights::ClearOfVehicles];
+    let phases = [Lights::Walk, Lights::ClearOfPeople, Lights::Drive, Lights::ClearOfVehicles];
     for (lights, secs) in phases.into_iter().zip(PHASES_SECS) {
         if at < secs {
             return (lights, secs - at);
@@ -151,7 +137,8 @@ fn may_cross(world: &World, crossing: usize) -> bool {
         if lights != Lights::Walk || left < 2.0 {
             return false;
         }
-        let is_clear = |(lane, along_m): &(usize, f32)| world.traffic.is_clear(*lane, *along_m, 1.0);
+        let is_clear =
+            |(lane, along_m): &(usize, f32)| world.traffic.is_clear(*lane, *along_m, 1.0);
         return crossing.lanes.iter().all(is_clear);
     }
     crossing.lanes.iter().all(|(lane, along_m)| world.traffic.is_clear(*lane, *along_m, secs))

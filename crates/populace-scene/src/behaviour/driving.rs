@@ -7,6 +7,7 @@ use populace::{ClipPlayback, Crowd, JointIndex, Placement, Reach, Target, Trs, W
 use populace_locomotion::{Goal, Path};
 
 use super::body::Use;
+use super::footways::Place;
 use super::person::Doing;
 use super::traffic::Drive;
 use super::world::{WHOLE, World};
@@ -15,6 +16,8 @@ use crate::Error;
 /// Distance at which a parked vehicle is noticed, in metres.
 const NOTICED_M: f32 = 16.0;
 const PATIENCE_SECS: f64 = 40.0;
+/// The least height of drivers, in metres: children do not drive.
+const ADULT_M: f32 = 1.5;
 const FADE_SECS: f32 = 0.25;
 /// Seconds after which the hand has the handle, and after which the door begins to open.
 const HANDLE_SECS: f32 = 0.35;
@@ -26,7 +29,7 @@ const LEAST_STAND_SECS: f64 = 5.0;
 const BEFORE_OUT_SECS: f64 = 1.4;
 const BEFORE_OFF_SECS: f64 = 1.8;
 /// The height of the seat at which the clips sit, in metres.
-const CLIP_SEAT_M: f32 = 0.50;
+const CLIP_SEAT_M: f32 = populace_cast::CAR_SEAT_M[1];
 /// The layer of a vehicle that moves its door.
 const DOOR: usize = 1;
 /// The joint of a vehicle to which drivers are attached.
@@ -34,7 +37,7 @@ const BODY: JointIndex = JointIndex(0);
 
 /// Lets somebody who strolls walk to a free parked vehicle near by. Returns true if there is one.
 pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
-    if !world.body(who).has(&[Use::OpenDoor, Use::GetIn, Use::Drive, Use::GetOut]) {
+    if !may_drive(world, who) {
         return Ok(false);
     }
     let at = world.position(who);
@@ -58,6 +61,12 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     way.insert(0, at);
     go(world, who, &way)?;
     Ok(true)
+}
+
+/// Returns true for adults whose bodies have the motions.
+pub(crate) fn may_drive(world: &World, who: usize) -> bool {
+    let uses = [Use::OpenDoor, Use::GetIn, Use::Drive, Use::GetOut];
+    world.height_m(who) >= ADULT_M && world.body(who).has(&uses)
 }
 
 fn middle(world: &World, car: usize) -> Vec2 {
@@ -153,7 +162,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             };
             world.counts.got_out += 1;
             world.people[who].doing = Doing::WalksFromCar { until: now + PATIENCE_SECS };
-            world.starts_from_car.push((who, car));
+            walk_home(world, who, car)?;
         }
         Doing::WalksFromCar { until } => {
             let is_there = world.position(who).distance(world.people[who].goal) < 0.5;
@@ -166,29 +175,25 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     Ok(())
 }
 
-/// Sends those who have just got out around their vehicles to the footway. Called once their
-/// walkers are known.
-pub(crate) fn send_home(world: &mut World) -> Result<(), Error> {
-    for (who, car) in std::mem::take(&mut world.starts_from_car) {
-        let mut way = around(world, car);
-        way.reverse();
-        let edge = way.last().copied().unwrap_or_default();
-        let nearest = (0..world.footways.len()).min_by(|a, b| {
-            let [a, b] = [a, b].map(|footway| world.footways[*footway].distance_m(edge));
-            a.total_cmp(&b)
-        });
-        let footway = nearest.unwrap_or(0);
-        world.people[who].footway = footway;
-        let strip = &world.footways[footway];
-        let place = strip.place(edge);
-        let room = strip.half_m * 0.8;
-        let aside_m = place.aside_m.clamp(-room, room);
-        way.push(strip.at(super::footways::Place { aside_m, ..place }).0);
-        let (member, pace) = (world.member(who), world.people[who].pace);
-        world.walkers.set_speed(member, pace)?;
-        go(world, who, &way)?;
-    }
-    Ok(())
+/// Sends somebody who has just got out around the vehicle to the footway.
+fn walk_home(world: &mut World, who: usize, car: usize) -> Result<(), Error> {
+    let mut way = around(world, car);
+    way.reverse();
+    let edge = way.last().copied().unwrap_or_default();
+    let nearest = (0..world.footways.len()).min_by(|a, b| {
+        let [a, b] = [a, b].map(|footway| world.footways[*footway].distance_m(edge));
+        a.total_cmp(&b)
+    });
+    let footway = nearest.unwrap_or(0);
+    world.people[who].footway = footway;
+    let strip = &world.footways[footway];
+    let place = strip.place(edge);
+    let room = 0.8 * strip.half_m;
+    let aside_m = place.aside_m.clamp(-room, room);
+    way.push(strip.at(Place { aside_m, ..place }).0);
+    let (member, pace) = (world.member(who), world.people[who].pace);
+    world.walkers.set_speed(member, pace)?;
+    go(world, who, &way)
 }
 
 /// Drives on; stops at a bay and gets out.
@@ -266,12 +271,7 @@ fn alight(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Resul
 }
 
 /// Puts a hand on the handle of a vehicle's door.
-fn reach_for_handle(
-    world: &World,
-    crowd: &mut Crowd,
-    who: usize,
-    car: usize,
-) -> Result<(), Error> {
+fn reach_for_handle(world: &World, crowd: &mut Crowd, who: usize, car: usize) -> Result<(), Error> {
     let model = &world.traffic.models[world.traffic.vehicles[car].model];
     let at = world.traffic.world_point(car, model.handle);
     if let Some(hand) = world.body(who).right_hand {

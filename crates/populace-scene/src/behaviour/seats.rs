@@ -42,7 +42,7 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
 fn front(world: &World, seat: usize) -> Vec2 {
     let plan = &world.seats[seat].0;
     let (sin, cos) = plan.facing_deg.to_radians().sin_cos();
-    Vec2::new(plan.at[0], plan.at[2]) + Vec2::new(sin, cos) * 0.35
+    Vec2::new(plan.at[0], plan.at[2]) + Vec2::new(sin, cos) * populace_cast::SEAT_BACK_M
 }
 
 /// Goes on with it.

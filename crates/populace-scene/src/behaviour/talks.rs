@@ -95,7 +95,12 @@ pub(crate) fn step_all(world: &mut World, crowd: &mut Crowd) -> Result<(), Error
 }
 
 /// Waits until all have come. Returns false if they have not in time.
-fn gather(world: &mut World, crowd: &mut Crowd, talk: &mut Talk, index: usize) -> Result<bool, Error> {
+fn gather(
+    world: &mut World,
+    crowd: &mut Crowd,
+    talk: &mut Talk,
+    index: usize,
+) -> Result<bool, Error> {
     let has_come = |who: &usize| world.position(*who).distance(world.people[*who].goal) < 0.3;
     let have_come = talk.people.iter().all(has_come);
     let is_late = world.now > talk.until - COME_SECS;

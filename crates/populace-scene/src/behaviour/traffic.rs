@@ -7,10 +7,11 @@
 use std::f32::consts::FRAC_PI_2;
 
 use glam::Vec2;
-use populace::{CharacterId, ClipId, ClipPlayback, Crowd, MemberId, Placement, PlaybackId};
+use populace::{ClipPlayback, Crowd, MemberId, Placement, PlaybackId};
 
 use crate::Error;
 use crate::plan::{BayPlan, LanePlan};
+use crate::stage::VehicleModel;
 
 /// Gain and comfortable loss of speed, in metres per second squared.
 const GAIN: f32 = 1.6;
@@ -29,27 +30,6 @@ const SWERVE_M_PER_SEC: f32 = 3.2;
 const MERGE_M: [f32; 2] = [16.0, 7.0];
 /// Nothing ahead.
 const FREE_M: f32 = 1e4;
-
-/// A kind of vehicle: its character in a crowd and its measures. It faces +Z.
-#[derive(Clone, Debug)]
-pub struct VehicleModel {
-    /// The character.
-    pub character: CharacterId,
-    /// Its length in metres.
-    pub length_m: f32,
-    /// The way in metres that its wheels roll in one loop of `roll`.
-    pub roll_m: f32,
-    /// The loop that turns its wheels.
-    pub roll: Option<ClipId>,
-    /// The motions that open and close the driver's door.
-    pub doors: Option<[ClipId; 2]>,
-    /// The middle of the driver's seat, in metres.
-    pub seat: [f32; 3],
-    /// Where the driver stands before getting in, facing the vehicle: `[x, z]` in metres.
-    pub entry: [f32; 2],
-    /// The handle of the driver's door, in metres.
-    pub handle: [f32; 3],
-}
 
 /// What a vehicle does.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -160,7 +140,9 @@ impl Traffic {
         traffic.lanes = lanes.iter().map(Lane::new).collect();
         for plan in bays {
             let lane = lanes.iter().position(|lane| lane.name == plan.lane);
-            let lane = lane.ok_or_else(|| Error::unknown("lane", &plan.lane, lanes.iter().map(|lane| &lane.name)))?;
+            let lane = lane.ok_or_else(|| {
+                Error::unknown("lane", &plan.lane, lanes.iter().map(|lane| &lane.name))
+            })?;
             let [along_m, aside_m] = traffic.lanes[lane].place(plan.at.into());
             traffic.bays.push(Bay { lane, along_m, aside_m, vehicle: None });
         }
@@ -205,7 +187,17 @@ impl Traffic {
         let pace = 0.85 + 0.25 * (nth as f32 * 0.618_034).fract();
         let (driver, claimed, is_open) = (None, None, false);
         self.vehicles.push(Vehicle {
-            member, model, lane, along_m, speed, drive, driver, claimed, is_open, rolling, pace,
+            member,
+            model,
+            lane,
+            along_m,
+            speed,
+            drive,
+            driver,
+            claimed,
+            is_open,
+            rolling,
+            pace,
             placement,
         });
         Ok(())
@@ -257,7 +249,9 @@ impl Traffic {
             match vehicle.drive {
                 Drive::Parks { bay } => {
                     let to = self.bays[bay].along_m;
-                    if to - vehicle.along_m < 0.05 || vehicle.speed < 0.02 && to - vehicle.along_m < 0.6 {
+                    if to - vehicle.along_m < 0.05
+                        || vehicle.speed < 0.02 && to - vehicle.along_m < 0.6
+                    {
                         vehicle.speed = 0.0;
                         vehicle.drive = Drive::Stands { bay, since: now };
                     }
@@ -352,7 +346,8 @@ impl Traffic {
 
     /// Sends a vehicle that stands back to the road if there is room. Returns true if it set off.
     pub(crate) fn set_off(&mut self, vehicle: usize) -> bool {
-        let Vehicle { lane, along_m, drive: Drive::Stands { bay, .. }, .. } = self.vehicles[vehicle]
+        let Vehicle { lane, along_m, drive: Drive::Stands { bay, .. }, .. } =
+            self.vehicles[vehicle]
         else {
             return false;
         };
@@ -393,7 +388,10 @@ impl Traffic {
             let gap = along_m - vehicle.along_m - 0.5 * self.models[vehicle.model].length_m;
             let stands = vehicle.speed < 0.4 || matches!(vehicle.drive, Drive::Stands { .. });
             let has_passed = gap < -self.models[vehicle.model].length_m - 1.5;
-            stands && gap > 0.3 || stands && has_passed || has_passed || gap > vehicle.speed * secs + 2.0
+            stands && gap > 0.3
+                || stands && has_passed
+                || has_passed
+                || gap > vehicle.speed * secs + 2.0
         })
     }
 

@@ -28,9 +28,11 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
         let off = spot - at;
         off.length() < NOTICED_M && off.dot(ahead) > 1.0 && footway.distance_m(spot) < 1.5
     };
-    let free = world.spots.iter().enumerate().filter(|(_, (spot, taken))| {
-        taken.is_none() && reachable(spot.at.into())
-    });
+    let free = world
+        .spots
+        .iter()
+        .enumerate()
+        .filter(|(_, (spot, taken))| taken.is_none() && reachable(spot.at.into()));
     let distance = |spot: &[f32; 2]| Vec2::from(*spot).distance_squared(at);
     let nearest = free.min_by(|a, b| distance(&a.1.0.at).total_cmp(&distance(&b.1.0.at)));
     let Some((spot, _)) = nearest else { return Ok(false) };

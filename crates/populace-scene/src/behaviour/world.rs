@@ -1,9 +1,7 @@
 //! All that the activities of people share: who they are, where, and what they can be told.
 
 use glam::Vec2;
-use populace::{
-    ClipPlayback, Crowd, LayerSettings, MemberId, PlaybackId, Target, Weight,
-};
+use populace::{ClipPlayback, Crowd, LayerSettings, MemberId, PlaybackId, Target, Weight};
 use populace_locomotion::{Goal, Walkers};
 use populace_physics::Ragdolls;
 
@@ -25,6 +23,8 @@ const SENT_ON_M: f32 = 5.0;
 /// Distance from a goal at which somebody has arrived, and speed below which somebody stands.
 const ARRIVED_M: f32 = 0.12;
 const STANDS_M_PER_SEC: f32 = 0.05;
+/// Height of the eyes as a fraction of that of the body.
+const EYES: f32 = 0.93;
 /// Angle within which somebody faces a direction, in radians.
 const FACES_RAD: f32 = 0.06;
 
@@ -100,16 +100,13 @@ pub(crate) struct World {
     pub(crate) traffic: Traffic,
     pub(crate) talks: Vec<Option<Talk>>,
     pub(crate) counts: Counts,
-    /// Index of the walker of each person; `None` for those in vehicles.
-    pub(crate) walker_of: Vec<Option<usize>>,
-    /// Those who have got out of a vehicle in this step, and the vehicles.
-    pub(crate) starts_from_car: Vec<(usize, usize)>,
 }
 
 impl World {
     /// Returns the position of a person who walks or rests.
     pub(crate) fn position(&self, who: usize) -> Vec2 {
-        self.walker_of[who].map_or(self.people[who].goal, |at| self.walkers.positions()[at].into())
+        let walker = self.walkers.index(self.people[who].member);
+        walker.map_or(self.people[who].goal, |at| self.walkers.positions()[at].into())
     }
 
     /// Returns true if it is a person's turn to decide in this step: two times a second.
@@ -120,19 +117,17 @@ impl World {
     }
 
     fn velocity(&self, who: usize) -> Vec2 {
-        self.walker_of[who].map_or(Vec2::ZERO, |at| self.walkers.velocities()[at].into())
-    }
-
-    /// Finds the walkers of all people anew, after some have come or gone.
-    pub(crate) fn find_walkers(&mut self, index_of_member: &[usize]) {
-        self.walker_of.iter_mut().for_each(|walker| *walker = None);
-        for (index, member) in self.walkers.members().iter().enumerate() {
-            self.walker_of[index_of_member[member.number() as usize]] = Some(index);
-        }
+        let walker = self.walkers.index(self.people[who].member);
+        walker.map_or(Vec2::ZERO, |at| self.walkers.velocities()[at].into())
     }
 
     pub(crate) fn body(&self, who: usize) -> &Body {
         &self.bodies[self.people[who].body]
+    }
+
+    /// Returns the height of a person in metres.
+    pub(crate) fn height_m(&self, who: usize) -> f32 {
+        self.body(who).height_m * self.people[who].scale
     }
 
     pub(crate) fn member(&self, who: usize) -> MemberId {
@@ -142,7 +137,7 @@ impl World {
     /// Returns a point at the height of somebody's eyes.
     pub(crate) fn eyes(&self, who: usize) -> [f32; 3] {
         let at = self.position(who);
-        [at.x, self.body(who).eye_m * self.people[who].scale, at.y]
+        [at.x, EYES * self.height_m(who), at.y]
     }
 
     /// Sends a person to a point.
@@ -225,7 +220,13 @@ impl World {
     }
 
     /// Ends what a layer plays.
-    pub(crate) fn end(&self, crowd: &mut Crowd, who: usize, layer: usize, secs: f32) -> Result<(), Error> {
+    pub(crate) fn end(
+        &self,
+        crowd: &mut Crowd,
+        who: usize,
+        layer: usize,
+        secs: f32,
+    ) -> Result<(), Error> {
         Ok(crowd.member_mut(self.member(who))?.stop(layer, secs)?)
     }
 

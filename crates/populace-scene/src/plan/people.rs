@@ -105,9 +105,9 @@ impl Default for StrollPlan {
             sit: 0.35,
             talk: 0.35,
             phone: 0.25,
-            text: 0.3,
-            drive: 0.2,
-            hurry: 0.1,
+            text: 0.4,
+            drive: 0.3,
+            hurry: 0.3,
         }
     }
 }

@@ -1,0 +1,343 @@
+//! The stage of a scene: its props in a crowd, and what they offer to people.
+
+use std::collections::BTreeMap;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+use glam::Vec2;
+use populace::character::Character;
+use populace::{CharacterId, ClipId, Crowd, Ground, MemberId, MemberLook, Placement};
+use populace_props::{CarKind, Crossing, CrossingKind, Lamp, Road, RoadPlan};
+
+use crate::Error;
+use crate::plan::{PropPlan, ScenePlan, SeatPlan, SpotPlan};
+
+/// The kinds of props that are made by code.
+pub const PROP_KINDS: [&str; 11] = [
+    "bench",
+    "bin",
+    "bollard",
+    "cafe_table",
+    "planter",
+    "road",
+    "shopfront",
+    "street_lamp",
+    "traffic_light",
+    "tree",
+    "walk_light",
+];
+
+/// Kinds and seeds of the vehicles of lanes and bays.
+const VEHICLES: [(CarKind, u64); 6] = [
+    (CarKind::Hatchback, 1),
+    (CarKind::Saloon, 2),
+    (CarKind::Hatchback, 3),
+    (CarKind::Van, 4),
+    (CarKind::Saloon, 5),
+    (CarKind::Hatchback, 6),
+];
+/// Distance of two points at which the height of the ground is given, in metres.
+const GROUND_M: f32 = 0.25;
+/// How far the ground reaches beyond roads, in metres.
+const MARGIN_M: f32 = 1.0;
+
+/// The lights of a crossing.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lights {
+    /// People walk.
+    Walk,
+    /// Nobody moves: the road is cleared of people.
+    ClearOfPeople,
+    /// Vehicles drive.
+    Drive,
+    /// Nobody moves: the road is cleared of vehicles.
+    ClearOfVehicles,
+}
+
+/// A kind of vehicle: its character in a crowd and its measures. It faces +Z.
+#[derive(Clone, Debug)]
+pub(crate) struct VehicleModel {
+    /// The character.
+    pub(crate) character: CharacterId,
+    /// Its length in metres.
+    pub(crate) length_m: f32,
+    /// The way in metres that its wheels roll in one loop of `roll`.
+    pub(crate) roll_m: f32,
+    /// The loop that turns its wheels.
+    pub(crate) roll: Option<ClipId>,
+    /// The motions that open and close the driver's door.
+    pub(crate) doors: Option<[ClipId; 2]>,
+    /// The middle of the driver's seat, in metres.
+    pub(crate) seat: [f32; 3],
+    /// Where the driver stands before getting in, facing the vehicle: `[x, z]` in metres.
+    pub(crate) entry: [f32; 2],
+    /// The handle of the driver's door, in metres.
+    pub(crate) handle: [f32; 3],
+}
+
+/// The props of a scene in a crowd.
+#[derive(Clone, Debug)]
+pub struct Stage {
+    pub(crate) spots: Vec<SpotPlan>,
+    pub(crate) seats: Vec<SeatPlan>,
+    pub(crate) vehicles: Vec<VehicleModel>,
+    ground: Ground,
+    lights: Vec<Light>,
+}
+
+/// Lights that are shown by a member.
+#[derive(Clone, Debug)]
+struct Light {
+    member: MemberId,
+    crossing: usize,
+    /// True for those that people look at.
+    is_for_people: bool,
+    /// The options of its lamps.
+    lamps: Vec<(Lamp, usize)>,
+    shown: Option<Lights>,
+}
+
+/// A prop, and the places in its own space that it offers.
+struct Made {
+    character: CharacterId,
+    windows: Vec<([f32; 3], f32, [f32; 3])>,
+    seats: Vec<([f32; 3], f32)>,
+    road: Option<Road>,
+    lamps: Vec<(Lamp, usize)>,
+}
+
+impl Stage {
+    /// Brings the props of a plan into a crowd, and sets the crowd's ground. `prepare` may change
+    /// each character first, such as by adding levels of detail. `files` holds those of kinds that
+    /// are names of files.
+    ///
+    /// # Errors
+    ///
+    /// A kind that there is not, and errors of the crowd and of `prepare`.
+    pub fn new(
+        crowd: &mut Crowd,
+        plan: &ScenePlan,
+        files: &BTreeMap<String, Character>,
+        prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+    ) -> Result<Self, Error> {
+        let mut stage = Self {
+            spots: plan.spots.clone(),
+            seats: plan.seats.clone(),
+            vehicles: Vec::new(),
+            ground: Ground::plane(plan.ground.height_m, [0.0; 2]).map_err(populace::Error::from)?,
+            lights: Vec::new(),
+        };
+        let mut known: BTreeMap<(String, u64, Vec<u32>), Made> = BTreeMap::new();
+        let mut roads = Vec::new();
+        for prop in &plan.props {
+            let sizes = prop.size_m.iter().map(|size| size.to_bits()).collect();
+            let key = (prop.kind.clone(), prop.seed, sizes);
+            if !known.contains_key(&key) {
+                known.insert(key.clone(), make(crowd, prop, files, prepare)?);
+            }
+            let Some(made) = known.get(&key) else { continue };
+            stage.put(crowd, prop, made)?;
+            if made.road.is_some() {
+                roads.push((key, prop.at));
+            }
+        }
+        let roads: Vec<(&Road, [f32; 3])> = roads
+            .iter()
+            .filter_map(|(key, at)| Some((known.get(key)?.road.as_ref()?, *at)))
+            .collect();
+        if let Some(ground) = ground(&roads)? {
+            stage.ground = ground;
+        }
+        crowd.set_ground(&stage.ground)?;
+        if !plan.lanes.is_empty() {
+            stage.vehicles = vehicles(crowd, prepare)?;
+        }
+        Ok(stage)
+    }
+
+    /// The ground.
+    #[must_use]
+    pub fn ground(&self) -> &Ground {
+        &self.ground
+    }
+
+    /// Lights the lamps of crossings, given the lights of each.
+    ///
+    /// # Errors
+    ///
+    /// A light that was despawned.
+    pub fn light(
+        &mut self,
+        crowd: &mut Crowd,
+        lights: impl Iterator<Item = Option<Lights>>,
+    ) -> Result<(), Error> {
+        let lights: Vec<_> = lights.collect();
+        for light in &mut self.lights {
+            let now = lights.get(light.crossing).copied().flatten();
+            if now == light.shown {
+                continue;
+            }
+            light.shown = now;
+            let lit = now.map(|now| lit(now, light.is_for_people));
+            let off = light.lamps.iter().filter(|(lamp, _)| lit != Some(*lamp));
+            let look = off.fold(MemberLook::PLAIN, |look, (_, at)| look.without_option(*at));
+            crowd.member_mut(light.member)?.set_look(look);
+        }
+        Ok(())
+    }
+
+    fn put(&mut self, crowd: &mut Crowd, prop: &PropPlan, made: &Made) -> Result<(), Error> {
+        let placement = Placement::at(prop.at).facing(prop.facing_deg.to_radians());
+        let member = crowd.spawn(made.character, placement)?;
+        let world = placement.world_from_model();
+        for (stand, yaw_rad, look_at) in &made.windows {
+            let [x, _, z] = world.transform_point(*stand);
+            let facing_deg = prop.facing_deg + yaw_rad.to_degrees();
+            let look_at = world.transform_point(*look_at);
+            self.spots.push(SpotPlan { at: [x, z], facing_deg, look_at });
+        }
+        for (at, yaw_rad) in &made.seats {
+            let facing_deg = prop.facing_deg + yaw_rad.to_degrees();
+            self.seats.push(SeatPlan { at: world.transform_point(*at), facing_deg });
+        }
+        if let Some(crossing) = prop.crossing
+            && !made.lamps.is_empty()
+        {
+            self.lights.push(Light {
+                member,
+                crossing,
+                is_for_people: prop.kind == "walk_light",
+                lamps: made.lamps.clone(),
+                shown: None,
+            });
+            let off = made.lamps.iter();
+            let look = off.fold(MemberLook::PLAIN, |look, (_, at)| look.without_option(*at));
+            crowd.member_mut(member)?.set_look(look);
+        }
+        Ok(())
+    }
+}
+
+/// Returns the lamp that is lit.
+fn lit(lights: Lights, is_for_people: bool) -> Lamp {
+    match (lights, is_for_people) {
+        (Lights::Walk, true) => Lamp::Walk,
+        (_, true) => Lamp::Stop,
+        (Lights::Drive, false) => Lamp::Green,
+        (Lights::ClearOfVehicles, false) => Lamp::Amber,
+        (_, false) => Lamp::Red,
+    }
+}
+
+/// Makes a prop of a kind.
+fn make(
+    crowd: &mut Crowd,
+    prop: &PropPlan,
+    files: &BTreeMap<String, Character>,
+    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+) -> Result<Made, Error> {
+    use populace_props as props;
+    let (mut windows, mut seats, mut road, mut lamps) = (Vec::new(), Vec::new(), None, Vec::new());
+    let mut seating = |made: props::Seating| {
+        seats = made.seats.iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
+        made.character
+    };
+    let size = |nth: usize, usual: f32| prop.size_m.get(nth).copied().unwrap_or(usual);
+    let character = match prop.kind.as_str() {
+        "bench" => props::bench().map(&mut seating),
+        "bin" => props::bin(),
+        "bollard" => props::bollard(),
+        "cafe_table" => props::cafe_table().map(&mut seating),
+        "planter" => props::planter(prop.seed),
+        "street_lamp" => props::street_lamp(),
+        "traffic_light" => props::traffic_light(),
+        "tree" => props::tree(prop.seed),
+        "walk_light" => props::walk_light(),
+        "road" => props::road(&road_plan(prop.seed, size(0, 60.0), size(1, 4.0), size(2, 0.0)))
+            .map(|made| road.insert(made).character.clone()),
+        "shopfront" => props::shopfront(prop.seed, size(0, 7.0)).map(|made| {
+            windows = made.windows.iter().map(|at| (at.stand, at.yaw_rad, at.look_at)).collect();
+            made.character
+        }),
+        kind => match files.get(kind) {
+            Some(character) => Ok(character.clone()),
+            None => {
+                let kinds = PROP_KINDS.map(str::to_owned);
+                return Err(Error::unknown("kind of prop", kind, kinds.iter()));
+            }
+        },
+    };
+    let character =
+        prepare(character.map_err(populace::Error::from)?).map_err(populace::Error::from)?;
+    for lamp in Lamp::OF_CARS.into_iter().chain(Lamp::OF_PEOPLE) {
+        lamps.extend(lamp.option_in(&character).map(|option| (lamp, option)));
+    }
+    Ok(Made { character: crowd.add_character(character)?, windows, seats, road, lamps })
+}
+
+/// Returns the plan of a road with a crossing in its middle: a zebra for an even seed, one with
+/// signals for an odd one.
+fn road_plan(seed: u64, length_m: f32, sidewalk_m: f32, parking_m: f32) -> RoadPlan {
+    let kind = if seed.is_multiple_of(2) { CrossingKind::Zebra } else { CrossingKind::Signals };
+    let crossing = Crossing { x_m: 0.0, width_m: 4.0, kind };
+    RoadPlan { length_m, sidewalk_m, parking_m, crossings: vec![crossing] }
+}
+
+/// Returns the heights of the ground on and beside roads along X; `None` without roads.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
+fn ground(roads: &[(&Road, [f32; 3])]) -> Result<Option<Ground>, Error> {
+    let reach = |(road, at): &(&Road, [f32; 3])| {
+        let half = Vec2::new(0.5 * road.length_m(), road.front_m());
+        let at = Vec2::new(at[0], at[2]);
+        (at - half, at + half)
+    };
+    let bounds = roads.iter().map(reach).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
+    let Some((low, high)) = bounds else { return Ok(None) };
+    let (low, high) = (low - MARGIN_M, high + MARGIN_M);
+    let counts = ((high - low) / GROUND_M).ceil() + 1.0;
+    let (count_x, count_z) = (counts.x as usize, counts.y as usize);
+    let mut heights = vec![0.0; count_x * count_z];
+    for of in roads {
+        let (from, to) = reach(of);
+        let (road, at) = of;
+        let first = ((from.x - low.x) / GROUND_M).floor().max(0.0) as usize;
+        let last = ((to.x - low.x) / GROUND_M).ceil() as usize;
+        for row in 0..count_z {
+            let z = low.y + row as f32 * GROUND_M - at[2];
+            for column in first..=last.min(count_x - 1) {
+                let x = low.x + column as f32 * GROUND_M - at[0];
+                heights[row * count_x + column] = at[1] + road.height_m(x, z);
+            }
+        }
+    }
+    let field = Ground::height_field(low.to_array(), GROUND_M, count_x, heights);
+    Ok(Some(field.map_err(populace::Error::from)?))
+}
+
+/// Brings the characters of vehicles into a crowd.
+fn vehicles(
+    crowd: &mut Crowd,
+    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+) -> Result<Vec<VehicleModel>, Error> {
+    let mut models = Vec::new();
+    for (kind, seed) in VEHICLES {
+        let car = populace_props::car(kind, seed).map_err(populace::Error::from)?;
+        let character =
+            crowd.add_character(prepare(car.character).map_err(populace::Error::from)?)?;
+        let clip = |name: &str| crowd.clip(character, name).ok();
+        let plan = &car.plan;
+        let [x, _, z] = plan.entry;
+        models.push(VehicleModel {
+            character,
+            length_m: plan.length_m(),
+            roll_m: TAU * plan.wheel_radius_m,
+            roll: clip("Roll"),
+            doors: clip("Door_Open").zip(clip("Door_Close")).map(|(open, close)| [open, close]),
+            seat: plan.seat,
+            entry: [x, z],
+            handle: plan.door_handle,
+        });
+    }
+    Ok(models)
+}
