@@ -166,6 +166,8 @@ fn the_door_opens_outwards_with_its_handle() {
         assert!(near < 0.1, "{name}: the handle is {near} m off");
         let out = hits(&car.character, handle + DVec3::X, -DVec3::X);
         assert_eq!(out[0].material, "Chrome", "{name}");
+        let paint = out.iter().find(|hit| hit.material == "Top paint").expect("a door");
+        assert!(paint.away < 1.06, "{name}: the handle is {} m off the door", paint.away - 1.0);
         let (_, closed) = rotation(&car, "Door_Close", "Door", true);
         assert!(closed.angle_between(DQuat::IDENTITY) < 1e-4);
         let (_, start) = rotation(&car, "Door_Close", "Door", false);

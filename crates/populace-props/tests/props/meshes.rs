@@ -25,8 +25,8 @@ fn normals_are_unit_vectors_on_the_side_from_which_triangles_are_seen() {
 }
 
 /// Returns six times the volume of each closed surface of a character: of triangles of a material
-/// that touch, in which each edge has an opposite one.
-fn closed_volumes(character: &Character) -> Vec<(String, f64)> {
+/// that touch, in which each edge has a second one. `None` if these do not run in opposite ways.
+fn closed_volumes(character: &Character) -> Vec<(String, Option<f64>)> {
     let mut by_material: BTreeMap<&str, Vec<[DVec3; 3]>> = BTreeMap::new();
     for (points, _, material) in triangles(character) {
         by_material.entry(material).or_default().push(points);
@@ -43,21 +43,25 @@ fn closed_volumes(character: &Character) -> Vec<(String, f64)> {
                 group[a] = b;
             }
         }
-        let mut edges: BTreeMap<usize, HashMap<_, i32>> = BTreeMap::new();
+        // Of each edge, how often it occurs, and how much more often forwards.
+        let mut edges: BTreeMap<usize, HashMap<_, [i32; 2]>> = BTreeMap::new();
         let mut volume: BTreeMap<usize, f64> = BTreeMap::new();
         for (index, [a, b, c]) in points.iter().enumerate() {
             let of = root(&mut group, index);
             *volume.entry(of).or_default() += a.dot(b.cross(*c));
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let [from, to] = [key(*from), key(*to)];
-                let edges = edges.entry(of).or_default();
-                *edges.entry((from, to)).or_default() += 1;
-                *edges.entry((to, from)).or_default() -= 1;
+                let forwards = from.to_array() < to.to_array();
+                let edge = if forwards { (from, to) } else { (to, from) };
+                let [count, sum] = edges.entry(of).or_default().entry(edge).or_default();
+                *count += 1;
+                *sum += if forwards { 1 } else { -1 };
             }
         }
         for (of, edges) in edges {
-            if edges.values().all(|count| *count == 0) {
-                volumes.push((material.to_owned(), volume[&of]));
+            if edges.values().all(|[count, _]| count % 2 == 0) {
+                let agrees = edges.values().all(|[_, sum]| *sum == 0);
+                volumes.push((material.to_owned(), agrees.then_some(volume[&of])));
             }
         }
     }
@@ -77,6 +81,8 @@ fn closed_surfaces_face_outwards() {
     let mut count = 0;
     for (name, character, _) in all() {
         for (material, volume) in closed_volumes(&character) {
+            let volume =
+                volume.unwrap_or_else(|| panic!("{name}: {material} has faces inside out"));
             assert!(volume > -1e-9, "{name}: a surface of {material} is inside out ({volume})");
             count += 1;
         }
