@@ -7,7 +7,7 @@ mod solid;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DVec3};
 use populace_character::{
     Character, CharacterSource, Error, Image, Influences, Material, Mesh, PaletteEntry, Part,
     Texture, TextureFilter, Wrap, vertex_reach_m,
@@ -170,12 +170,6 @@ impl Builder {
         });
     }
 
-    /// Places what follows at a point, turned about +Y.
-    pub(crate) fn place(&mut self, at: DVec3, yaw_rad: f64) -> &mut Self {
-        self.at = DAffine3::from_rotation_translation(DQuat::from_rotation_y(yaw_rad), at);
-        self
-    }
-
     /// Places what follows at the origin.
     pub(crate) fn home(&mut self) {
         self.at = DAffine3::IDENTITY;
@@ -202,13 +196,13 @@ impl Builder {
         let tile_m = self.tiles_m.get(self.finish.0).copied().flatten();
         let joint = u16::try_from(self.joint).unwrap_or_default();
         let piece = self.pieces.entry((self.node, self.finish)).or_default();
-        let mut corners: BTreeMap<(usize, [i64; 3], usize), u32> = BTreeMap::new();
+        let mut known: BTreeMap<(usize, [i64; 3], usize), u32> = BTreeMap::new();
         for face in moved.corners(crease_deg) {
             let axis = solid::main_axis(face.normal);
             let mut index = |(point, normal): (usize, DVec3)| {
                 let texture_axis = if tile_m.is_some() { axis } else { 0 };
                 let key = (point, solid::rounded(normal), texture_axis);
-                *corners.entry(key).or_insert_with(|| {
+                *known.entry(key).or_insert_with(|| {
                     let position = moved.points[point];
                     piece.positions.push(position);
                     piece.normals.push(normal);
@@ -220,7 +214,13 @@ impl Builder {
                     u32_from(piece.positions.len() - 1)
                 })
             };
-            let indices: Vec<u32> = face.corners.iter().map(|corner| index(*corner)).collect();
+            let mut corners = face.corners;
+            // Corners that meet, as at the tip of a cone, would give triangles without area.
+            corners.dedup_by_key(|corner| corner.0);
+            if corners.len() > 1 && corners.first().map(|c| c.0) == corners.last().map(|c| c.0) {
+                corners.pop();
+            }
+            let indices: Vec<u32> = corners.into_iter().map(&mut index).collect();
             for pair in indices.windows(2).skip(1) {
                 piece.indices.extend([indices[0], pair[0], pair[1]]);
             }

@@ -125,7 +125,7 @@ fn plan(shape: &Shape, height_m: f32) -> CarPlan {
         back_axle_m: single(shape.axles[1]),
         seat: DRIVER_SEAT,
         floor_m: single(shape::FLOOR_M),
-        roof_edge_m: single(shape.roof_edge),
+        roof_edge_m: single(shape.roof_side(f64::from(z)).y),
         entry: [x + 0.95, 0.0, z],
         door_handle: narrow(shape.handle()),
         door_hinge: narrow(shape.hinge()),
@@ -190,6 +190,19 @@ enum Hung {
     Door,
 }
 
+/// Adds a face that need not be flat: two triangles, cut where they bend least.
+fn bent(solid: &mut Solid, [a, b, c, d]: [DVec3; 4]) {
+    let normal = |a: DVec3, b: DVec3, c: DVec3| (b - a).cross(c - a).normalize_or_zero();
+    let cuts = [[[a, b, c], [a, c, d]], [[a, b, d], [b, c, d]]];
+    let bend = |[one, other]: [[DVec3; 3]; 2]| {
+        normal(one[0], one[1], one[2]).dot(normal(other[0], other[1], other[2]))
+    };
+    let cut = if bend(cuts[0]) + 1e-9 >= bend(cuts[1]) { cuts[0] } else { cuts[1] };
+    for triangle in cut {
+        solid.face(&triangle);
+    }
+}
+
 /// Faces by what moves them and by their material, so that those that touch are smooth together.
 #[derive(Default)]
 struct Panels {
@@ -210,7 +223,7 @@ impl Panels {
                 if let Some((hung, finish)) = of(row - 1, column - 1) {
                     let corners =
                         [below[column - 1], below[column], above[column], above[column - 1]];
-                    self.of(hung, finish).face(&corners);
+                    bent(self.of(hung, finish), corners);
                 }
             }
         }

@@ -87,8 +87,8 @@ pub fn bench() -> Result<Seating, Error> {
         b.flat(&bevelled([x, seat + 0.2, -0.26], [x + 0.08, seat + 0.235, 0.24], 0.01));
         b.block([x + 0.015, seat - 0.04, 0.17], [x + 0.065, seat + 0.2, 0.21]);
     }
-    let seats =
-        [-0.56, 0.0, 0.56].map(|x| SeatPoint { position: [single(x), SEAT_M, 0.02], yaw_rad: 0.0 });
+    let seats = [-0.56, 0.0, 0.56]
+        .map(|x| SeatPoint { position: [single(x), SEAT_M, -0.02], yaw_rad: 0.0 });
     Ok(Seating { character: b.build(Vec::new())?, seats: seats.to_vec() })
 }
 
@@ -266,7 +266,7 @@ pub fn cafe_table() -> Result<Seating, Error> {
     }
     b.home();
     let seats = [-1.0, 1.0].map(|side: f64| SeatPoint {
-        position: [single(0.62 * side), SEAT_M, 0.0],
+        position: [single(0.67 * side), SEAT_M, 0.0],
         yaw_rad: single(-side * FRAC_PI_2),
     });
     Ok(Seating { character: b.build(Vec::new())?, seats: seats.to_vec() })

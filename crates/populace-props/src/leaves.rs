@@ -83,7 +83,7 @@ fn leaves(b: &mut Builder, crown: Finish, dice: &mut Dice, tips: &[(DVec3, f64)]
         let tone = dice.within(0.85, 1.1);
         b.on(crown).faded([low, high], [0.5, 1.2]);
         b.tint = [green[0] * tone, green[1] * tone, green[2] * tone * 0.9, 1.0];
-        b.add(&lump(*tip, radii, || dice.within(-0.2, 0.12)), 75.0);
+        b.add(&lump(*tip, 0.9 * radii, || dice.within(-0.18, 0.12)), 75.0);
         let count = 74;
         for nth in 0..count {
             // Evenly spread over the sphere (the golden angle).
@@ -91,16 +91,16 @@ fn leaves(b: &mut Builder, crown: Finish, dice: &mut Dice, tips: &[(DVec3, f64)]
             let (sin, cos) = (2.399_963 * f64::from(nth)).sin_cos();
             let flat = (1.0 - rise * rise).max(0.0).sqrt();
             let out = DVec3::new(flat * cos, rise, flat * sin);
-            let at = *tip + out * radii * dice.within(0.8, 1.0);
+            let at = *tip + out * radii * dice.within(0.88, 1.02);
             let hidden = tips.iter().any(|(other, r)| {
-                other != tip && ((at - *other) / DVec3::new(*r, 0.78 * r, *r)).length() < 0.85
+                other != tip && ((at - *other) / DVec3::new(*r, 0.78 * r, *r)).length() < 0.9
             });
             if hidden {
                 continue;
             }
             let bright = tone * dice.within(0.85, 1.35);
             b.tint = [green[0] * bright, green[1] * bright, green[2] * bright * 0.85, 1.0];
-            b.flat(&sprig(at, out, dice.within(0.17, 0.3), dice.within(0.0, TAU)));
+            b.flat(&sprig(at, out, dice.within(0.2, 0.34), dice.within(0.0, TAU)));
         }
     }
 }

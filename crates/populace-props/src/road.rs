@@ -341,7 +341,7 @@ impl Layer<'_> {
                 }
             }
             if side > 0.0 {
-                self.lid(x + 6.5, 1.3);
+                self.lid(x + 9.0, 0.9);
             }
             x += 17.0;
         }

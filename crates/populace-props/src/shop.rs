@@ -69,19 +69,7 @@ pub fn shopfront(seed: u64, width_m: f32) -> Result<Shopfront, Error> {
     front::build(&mut b, &style, &finishes);
     goods::build(&mut b, &style, &finishes);
     shell(&mut b, &style, &finishes);
-    let [from, to] = style.shop_window();
-    let count = ((to - from) / 0.8).floor().max(1.0);
-    let step = (to - from) / count;
-    let mut windows = Vec::new();
-    let mut x = from + 0.5 * step;
-    while x < to {
-        windows.push(ShopWindow {
-            stand: [x, 0.0, front::GLASS_Z + LOOK_M].map(single),
-            yaw_rad: std::f32::consts::PI,
-            look_at: [x, 1.15, front::GLASS_Z - 0.35].map(single),
-        });
-        x += step;
-    }
+    let windows = style.shop_panes().into_iter().flat_map(spots).collect();
     let door = [style.door_middle(), 0.0, front::GLASS_Z + 0.9].map(single);
     let door_handle = front::handle(&style).to_array().map(single);
     let clips = hinge::clips(front::DOOR, hinge_turn(&style));
@@ -89,10 +77,25 @@ pub fn shopfront(seed: u64, width_m: f32) -> Result<Shopfront, Error> {
     Ok(Shopfront { character, width_m: single(width), windows, door, door_handle })
 }
 
+/// Returns places to look through a pane, at least 0.6 m apart.
+fn spots([from, to]: [f64; 2]) -> Vec<ShopWindow> {
+    let wide = to - from;
+    let fractions: &[f64] = if wide < 1.1 { &[0.5] } else { &[0.25, 0.75] };
+    let spot = |fraction: &f64| {
+        let x = from + wide * fraction;
+        ShopWindow {
+            stand: [x, 0.0, front::GLASS_Z + LOOK_M].map(single),
+            yaw_rad: std::f32::consts::PI,
+            look_at: [x, 1.15, front::GLASS_Z - 0.35].map(single),
+        }
+    };
+    fractions.iter().map(spot).collect()
+}
+
 /// The turn of the open door in radians about +Y: inwards.
 fn hinge_turn(style: &Style) -> f64 {
     // The hinge is on the side of the house's end.
-    if style.door_left { 1.4 } else { -1.4 }
+    if style.door_left { -1.4 } else { 1.4 }
 }
 
 /// Adds the walls at the sides and at the back.

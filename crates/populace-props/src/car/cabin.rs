@@ -155,7 +155,7 @@ pub(super) fn build(b: &mut Builder, shape: &Shape, finishes: &Finishes) {
     // The instruments' hood, the middle console and the rear shelf.
     b.flat(&bevelled([0.2, high - 0.1, 0.6], [0.56, high + 0.02, 0.74], 0.03));
     b.flat(&bevelled([-0.1, FLOOR_M, -0.1], [0.1, 0.46, 0.66], 0.03));
-    b.flat(&bevelled([-0.012, 0.44, 0.3], [0.012, 0.58, 0.33], 0.005));
+    b.block([-0.012, 0.44, 0.3], [0.012, 0.58, 0.33]);
     for x in [0.38, -0.38] {
         seat(b, finishes, [x - 0.24, x + 0.24], 0.0);
     }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 
 use super::shape::{CarKind, SILL_M, Shape};
 use super::{Finishes, Hung, Panels};
-use crate::build::{Builder, Finish, Solid, bevelled};
+use crate::build::{Builder, Finish, Solid, bevelled, block};
 
 /// Distance in metres of flat details from the body.
 const PROUD_M: f64 = 0.006;
@@ -152,8 +152,8 @@ fn handles(panels: &mut Panels, shape: &Shape, finishes: &Finishes, side: f64) {
     }
     for (nth, at) in places.into_iter().enumerate() {
         let hung = if side > 0.0 && nth == 0 { Hung::Door } else { Hung::Body };
-        let bar = bevelled([-0.012, -0.014, -0.085], [0.012, 0.014, 0.085], 0.008);
-        let foot = bevelled([-0.04, -0.012, -0.012], [0.0, 0.012, 0.012], 0.003);
+        let bar = block([-0.012, -0.014, -0.085], [0.012, 0.014, 0.085]);
+        let foot = block([-0.04, -0.012, -0.012], [0.0, 0.012, 0.012]);
         let place = |z: f64| {
             let at = DVec3::new(at.x * side, at.y, at.z + z);
             let flip = DVec3::new(side, 1.0, 1.0);
@@ -174,7 +174,7 @@ fn mirror(panels: &mut Panels, shape: &Shape, finishes: &Finishes, side: f64) {
     let flip = DAffine3::from_translation(at) * DAffine3::from_scale(DVec3::new(side, 1.0, 1.0));
     let case = bevelled([0.03, -0.065, -0.05], [0.23, 0.085, 0.06], 0.03);
     panels.of(hung, finishes.paint).join(&case.moved(&flip));
-    let arm = bevelled([-0.05, -0.06, -0.03], [0.06, -0.02, 0.03], 0.01);
+    let arm = block([-0.05, -0.06, -0.03], [0.06, -0.02, 0.03]);
     panels.of(hung, finishes.trim).join(&arm.moved(&flip));
     let glass = crate::build::plate(&[
         [0.2, -0.04, -0.052],

@@ -102,7 +102,6 @@ impl Shape {
                 ],
                 screen: [1.1, 0.38],
                 rear: [-0.98, -1.62],
-                roof_edge: 1.4,
                 ..common
             },
             CarKind::Van => Self {
@@ -218,9 +217,9 @@ impl Shape {
             for z in [axle - radius, axle + radius] {
                 stations.push([z, SILL_M]);
             }
-            for step in 0..=ARCH_STEPS {
-                let (sin, cos) =
-                    (std::f64::consts::PI * f64::from(step) / f64::from(ARCH_STEPS)).sin_cos();
+            for step in 1..ARCH_STEPS {
+                let turn = std::f64::consts::PI * f64::from(step) / f64::from(ARCH_STEPS);
+                let (sin, cos) = turn.sin_cos();
                 stations.push([axle + radius * cos, self.wheel + radius * sin]);
             }
         }
@@ -240,13 +239,7 @@ impl Shape {
                 stations.push([z, low(z)]);
             }
         }
-        let order = |s: &[f64; 2]| {
-            // At the ends of an arch the lower of two points comes first outside of it.
-            let axle = self.axles.iter().copied().find(|a| (a - s[0]).abs() < radius + 1e-9);
-            let inside = axle.map_or(0.0, |a| (a - s[0]).signum());
-            s[0] + 1e-6 * inside * f64::from(u8::from(s[1] > SILL_M))
-        };
-        stations.sort_by(|a, b| order(a).total_cmp(&order(b)));
+        stations.sort_by(|a, b| a[0].total_cmp(&b[0]));
         stations
     }
 

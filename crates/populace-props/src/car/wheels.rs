@@ -55,7 +55,7 @@ fn wheel(b: &mut Builder, radius: f64, finishes: &Finishes, side: f64, rims: usi
     b.on(finishes.rim);
     // From the plane of x and y, which faces +Z, to the outer side.
     let face = DAffine3::from_rotation_y(std::f64::consts::FRAC_PI_2);
-    let (spokes, wide) = [(5_u32, 0.2), (7, 0.13), (10, 0.085)][rims % 3];
+    let (spokes, wide) = [(5_u32, 0.2), (7, 0.13), (8, 0.105)][rims % 3];
     for spoke in 0..spokes {
         let turn = DAffine3::from_rotation_x(TAU * f64::from(spoke) / f64::from(spokes));
         b.at = hub * outwards * turn * face;

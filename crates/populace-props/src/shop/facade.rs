@@ -1,7 +1,7 @@
 //! The front over the shop: wall, windows and what hangs on them.
 
 use super::style::{Finishes, GROUND_M, PIER_M, Style, Wall, rgb};
-use crate::build::{Builder, along_x, grid, lathe, plate};
+use crate::build::{Builder, along_x, grid, lathe, plate, polygon};
 use crate::dice::Dice;
 use crate::leaves::sprig;
 use glam::{DAffine3, DVec3};
@@ -159,13 +159,11 @@ fn glazing(b: &mut Builder, finishes: &Finishes, window: &Window, dice: &mut Dic
                 [x0 + top * w, y1],
             ];
             for side in [1.0, -1.0] {
-                let at = |[x, y]: [f64; 2]| [middle + side * (x - middle), y, before];
-                let mut corners = left.map(at).to_vec();
-                corners.push(at([x0, y1]));
-                if side < 0.0 {
-                    corners.reverse();
-                }
-                b.flat(&plate(&corners));
+                let mut corners = left.map(|[x, y]| [middle + side * (x - middle), y]).to_vec();
+                corners.push([middle + side * (x0 - middle), y1]);
+                b.at = DAffine3::from_translation(DVec3::Z * before);
+                b.flat(&polygon(&corners));
+                b.home();
             }
         }
     }

@@ -46,21 +46,15 @@ pub(super) fn handle(style: &Style) -> DVec3 {
 /// Adds the frame of the window and the panels under it, and its glass.
 fn joinery(b: &mut Builder, style: &Style, finishes: &Finishes) {
     let [from, to] = style.shop_window();
-    let count = ((to - from) / 1.7).ceil().max(1.0);
-    let step = (to - from) / count;
-    let mut xs = vec![from, from + 0.09];
-    let mut x = from + step;
-    while x < to - 0.2 {
-        xs.extend([x - 0.03, x + 0.03]);
-        x += step;
-    }
-    xs.extend([to - 0.09, to]);
+    let panes = style.shop_panes();
+    let mut xs = vec![from];
+    xs.extend(panes.iter().flatten());
+    xs.push(to);
     let ys = [SILL_M, SILL_M + 0.08, BAR_M, BAR_M + 0.08, OPENING_M - 0.12, OPENING_M];
     let odd = |column: usize, row: usize| column % 2 == 1 && row % 2 == 1;
     frame(b, finishes, &xs, &ys, odd);
     b.on(finishes.glass);
-    for pair in xs.chunks(2).collect::<Vec<_>>().windows(2) {
-        let (l, r) = (pair[0][1], pair[1][0]);
+    for [l, r] in panes.iter().copied() {
         for [low, high] in [[ys[1], ys[2]], [ys[3], ys[4]]] {
             let z = GLASS_Z;
             b.flat(&plate(&[[l, low, z], [r, low, z], [r, high, z], [l, high, z]]));
@@ -73,11 +67,8 @@ fn joinery(b: &mut Builder, style: &Style, finishes: &Finishes) {
     b.on(finishes.trim).tinted([0.62; 3]);
     b.block([from, 0.0, -0.06], [to, 0.09, 0.0]);
     b.on(finishes.wood).tinted([1.5; 3]);
-    let mut x = from;
-    while x < to - 0.2 {
-        let (l, r) = (x + 0.1, x + step - 0.1);
-        raised(b, [l, r], [0.16, SILL_M - 0.1], -0.04);
-        x += step;
+    for [l, r] in panes {
+        raised(b, [l + 0.05, r - 0.05], [0.16, SILL_M - 0.1], -0.04);
     }
     pilasters(b, style, finishes);
 }

@@ -41,6 +41,10 @@ pub(super) const PIER_M: f64 = 0.4;
 /// Width in metres of the part of a shopfront that has the door.
 pub(super) const DOOR_M: f64 = 1.25;
 
+/// Width in metres of the window's frame, and half that of the bars between its panes.
+const EDGE_M: f64 = 0.09;
+const BAR_M: f64 = 0.03;
+
 /// The choices that make a house. Lengths are in metres, colours sRGB.
 #[derive(Clone, Debug)]
 pub(super) struct Style {
@@ -166,6 +170,22 @@ impl Style {
     pub(super) fn shop_window(&self) -> [f64; 2] {
         let [from, to] = self.opening();
         if self.door_left { [from, to - DOOR_M] } else { [from + DOOR_M, to] }
+    }
+
+    /// The ends in x of the panes of the shop's window, between the bars of its frame.
+    pub(super) fn shop_panes(&self) -> Vec<[f64; 2]> {
+        let [from, to] = self.shop_window();
+        let count = ((to - from) / 1.7).ceil().max(1.0);
+        let step = (to - from) / count;
+        let mut panes = Vec::new();
+        let mut pane = 0.0;
+        while pane < count {
+            let edge = |at: f64| if at < 0.5 || at > count - 0.5 { EDGE_M } else { BAR_M };
+            let (l, r) = (from + step * pane, from + step * (pane + 1.0));
+            panes.push([l + edge(pane), r - edge(pane + 1.0)]);
+            pane += 1.0;
+        }
+        panes
     }
 
     /// The middle of the door in x.
