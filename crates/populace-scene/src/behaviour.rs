@@ -1,5 +1,7 @@
 //! What the people of a scene do: a layer over walkers, ragdolls, clips and gazes.
 
+mod armies;
+mod arrival;
 mod body;
 mod crossings;
 mod driving;
@@ -9,6 +11,7 @@ mod person;
 mod phones;
 mod random;
 mod seats;
+mod stands;
 mod stroll;
 mod talks;
 mod traffic;
@@ -16,20 +19,18 @@ mod windows;
 mod world;
 
 use glam::Vec2;
-use populace::{CharacterId, Crowd, MemberId, Placement};
+use populace::{Crowd, MemberId};
 use populace_locomotion::avoidance::{Avoidance, AvoidanceSettings, Obstacle};
 use populace_locomotion::{GaitSpace, WalkerSettings, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
-use crate::plan::{BehaviourPlan, CastPlan, CrowdPlan, ScenePlan, StrollPlan};
+use crate::plan::ScenePlan;
 use crate::replay::Person as CastPerson;
 use crate::stage::{Lights, Stage};
 
-use body::Body;
-use footways::{Footway, Place};
-use person::{Doing, Person};
-use random::Random;
+use arrival::Arrival;
+use footways::Footway;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
@@ -81,7 +82,9 @@ impl Behaviours {
             walkers,
             ragdolls,
             bodies: Vec::new(),
-            habits: Vec::new(),
+            strolls: Vec::new(),
+            stands: Vec::new(),
+            armies: Vec::new(),
             people: Vec::new(),
             crossings: crossings.collect(),
             footways,
@@ -101,9 +104,10 @@ impl Behaviours {
             let cast = plan.casts.iter().find(|cast| cast.name == crowd_plan.cast);
             let names = plan.casts.iter().map(|cast| &cast.name);
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
-            behaviours.bring(crowd, plan, (cast, crowd_plan), people)?;
+            let arrival = Arrival { plan, stage, cast, of: crowd_plan };
+            arrival.bring(&mut behaviours.world, crowd, people)?;
         }
-        behaviours.set_out()?;
+        arrival::set_out(&mut behaviours.world)?;
         Ok(behaviours)
     }
 
@@ -154,140 +158,6 @@ impl Behaviours {
         let lights = |crossing: &Crossing| crossings::lights(crossing, world.now).0;
         world.crossings.iter().map(move |at| at.plan.lights.then(|| lights(at)))
     }
-
-    /// Brings the people of a crowd of the plan.
-    fn bring(
-        &mut self,
-        crowd: &mut Crowd,
-        plan: &ScenePlan,
-        (cast, of): (&CastPlan, &CrowdPlan),
-        people: &[CastPerson],
-    ) -> Result<(), Error> {
-        match &of.does {
-            BehaviourPlan::Stroll(habits) => {
-                self.bring_strollers(crowd, plan, (cast, habits), people)
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Brings people who stroll: drivers first, the others spread over their footways.
-    fn bring_strollers(
-        &mut self,
-        crowd: &mut Crowd,
-        plan: &ScenePlan,
-        (cast, habits): (&CastPlan, &StrollPlan),
-        people: &[CastPerson],
-    ) -> Result<(), Error> {
-        let own = own_footways(plan, habits)?;
-        let lengths: Vec<f32> =
-            own.iter().map(|footway| self.world.footways[*footway].length_m()).collect();
-        let all: f32 = lengths.iter().sum();
-        self.world.habits.push(habits.clone());
-        let habits_index = self.world.habits.len() - 1;
-        let first = self.world.people.len();
-        for (nth, of) in people.iter().enumerate() {
-            let body = self.body(crowd, of.character, cast)?;
-            let mut random = Random::new(plan.seed, (first + nth) as u64);
-            let pace = habits.speed * random.between(0.82, 1.18);
-            let mut along = random.part() * all;
-            let footway = lengths.iter().position(|length| {
-                let is_here = along < *length;
-                along -= if is_here { 0.0 } else { *length };
-                is_here
-            });
-            let footway = own.get(footway.unwrap_or(0)).copied().unwrap_or(0);
-            let direction = if random.chance(0.5) { 1.0 } else { -1.0 };
-            let lane = random.between(0.05, 0.95);
-            let (at, yaw_rad) = match self.world.footways.get(footway) {
-                Some(strip) => {
-                    let aside_m = -direction * lane * strip.half_m;
-                    let (at, along) = strip.at(Place { along_m: along.max(0.0), aside_m });
-                    let ahead = along * direction;
-                    (at, ahead.x.atan2(ahead.y))
-                }
-                None => (Vec2::ZERO, 0.0),
-            };
-            let placement = Placement::at([at.x, 0.0, at.y]).facing(yaw_rad).scaled(of.scale);
-            let member = crowd.spawn(of.character, placement)?;
-            if let Some(look) = of.look {
-                crowd.member_mut(member)?.set_look(look);
-            }
-            let person = Person {
-                member,
-                body,
-                habits: habits_index,
-                scale: of.scale,
-                random,
-                doing: Doing::Strolls,
-                pace,
-                footway,
-                direction,
-                lane,
-                goal: at,
-            };
-            self.add(crowd, person)?;
-        }
-        Ok(())
-    }
-
-    /// Adds a person: to the driver's seat of a vehicle that drives without one, or on foot.
-    fn add(&mut self, crowd: &mut Crowd, person: Person) -> Result<(), Error> {
-        let (who, member) = (self.world.people.len(), person.member);
-        self.world.people.push(person);
-        self.world.set_layers(crowd, who)?;
-        let lacks_driver = |vehicle: &traffic::Vehicle| {
-            vehicle.driver.is_none() && vehicle.drive == traffic::Drive::Cruises
-        };
-        let vehicle = self.world.traffic.vehicles.iter().position(lacks_driver);
-        let drives = driving::may_drive(&self.world, who);
-        match vehicle.filter(|_| drives) {
-            Some(car) => {
-                driving::board(&mut self.world, crowd, who, car)?;
-                self.world.people[who].doing = Doing::Drives { car, since: 0.0 };
-                Ok(())
-            }
-            None => Ok(self.world.walkers.add(crowd, member)?),
-        }
-    }
-
-    /// Sends everybody off who is on foot.
-    fn set_out(&mut self) -> Result<(), Error> {
-        for who in 0..self.world.people.len() {
-            if self.world.people[who].strolls() && !self.world.footways.is_empty() {
-                self.world.go_on(who)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Returns the index of the body of a character, and looks at the character if it is new.
-    fn body(
-        &mut self,
-        crowd: &mut Crowd,
-        character: CharacterId,
-        cast: &CastPlan,
-    ) -> Result<usize, Error> {
-        let bodies = &mut self.world.bodies;
-        if let Some(body) = bodies.iter().position(|body| body.character == character) {
-            return Ok(body);
-        }
-        bodies.push(Body::new(crowd, character, &|key| cast.clips.get(key).cloned())?);
-        Ok(bodies.len() - 1)
-    }
-}
-
-/// Returns the indices of the footways on which people stroll.
-fn own_footways(plan: &ScenePlan, habits: &StrollPlan) -> Result<Vec<usize>, Error> {
-    if habits.footways.is_empty() {
-        return Ok((0..plan.footways.len()).collect());
-    }
-    let index = |name: &String| {
-        let names = plan.footways.iter().map(|footway| &footway.name);
-        let found = plan.footways.iter().position(|footway| footway.name == *name);
-        found.ok_or_else(|| Error::unknown("footway", name, names))
-    };
-    habits.footways.iter().map(index).collect()
 }
 
 fn obstacles(plan: &ScenePlan) -> Vec<Obstacle> {

@@ -34,6 +34,14 @@ pub enum Error {
         /// The number that the plan says.
         count: usize,
     },
+    /// Fewer free seats than people who sit.
+    #[error("{people} people watch from {seats} seats; add stands or take fewer people")]
+    TooFewSeats {
+        /// The number of people.
+        people: usize,
+        /// The number of free seats.
+        seats: usize,
+    },
     /// Another number of people than of agents.
     #[error("{people} people were given for {agents} agents; give one for each")]
     UnequalLengths {
@@ -61,9 +69,10 @@ impl Error {
             Self::Crowd(error) => error.kind(),
             Self::Locomotion(error) => error.kind(),
             Self::Physics(error) => error.kind(),
-            Self::UnequalLengths { .. } | Self::UnknownName { .. } | Self::UnequalCrowd { .. } => {
-                ErrorKind::InvalidInput
-            }
+            Self::UnequalLengths { .. }
+            | Self::UnknownName { .. }
+            | Self::UnequalCrowd { .. }
+            | Self::TooFewSeats { .. } => ErrorKind::InvalidInput,
         }
     }
 

@@ -13,20 +13,29 @@ use crate::Error;
 use crate::plan::{PropPlan, ScenePlan, SeatPlan, SpotPlan};
 
 /// The kinds of props that are made by code.
-pub const PROP_KINDS: [&str; 11] = [
+pub const PROP_KINDS: [&str; 15] = [
     "bench",
     "bin",
     "bollard",
     "cafe_table",
+    "earth",
+    "lawn",
+    "meadow",
     "planter",
     "road",
     "shopfront",
+    "stand",
     "street_lamp",
     "traffic_light",
     "tree",
     "walk_light",
 ];
 
+/// The kinds of things that people hold and wear.
+pub const THING_KINDS: [&str; 5] = ["box", "helmet", "phone", "shield", "spear"];
+
+/// Number of different shields and helmets.
+const VARIANTS: u64 = 4;
 /// Kinds and seeds of the vehicles of lanes and bays.
 const VEHICLES: [(CarKind, u64); 6] = [
     (CarKind::Hatchback, 1),
@@ -84,6 +93,8 @@ pub struct Stage {
     pub(crate) vehicles: Vec<VehicleModel>,
     ground: Ground,
     lights: Vec<Light>,
+    /// Things that people hold and wear, by kind.
+    things: BTreeMap<String, Vec<CharacterId>>,
 }
 
 /// Lights that are shown by a member.
@@ -127,7 +138,13 @@ impl Stage {
             vehicles: Vec::new(),
             ground: Ground::plane(plan.ground.height_m, [0.0; 2]).map_err(populace::Error::from)?,
             lights: Vec::new(),
+            things: BTreeMap::new(),
         };
+        for kind in plan.casts.iter().flat_map(|cast| &cast.holds) {
+            if !stage.things.contains_key(kind) {
+                stage.things.insert(kind.clone(), things(crowd, kind, files, prepare)?);
+            }
+        }
         let mut known: BTreeMap<(String, u64, Vec<u32>), Made> = BTreeMap::new();
         let mut roads = Vec::new();
         for prop in &plan.props {
@@ -160,6 +177,11 @@ impl Stage {
     #[must_use]
     pub fn ground(&self) -> &Ground {
         &self.ground
+    }
+
+    /// The characters of a kind of things, among which people choose.
+    pub(crate) fn things(&self, kind: &str) -> &[CharacterId] {
+        self.things.get(kind).map_or(&[], Vec::as_slice)
     }
 
     /// Lights the lamps of crossings, given the lights of each.
@@ -249,7 +271,14 @@ fn make(
         "bin" => props::bin(),
         "bollard" => props::bollard(),
         "cafe_table" => props::cafe_table().map(&mut seating),
+        "earth" => props::ground(props::GroundKind::Earth, size(0, 100.0)),
+        "lawn" => props::ground(props::GroundKind::Lawn, size(0, 100.0)),
+        "meadow" => props::ground(props::GroundKind::Meadow, size(0, 100.0)),
         "planter" => props::planter(prop.seed),
+        "stand" => props::stand(whole(size(0, 10.0)), whole(size(1, 40.0))).map(|made| {
+            seats = made.seats().iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
+            made.character
+        }),
         "street_lamp" => props::street_lamp(),
         "traffic_light" => props::traffic_light(),
         "tree" => props::tree(prop.seed),
@@ -274,6 +303,44 @@ fn make(
         lamps.extend(lamp.option_in(&character).map(|option| (lamp, option)));
     }
     Ok(Made { character: crowd.add_character(character)?, windows, seats, road, lamps })
+}
+
+/// Returns a number of rows or of seats.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 1 to 1000")]
+fn whole(number: f32) -> u32 {
+    number.clamp(1.0, 1000.0) as u32
+}
+
+/// Brings the things of a kind into a crowd, those that vary in some variants.
+fn things(
+    crowd: &mut Crowd,
+    kind: &str,
+    files: &BTreeMap<String, Character>,
+    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+) -> Result<Vec<CharacterId>, Error> {
+    let mut all = Vec::new();
+    for seed in 0..VARIANTS {
+        let thing = match (kind, seed) {
+            ("shield", _) => populace_props::shield(seed),
+            ("helmet", _) => populace_props::helmet(seed),
+            ("spear", 0) => populace_props::spear(),
+            ("phone", 0) => populace_props::phone(),
+            ("box", 0) => populace_props::box_parcel(),
+            ("spear" | "phone" | "box", _) => break,
+            (file, 0) => match files.get(file) {
+                Some(character) => Ok(character.clone()),
+                None => {
+                    let kinds = THING_KINDS.map(str::to_owned);
+                    return Err(Error::unknown("kind of thing to hold", file, kinds.iter()));
+                }
+            },
+            _ => break,
+        };
+        let thing =
+            prepare(thing.map_err(populace::Error::from)?).map_err(populace::Error::from)?;
+        all.push(crowd.add_character(thing)?);
+    }
+    Ok(all)
 }
 
 /// Returns the plan of a road with a crossing in its middle: a zebra for an even seed, one with

@@ -111,7 +111,9 @@ fn plans_of_roads_that_make_no_sense_give_roads() {
     for length_m in bad {
         for x_m in bad {
             let crossings = vec![crossing(x_m, f32::NAN), crossing(0.0, x_m), crossing(1.0, 4.0)];
-            let road = road(&RoadPlan { length_m, sidewalk_m: x_m, crossings }).unwrap();
+            let road =
+                road(&RoadPlan { length_m, sidewalk_m: x_m, parking_m: 0.5 * x_m, crossings })
+                    .unwrap();
             assert!(road.height_m(x_m, length_m).is_finite());
             assert!((4.0..=1000.0).contains(&road.length_m()));
         }

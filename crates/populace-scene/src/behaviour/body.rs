@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace::model::{Role, RoleMap};
+use populace::model::{Role, RoleMap, Side};
 use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId};
 use populace_physics::{GetUp, RagdollPlan};
 
@@ -71,6 +71,8 @@ pub(crate) struct Body {
     clips: [Option<UsedClip>; USES.len()],
     /// The spine and all above it.
     pub(crate) upper: Option<MaskId>,
+    /// The left arm from the shoulder on.
+    pub(crate) left_arm: Option<MaskId>,
     pub(crate) ragdoll: Arc<RagdollPlan>,
     pub(crate) get_up: GetUp,
     pub(crate) chest: Option<JointIndex>,
@@ -104,27 +106,24 @@ impl Body {
         }
         let roles = crowd.character(character)?.roles().cloned();
         let joint = |role| roles.as_ref().and_then(|roles: &RoleMap| roles.joint(role));
-        let spine = joint(Role::Spine).map(|joint| asset.skeleton.name(joint).to_owned());
-        let upper = match spine {
-            Some(spine) => {
-                let mask = Mask::of_subtrees(&asset.skeleton, [spine.as_str()]);
-                Some(
-                    crowd
-                        .character_mut(character)?
-                        .add_mask(&mask.map_err(populace::Error::from)?)?,
-                )
-            }
-            None => None,
+        let mut mask = |root: Option<JointIndex>| {
+            let Some(root) = root else { return Ok::<_, Error>(None) };
+            let root = asset.skeleton.name(root);
+            let mask = Mask::of_subtrees(&asset.skeleton, [root]).map_err(populace::Error::from)?;
+            Ok(Some(crowd.character_mut(character)?.add_mask(&mask)?))
         };
+        let upper = mask(joint(Role::Spine))?;
+        let left_arm = mask(joint(Role::UpperArm(Side::Left)))?;
         let chest = joint(Role::Chest).or_else(|| joint(Role::Spine));
         Ok(Self {
             character,
             clips,
             upper,
+            left_arm,
             ragdoll: Arc::new(RagdollPlan::from_skeleton(&asset.skeleton)),
             get_up: GetUp::find(crowd, character),
             chest,
-            right_hand: joint(Role::Hand(populace::model::Side::Right)),
+            right_hand: joint(Role::Hand(Side::Right)),
             can_look: joint(Role::Head).is_some(),
             height_m: asset.height_m(),
         })

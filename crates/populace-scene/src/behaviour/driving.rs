@@ -8,7 +8,7 @@ use populace_locomotion::{Goal, Path};
 
 use super::body::Use;
 use super::footways::Place;
-use super::person::Doing;
+use super::person::{Doing, Kind};
 use super::traffic::Drive;
 use super::world::{WHOLE, World};
 use crate::Error;
@@ -204,7 +204,8 @@ fn drive(
     (car, since): (usize, f64),
 ) -> Result<(), Error> {
     let now = world.now;
-    let rate = world.habits[world.people[who].habits].drive;
+    let Kind::Strolls(habits) = world.people[who].kind else { return Ok(()) };
+    let rate = world.strolls[habits].drive;
     match world.traffic.vehicles[car].drive {
         Drive::Stands { since: parked, .. } => {
             let has_parked = parked > since;

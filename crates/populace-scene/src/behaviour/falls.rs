@@ -95,8 +95,13 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     Ok(())
 }
 
-/// Lets somebody fall who was hit from a direction.
-fn fall(world: &mut World, crowd: &mut Crowd, who: usize, along: Vec2) -> Result<(), Error> {
+/// Lets somebody fall who was hit along a direction.
+pub(crate) fn fall(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    along: Vec2,
+) -> Result<(), Error> {
     let member = world.member(who);
     world.end(crowd, who, UPPER, 0.3)?;
     let at = world.position(who);
@@ -111,6 +116,12 @@ fn fall(world: &mut World, crowd: &mut Crowd, who: usize, along: Vec2) -> Result
     world.people[who].doing = Doing::Falls { until: world.now + LIES_SECS };
     world.counts.fell += 1;
     Ok(())
+}
+
+/// Returns the direction of a heading in degrees.
+pub(crate) fn direction(facing_deg: f32) -> Vec2 {
+    let (sin, cos) = facing_deg.to_radians().sin_cos();
+    Vec2::new(sin, cos)
 }
 
 /// Stops somebody who has run into another one.

@@ -66,6 +66,35 @@ pub(crate) enum Doing {
     Falls { until: f64 },
     /// It gets up.
     GetsUp,
+    /// It sits and watches.
+    Watches,
+    /// It sits and claps.
+    Claps { until: f64 },
+    /// It sits and cheers.
+    Cheers { until: f64 },
+    /// It rises for a wave.
+    Rises { until: f64 },
+    /// It sits down after a wave.
+    Subsides { until: f64 },
+    /// It advances to its post in a line of battle.
+    Advances,
+    /// It stands at its post.
+    Guards,
+    /// It thrusts its spear.
+    Thrusts { until: f64 },
+    /// It is hit.
+    Flinches { until: f64 },
+    /// It stands where it is.
+    Stands,
+}
+
+/// The kind of a person's behaviour, and its index among those of the kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Strolls(usize),
+    Spectates(usize),
+    Fights(usize),
+    Stands,
 }
 
 /// A person.
@@ -74,8 +103,7 @@ pub(crate) struct Person {
     pub(crate) member: MemberId,
     /// Index of its body.
     pub(crate) body: usize,
-    /// Index of how it strolls.
-    pub(crate) habits: usize,
+    pub(crate) kind: Kind,
     pub(crate) scale: f32,
     pub(crate) random: Random,
     pub(crate) doing: Doing,
@@ -88,6 +116,10 @@ pub(crate) struct Person {
     pub(crate) lane: f32,
     /// Where it is sent.
     pub(crate) goal: Vec2,
+    /// The place of who has one: in a line of battle, or on a stand.
+    pub(crate) post: Vec2,
+    /// True for a soldier of the front rank.
+    pub(crate) is_in_front: bool,
 }
 
 impl Person {

@@ -1,10 +1,10 @@
-//! Strolling, and deciding to do something else.
+//! Going on with what people do, and deciding what strollers do next.
 
 use populace::Crowd;
 
-use super::person::Doing;
+use super::person::{Doing, Kind};
 use super::world::{DECIDES_SECS, World};
-use super::{crossings, driving, falls, phones, seats, talks, windows};
+use super::{armies, crossings, driving, falls, phones, seats, stands, talks, windows};
 use crate::Error;
 
 /// What somebody may decide to do.
@@ -56,6 +56,15 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
             Doing::Hurries { .. } | Doing::Stops { .. } | Doing::Falls { .. } | Doing::GetsUp => {
                 falls::step(world, crowd, who)?;
             }
+            Doing::Watches
+            | Doing::Claps { .. }
+            | Doing::Cheers { .. }
+            | Doing::Rises { .. }
+            | Doing::Subsides { .. } => stands::step(world, crowd, who)?,
+            Doing::Advances | Doing::Guards | Doing::Thrusts { .. } | Doing::Flinches { .. } => {
+                armies::step(world, crowd, who)?;
+            }
+            Doing::Stands => {}
         }
     }
     Ok(())
@@ -63,7 +72,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
 
 /// Decides what somebody who strolls does next. Returns true for something else than before.
 fn decide(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<bool, Error> {
-    let habits = &world.habits[world.people[who].habits];
+    let Kind::Strolls(habits) = world.people[who].kind else { return Ok(false) };
+    let habits = &world.strolls[habits];
     let rates = [
         habits.look_in,
         habits.cross,

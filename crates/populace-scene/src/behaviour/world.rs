@@ -6,11 +6,11 @@ use populace_locomotion::{Goal, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
-use crate::plan::{CrossingPlan, SeatPlan, SpotPlan, StrollPlan};
+use crate::plan::{CrossingPlan, FightPlan, SeatPlan, SpectatePlan, SpotPlan, StrollPlan};
 
 use super::body::{Body, Use};
 use super::footways::{Footway, Place};
-use super::person::{Doing, Person};
+use super::person::{Doing, Kind, Person};
 use super::traffic::Traffic;
 
 /// The layer of motions of the whole body.
@@ -49,7 +49,7 @@ pub struct Counts {
     pub drove_off: u32,
     /// Times that somebody got out of a vehicle.
     pub got_out: u32,
-    /// Times that somebody was run into and fell.
+    /// Times that somebody was run into or struck down, and fell.
     pub fell: u32,
     /// Times that somebody got up again.
     pub got_up: u32,
@@ -57,6 +57,16 @@ pub struct Counts {
     pub phoned: u32,
     /// Messages read.
     pub texted: u32,
+    /// Times that somebody clapped.
+    pub clapped: u32,
+    /// Times that somebody cheered.
+    pub cheered: u32,
+    /// Times that somebody rose for a wave.
+    pub waved: u32,
+    /// Thrusts of spears.
+    pub thrust: u32,
+    /// Hits taken.
+    pub hit: u32,
 }
 
 /// A talk of two or three.
@@ -70,6 +80,15 @@ pub(crate) struct Talk {
     pub(crate) speaker: usize,
     pub(crate) turn_until: f64,
     pub(crate) has_begun: bool,
+}
+
+/// People on seats.
+#[derive(Clone, Debug)]
+pub(crate) struct Stand {
+    pub(crate) plan: SpectatePlan,
+    /// The first seat, and the direction of its row.
+    pub(crate) first: Vec2,
+    pub(crate) along: Vec2,
 }
 
 /// A crossing between two footways.
@@ -91,7 +110,9 @@ pub(crate) struct World {
     pub(crate) walkers: Walkers,
     pub(crate) ragdolls: Ragdolls,
     pub(crate) bodies: Vec<Body>,
-    pub(crate) habits: Vec<StrollPlan>,
+    pub(crate) strolls: Vec<StrollPlan>,
+    pub(crate) stands: Vec<Stand>,
+    pub(crate) armies: Vec<FightPlan>,
     pub(crate) people: Vec<Person>,
     pub(crate) footways: Vec<Footway>,
     pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
@@ -169,9 +190,14 @@ impl World {
         Ok(stands && off.cos() > FACES_RAD.cos())
     }
 
-    /// Lets a person stroll on from where it is.
+    /// Lets a person go on with what it usually does, from where it is.
     pub(crate) fn go_on(&mut self, who: usize) -> Result<(), Error> {
-        let (member, pace) = (self.people[who].member, self.people[who].pace);
+        let Person { member, pace, kind, post, .. } = self.people[who];
+        if let Kind::Fights(_) = kind {
+            self.people[who].doing = Doing::Advances;
+            self.walkers.set_heedless(member, true)?;
+            return self.send(who, post);
+        }
         self.people[who].doing = Doing::Strolls;
         self.walkers.set_heedless(member, false)?;
         self.walkers.set_facing(member, None)?;
@@ -249,9 +275,13 @@ impl World {
 
     /// Sets the layers of a person that has just been brought into the crowd.
     pub(crate) fn set_layers(&self, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
-        let upper = self.body(who).upper;
+        let Body { upper, left_arm, .. } = *self.body(who);
         let mut member = crowd.member_mut(self.member(who))?;
-        member.set_layer(WHOLE, LayerSettings::default(), None)?;
-        Ok(member.set_layer(UPPER, LayerSettings::default(), upper)?)
+        let [whole, arms] = match self.people[who].kind {
+            Kind::Fights(_) => [left_arm, upper],
+            _ => [None, upper],
+        };
+        member.set_layer(WHOLE, LayerSettings::default(), whole)?;
+        Ok(member.set_layer(UPPER, LayerSettings::default(), arms)?)
     }
 }

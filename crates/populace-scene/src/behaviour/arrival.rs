@@ -1,0 +1,373 @@
+//! Bringing the people of a plan into a crowd, each to where its behaviour begins.
+
+use glam::Vec2;
+use populace::character::Character;
+use populace::model::{Role, RoleMap, Side};
+use populace::{
+    CharacterId, ClipPlayback, Crowd, JointIndex, LayerMode, LayerSettings, MemberId, Placement,
+    Target, Trs, Weight,
+};
+
+use super::body::{Body, Use};
+use super::footways::Place;
+use super::person::{Doing, Kind, Person};
+use super::random::Random;
+use super::world::{Stand, WHOLE, World};
+use super::{armies, driving, traffic};
+use crate::Error;
+use crate::plan::{
+    BehaviourPlan, CastPlan, CrowdPlan, FightPlan, LayerPlan, ScenePlan, SpectatePlan, StandPlan,
+    StrollPlan,
+};
+use crate::replay::Person as CastPerson;
+use crate::stage::Stage;
+
+/// The layer of clips that a plan adds to what people do.
+const ADDED: usize = 3;
+
+/// A crowd of a plan that is about to come.
+pub(super) struct Arrival<'a> {
+    pub(super) plan: &'a ScenePlan,
+    pub(super) stage: &'a Stage,
+    pub(super) cast: &'a CastPlan,
+    pub(super) of: &'a CrowdPlan,
+}
+
+/// Where and how a person begins.
+struct Start {
+    at: [f32; 3],
+    yaw_rad: f32,
+    kind: Kind,
+    doing: Doing,
+    pace: f32,
+    footway: usize,
+    direction: f32,
+    lane: f32,
+    post: Vec2,
+    is_in_front: bool,
+}
+
+impl Start {
+    fn at(at: [f32; 3], yaw_rad: f32, (kind, doing): (Kind, Doing)) -> Self {
+        let post = Vec2::new(at[0], at[2]);
+        let (pace, footway, direction, lane) = (1.2, 0, 1.0, 0.5);
+        Self { at, yaw_rad, kind, doing, pace, footway, direction, lane, post, is_in_front: false }
+    }
+}
+
+impl Arrival<'_> {
+    /// Brings the people.
+    pub(super) fn bring(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        people: &[CastPerson],
+    ) -> Result<(), Error> {
+        match &self.of.does {
+            BehaviourPlan::Stroll(plan) => self.strollers(world, crowd, plan, people)?,
+            BehaviourPlan::Spectate(plan) => self.spectators(world, crowd, plan, people)?,
+            BehaviourPlan::Fight(plan) => self.soldiers(world, crowd, plan, people)?,
+            BehaviourPlan::Stand(plan) => self.standers(world, crowd, plan, people)?,
+        }
+        let first = world.people.len() - people.len();
+        for who in first..world.people.len() {
+            self.add_layers(world, crowd, who)?;
+            self.add_things(world, crowd, who)?;
+            if let Some(gaze) = &self.of.gaze
+                && world.body(who).can_look
+            {
+                let weight = Weight::new(gaze.weight)?;
+                crowd.member_mut(world.member(who))?.look_at(Target::Point(gaze.at), weight)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings people who stroll: drivers first, the others spread over their footways.
+    fn strollers(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        habits: &StrollPlan,
+        people: &[CastPerson],
+    ) -> Result<(), Error> {
+        let own = own_footways(self.plan, habits)?;
+        let lengths: Vec<f32> = own.iter().map(|nth| world.footways[*nth].length_m()).collect();
+        let all: f32 = lengths.iter().sum();
+        world.strolls.push(habits.clone());
+        let kind = Kind::Strolls(world.strolls.len() - 1);
+        for of in people {
+            let mut random = self.random(world);
+            let pace = habits.speed * random.between(0.82, 1.18);
+            let mut along = random.part() * all;
+            let footway = lengths.iter().position(|length| {
+                let is_here = along < *length;
+                along -= if is_here { 0.0 } else { *length };
+                is_here
+            });
+            let footway = own.get(footway.unwrap_or(0)).copied().unwrap_or(0);
+            let direction = if random.chance(0.5) { 1.0 } else { -1.0 };
+            let lane = random.between(0.05, 0.95);
+            let strip = &world.footways[footway];
+            let aside_m = -direction * lane * strip.half_m;
+            let (at, line) = strip.at(Place { along_m: along.max(0.0), aside_m });
+            let ahead = line * direction;
+            let height = self.stage.ground().height_at(at.x, at.y);
+            let yaw_rad = ahead.x.atan2(ahead.y);
+            let start = Start::at([at.x, height, at.y], yaw_rad, (kind, Doing::Strolls));
+            let start = Start { pace, footway, direction, lane, ..start };
+            let who = self.spawn(world, crowd, (of, random), start)?;
+            let lacks_driver = |vehicle: &traffic::Vehicle| {
+                vehicle.driver.is_none() && vehicle.drive == traffic::Drive::Cruises
+            };
+            let car = world.traffic.vehicles.iter().position(lacks_driver);
+            match car.filter(|_| driving::may_drive(world, who)) {
+                Some(car) => {
+                    driving::board(world, crowd, who, car)?;
+                    world.people[who].doing = Doing::Drives { car, since: 0.0 };
+                }
+                None => world.walkers.add(crowd, world.people[who].member)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings people who sit on the seats of the stage, in their order. Those without a seat stay
+    /// away.
+    fn spectators(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        plan: &SpectatePlan,
+        people: &[CastPerson],
+    ) -> Result<(), Error> {
+        let free: Vec<usize> =
+            (0..world.seats.len()).filter(|seat| world.seats[*seat].1.is_none()).collect();
+        if free.len() < people.len() {
+            let (people, seats) = (people.len(), free.len());
+            return Err(Error::TooFewSeats { people, seats });
+        }
+        let direction = |facing_deg: f32| Vec2::from_angle(-facing_deg.to_radians());
+        let stand = free.first().map(|seat| &world.seats[*seat].0).map(|seat| Stand {
+            plan: plan.clone(),
+            first: Vec2::new(seat.at[0], seat.at[2]),
+            along: direction(seat.facing_deg),
+        });
+        world.stands.extend(stand);
+        let kind = Kind::Spectates(world.stands.len().saturating_sub(1));
+        for (of, seat) in people.iter().zip(free) {
+            let random = self.random(world);
+            let (plan, taken) = &mut world.seats[seat];
+            *taken = Some(world.people.len());
+            let (sin, cos) = plan.facing_deg.to_radians().sin_cos();
+            let [x, y, z] = plan.at;
+            let back = populace_cast::SEAT_BACK_M;
+            let at = [x + sin * back, y - populace_cast::SEAT_HEIGHT_M, z + cos * back];
+            let start = Start::at(at, plan.facing_deg.to_radians(), (kind, Doing::Watches));
+            let who = self.spawn(world, crowd, (of, random), start)?;
+            if let Some(sit) = world.body(who).clip(Use::Sit) {
+                let phase = world.people[who].random.part();
+                let playback = ClipPlayback::looping().phase(phase);
+                crowd.member_mut(world.member(who))?.play(sit.id, playback)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings soldiers in ranks, a way behind the line to which they advance.
+    fn soldiers(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        plan: &FightPlan,
+        people: &[CastPerson],
+    ) -> Result<(), Error> {
+        world.armies.push(plan.clone());
+        let kind = Kind::Fights(world.armies.len() - 1);
+        let yaw_rad = plan.facing_deg.to_radians();
+        let ahead = Vec2::new(yaw_rad.sin(), yaw_rad.cos());
+        let left = Vec2::new(ahead.y, -ahead.x);
+        let rank = plan.rank.max(1);
+        for (nth, of) in people.iter().enumerate() {
+            let mut random = self.random(world);
+            let (row, column) = (nth / rank, nth % rank);
+            let [across, behind] = plan.spacing_m;
+            let off = Vec2::new(random.between(-0.12, 0.12), random.between(-0.15, 0.15));
+            let aside = (column as f32 - 0.5 * (rank - 1) as f32) * across + off.x;
+            let post = Vec2::from(plan.at) + left * aside - ahead * (row as f32 * behind + off.y);
+            let at = post - ahead * plan.advance_m;
+            let height = self.stage.ground().height_at(at.x, at.y);
+            let start = Start::at([at.x, height, at.y], yaw_rad, (kind, Doing::Advances));
+            let (pace, is_in_front) = (random.between(1.0, 1.12), row == 0);
+            let start = Start { pace, post, is_in_front, ..start };
+            let who = self.spawn(world, crowd, (of, random), start)?;
+            let member = world.member(who);
+            world.walkers.add(crowd, member)?;
+            world.walkers.set_speed(member, pace)?;
+            armies::hold_spear(world, crowd, who)?;
+            let phase = world.people[who].random.part();
+            let playback = ClipPlayback::looping().phase(phase);
+            world.play(crowd, who, Use::Shield, (WHOLE, playback))?;
+        }
+        Ok(())
+    }
+
+    /// Brings people who stand in rows and play a clip.
+    fn standers(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        plan: &StandPlan,
+        people: &[CastPerson],
+    ) -> Result<(), Error> {
+        let yaw_rad = plan.facing_deg.to_radians();
+        let ahead = Vec2::new(yaw_rad.sin(), yaw_rad.cos());
+        let left = Vec2::new(ahead.y, -ahead.x);
+        let row = plan.row.max(1);
+        for (nth, of) in people.iter().enumerate() {
+            let mut random = self.random(world);
+            let aside = ((nth % row) as f32 - 0.5 * (row - 1) as f32) * plan.spacing_m;
+            let behind = (nth / row) as f32 * plan.spacing_m;
+            let at = Vec2::from(plan.at) + left * aside - ahead * behind;
+            let height = self.stage.ground().height_at(at.x, at.y);
+            let phase = random.part();
+            let start = Start::at([at.x, height, at.y], yaw_rad, (Kind::Stands, Doing::Stands));
+            let who = self.spawn(world, crowd, (of, random), start)?;
+            let clip = crowd.clip(world.body(who).character, &plan.clip)?;
+            let playback = ClipPlayback::looping().phase(phase);
+            crowd.member_mut(world.member(who))?.play(clip, playback)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the random numbers of the next person.
+    fn random(&self, world: &World) -> Random {
+        Random::new(self.plan.seed, world.people.len() as u64)
+    }
+
+    /// Spawns a person and sets its layers. Returns its number.
+    fn spawn(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        (of, random): (&CastPerson, Random),
+        start: Start,
+    ) -> Result<usize, Error> {
+        let body = self.body(world, crowd, of.character)?;
+        let Start { at, yaw_rad, kind, doing, pace, footway, direction, lane, post, is_in_front } =
+            start;
+        let placement = Placement::at(at).facing(yaw_rad).scaled(of.scale);
+        let member = crowd.spawn(of.character, placement)?;
+        if let Some(look) = of.look {
+            crowd.member_mut(member)?.set_look(look);
+        }
+        let (scale, goal) = (of.scale, Vec2::new(at[0], at[2]));
+        world.people.push(Person {
+            member,
+            body,
+            kind,
+            scale,
+            random,
+            doing,
+            pace,
+            footway,
+            direction,
+            lane,
+            goal,
+            post,
+            is_in_front,
+        });
+        let who = world.people.len() - 1;
+        world.set_layers(crowd, who)?;
+        Ok(who)
+    }
+
+    /// Returns the index of the body of a character, and looks at the character if it is new.
+    fn body(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        character: CharacterId,
+    ) -> Result<usize, Error> {
+        if let Some(body) = world.bodies.iter().position(|body| body.character == character) {
+            return Ok(body);
+        }
+        world.bodies.push(Body::new(crowd, character, &|key| self.cast.clips.get(key).cloned())?);
+        Ok(world.bodies.len() - 1)
+    }
+
+    /// Plays the clips of the plan over what a person does: on the layers above those of its
+    /// behaviour.
+    fn add_layers(&self, world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+        let first = if world.people[who].kind == Kind::Stands { WHOLE } else { ADDED };
+        for (layer, plan) in (first..=ADDED).zip(&self.of.layers) {
+            let LayerPlan { clip, weight, additive, upper_body, share } = plan;
+            if !world.people[who].random.chance(*share) {
+                continue;
+            }
+            let clip = crowd.clip(world.body(who).character, clip)?;
+            let phase = world.people[who].random.part();
+            let mask = world.body(who).upper.filter(|_| *upper_body);
+            let mode = if *additive { LayerMode::Additive } else { LayerMode::default() };
+            let mut member = crowd.member_mut(world.member(who))?;
+            member.set_layer(layer, LayerSettings { mode, weight: *weight }, mask)?;
+            member.play(clip, ClipPlayback::looping().phase(phase).on_layer(layer).partial())?;
+        }
+        Ok(())
+    }
+
+    /// Gives a person the things that its cast holds and wears.
+    fn add_things(&self, world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+        for kind in &self.cast.holds {
+            let things = self.stage.things(kind);
+            let Some(nth) = who.checked_rem(things.len()) else { continue };
+            let asset = crowd.character(world.body(who).character)?.asset().clone();
+            let Some((joint, offset)) = grip(&asset, kind) else { continue };
+            let owner = world.member(who);
+            let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
+            crowd.member_mut(thing)?.attach_to(owner, joint, offset)?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the joint that holds or wears a thing, and the offset. Characters other than the
+/// built-in people hold it at the joint itself.
+fn grip(character: &Character, kind: &str) -> Option<(JointIndex, Trs)> {
+    let (role, own) = match kind {
+        "helmet" => (Role::Head, populace_cast::helmet(character)),
+        "shield" => {
+            (Role::Hand(Side::Left), populace_cast::grip(character, populace_cast::Side::Left))
+        }
+        _ => (Role::Hand(Side::Right), populace_cast::grip(character, populace_cast::Side::Right)),
+    };
+    own.or_else(|| {
+        let joint = RoleMap::detect(&character.skeleton)?.joint(role)?;
+        Some((joint, Trs::IDENTITY))
+    })
+}
+
+/// Sends everybody off who is on foot.
+pub(super) fn set_out(world: &mut World) -> Result<(), Error> {
+    for who in 0..world.people.len() {
+        if matches!(world.people[who].doing, Doing::Strolls | Doing::Advances) {
+            world.go_on(who)?;
+        }
+    }
+    Ok(())
+}
+
+/// Returns the indices of the footways on which people stroll.
+fn own_footways(plan: &ScenePlan, habits: &StrollPlan) -> Result<Vec<usize>, Error> {
+    let names = || plan.footways.iter().map(|footway| &footway.name);
+    let all: Vec<usize> = (0..plan.footways.len()).collect();
+    let index = |name: &String| {
+        let found = plan.footways.iter().position(|footway| footway.name == *name);
+        found.ok_or_else(|| Error::unknown("footway", name, names()))
+    };
+    let own: Vec<usize> = habits.footways.iter().map(index).collect::<Result<_, _>>()?;
+    match if own.is_empty() { all } else { own } {
+        none if none.is_empty() => Err(Error::unknown("footway", "", names())),
+        some => Ok(some),
+    }
+}
