@@ -6,12 +6,13 @@ use egui::{Rect, Response, Ui};
 use populace::{MaskId, MemberId};
 use populace_render::PassTimes;
 
+use crate::aims::Aims;
 use crate::camera::Rig;
 use crate::clock::Clock;
 use crate::layout::Layout;
 
 /// Number of frames in the graph of times.
-const GRAPH_FRAMES: usize = 160;
+pub(crate) const GRAPH_FRAMES: usize = 160;
 /// How long a message is shown, in seconds.
 const MESSAGE_SECS: f64 = 5.0;
 /// Number of layers above the lowest.
@@ -53,12 +54,12 @@ pub(crate) struct Times {
     pub(crate) passes: PassTimes,
 }
 
-/// A target that a member looks at or reaches for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Aim {
-    /// In model space in metres.
-    pub(crate) point: [f32; 3],
-    pub(crate) weight: f32,
+/// The page of the panel at the right.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Page {
+    #[default]
+    Crowd,
+    Member,
 }
 
 /// A layer as it was set here.
@@ -79,9 +80,7 @@ impl Default for LayerEdit {
 /// What was set for a member here.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Edits {
-    pub(crate) gaze: Option<Aim>,
-    /// Left and right hand.
-    pub(crate) hands: [Option<Aim>; 2],
+    pub(crate) aims: Aims,
     pub(crate) layers: [LayerEdit; UPPER_LAYERS],
     /// Masks of its character, by their index among those that can be chosen.
     pub(crate) masks: HashMap<usize, MaskId>,
@@ -99,7 +98,7 @@ pub(crate) struct Widgets {
 impl Widgets {
     /// Notes the place of a widget.
     pub(crate) fn note(&mut self, name: &str, response: Response) -> Response {
-        self.places.insert(name.to_owned(), response.rect);
+        self.places.insert(name.to_owned(), response.interact_rect);
         response
     }
 
@@ -128,6 +127,7 @@ pub(crate) struct Desk {
     pub(crate) rig: Rig,
     pub(crate) clock: Clock,
     pub(crate) help: bool,
+    pub(crate) page: Page,
     pub(crate) edits: HashMap<MemberId, Edits>,
     pub(crate) widgets: Widgets,
     pub(crate) commands: Vec<Command>,
@@ -194,12 +194,13 @@ impl Desk {
                     ui.add(label)
                 },
             );
+            ui.spacing_mut().slider_width = (ui.available_width() - 56.0).max(40.0);
             let slider = egui::Slider::new(value, range.clone()).show_value(false);
             let response = ui.add(slider);
             let changed = self.widgets.note(key, response).changed();
             let speed = 0.005 * (range.end() - range.start());
             let number = egui::DragValue::new(value).range(range).speed(speed).fixed_decimals(2);
-            ui.add(number).changed() || changed
+            ui.add_sized([46.0, 18.0], number).changed() || changed
         })
         .inner
     }

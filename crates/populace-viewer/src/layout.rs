@@ -31,7 +31,7 @@ impl Default for Layout {
             width: 1280.0,
             height: 720.0,
             panels: true,
-            times: true,
+            times: false,
             skeletons: false,
             bounds: false,
             levels: false,

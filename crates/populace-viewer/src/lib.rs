@@ -5,6 +5,7 @@
 //! at and reach for, let them fall, and drive one of them by the keyboard, all by the public calls
 //! of the crates below. A [`Script`] drives a window in place of a person, by the same events.
 
+mod aims;
 mod camera;
 mod clock;
 mod desk;

@@ -7,9 +7,9 @@ mod targets;
 mod times;
 mod timeline;
 
-use egui::{Context, Frame, Margin, Rect, ScrollArea, SidePanel, TopBottomPanel};
+use egui::{Context, Frame, Margin, Rect, ScrollArea, SidePanel, TopBottomPanel, Ui};
 
-use crate::desk::Desk;
+use crate::desk::{Desk, Page};
 use crate::stage::Stage;
 use crate::theme::{PANEL, PANEL_WIDTH};
 
@@ -22,19 +22,35 @@ pub(crate) fn lay_out(context: &Context, stage: &mut Stage, desk: &mut Desk) -> 
             .frame(frame)
             .resizable(false)
             .show(context, |ui| timeline::show(ui, stage, desk));
-        SidePanel::right("side").frame(frame).resizable(false).exact_width(PANEL_WIDTH).show(
-            context,
-            |ui| {
-                ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
-                    crowd::show(ui, stage, desk);
-                    times::show(ui, stage, desk);
-                    member::show(ui, stage, desk);
-                });
-            },
-        );
+        SidePanel::right("side")
+            .frame(frame)
+            .resizable(false)
+            .exact_width(PANEL_WIDTH)
+            .show(context, |ui| side(ui, stage, desk));
+    }
+    if desk.layout.times {
+        times::show(context, stage, desk);
     }
     if desk.help {
         help::show(context, desk);
     }
     context.available_rect()
+}
+
+/// Lays out the panel at the right: the crowd, or who is picked.
+fn side(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
+    ui.horizontal(|ui| {
+        for (page, name) in [(Page::Crowd, "Crowd"), (Page::Member, "Member")] {
+            let chosen = desk.page == page;
+            let response = ui.add_sized([104.0, 24.0], egui::Button::selectable(chosen, name));
+            if desk.widgets.note(name, response).clicked() {
+                desk.page = page;
+            }
+        }
+    });
+    ui.separator();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match desk.page {
+        Page::Crowd => crowd::show(ui, stage, desk),
+        Page::Member => member::show(ui, stage, desk),
+    });
 }

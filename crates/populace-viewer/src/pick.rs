@@ -59,8 +59,9 @@ impl Ray {
 
 /// The joints of a member in world space, each with its parent's.
 pub(crate) fn limbs(stage: &mut Stage, member: MemberId) -> Option<Vec<[Vec3; 2]>> {
-    let placement = stage.placement(member)?;
-    let character = stage.crowd.member(member).ok()?.character();
+    let view = stage.crowd.member(member).ok()?;
+    // Root motion moves joints in model space, and leaves the placement.
+    let (placement, character) = (view.placement(), view.character());
     let skeleton = stage.crowd.character(character).ok()?.asset().skeleton.clone();
     let joints = stage.crowd.member_mut(member).ok()?.model_from_joints().ok()?;
     let world = placement.world_from_model();

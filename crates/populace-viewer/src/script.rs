@@ -12,12 +12,17 @@ use populace::character::Image;
 use populace_film::{Pixels, write_png};
 
 use crate::Error;
+use crate::desk::Command;
 use crate::viewer::{Input, Viewer};
 use line::{Action, Expected, Line};
 pub use report::{InputTime, ScriptReport};
 
 /// Frames over which a pointer is dragged.
 const DRAG_FRAMES: u8 = 8;
+/// Frames for which a line waits for the widget that it names.
+const MOST_WAITED: u8 = 10;
+/// Half the width of a slider's handle as a share of its height.
+const HANDLE: f32 = 0.3;
 
 /// A script that drives a window.
 #[derive(Clone, Debug)]
@@ -61,6 +66,8 @@ pub(crate) struct Run {
     current: Option<(usize, String)>,
     waiting: Option<Waiting>,
     report: ScriptReport,
+    /// Frames for which the next line has waited.
+    waited: u8,
     /// Number of frames that were shown.
     shown: u32,
     script_secs: f64,
@@ -79,6 +86,7 @@ impl Run {
             batches: VecDeque::new(),
             current: None,
             waiting: None,
+            waited: 0,
             report: ScriptReport::default(),
             shown: 0,
             script_secs: 0.0,
@@ -112,13 +120,19 @@ impl Run {
         if input.one_frame {
             input.secs = 1.0 / viewer.stage.rate().per_sec();
         }
-        if self.batches.is_empty()
-            && let Some(line) = self.due()
-            && let Some(batches) = batches(viewer, line)?
-        {
-            self.current = Some((line.number, line.words.clone()));
-            self.batches = batches.into();
-            self.lines.pop_front();
+        if let Some(line) = self.due().filter(|_| self.batches.is_empty()) {
+            match batches(viewer, line) {
+                // Panels need a frame or two to unfold.
+                Err(_) if self.waited < MOST_WAITED => self.waited += 1,
+                Err(error) => return Err(error),
+                Ok(None) => {}
+                Ok(Some(batches)) => {
+                    self.current = Some((line.number, line.words.clone()));
+                    self.batches = batches.into();
+                    self.lines.pop_front();
+                    self.waited = 0;
+                }
+            }
         }
         if let Some(batch) = self.batches.pop_front() {
             input.events.extend(batch.events);
@@ -153,6 +167,10 @@ impl Run {
                 Action::Pace { is_real_time } => self.is_real_time = *is_real_time,
                 Action::Measure => self.report.begin_to_measure(),
                 Action::Quit => self.quits = true,
+                Action::Seek(secs) => {
+                    viewer.desk.wish(Command::Seek(*secs));
+                    break;
+                }
                 _ => {}
             }
         }
@@ -189,9 +207,10 @@ impl Run {
 /// Returns the events of a line frame by frame; `None` for one without events.
 fn batches(viewer: &Viewer, line: &Line) -> Result<Option<Vec<Batch>>, Error> {
     let place = |name: &str| {
-        viewer.desk.widgets.place(name).ok_or_else(|| Error::Expected {
+        let place = viewer.desk.widgets.place(name);
+        place.filter(|rect| rect.is_positive()).ok_or_else(|| Error::Expected {
             line: line.number,
-            expected: format!("a widget named \"{name}\""),
+            expected: format!("a widget named \"{name}\" in view"),
             found: format!("those named {}", viewer.desk.widgets.names().join(", ")),
         })
     };
@@ -208,7 +227,7 @@ fn batches(viewer: &Viewer, line: &Line) -> Result<Option<Vec<Batch>>, Error> {
         Action::Slide(name, share) => {
             let rect = place(name)?;
             // The handle stays within the slider.
-            let margin = rect.height() / 2.5;
+            let margin = HANDLE * rect.height();
             let x = rect.left() + margin + share * (rect.width() - 2.0 * margin);
             pressed(&[Pos2::new(x, rect.center().y)], PointerButton::Primary)
         }
@@ -301,6 +320,16 @@ fn check(
         Expected::Members(count) => {
             let members = viewer.stage.crowd.member_count();
             (members == *count, format!("{members} members"))
+        }
+        Expected::You(drives) => {
+            let you = viewer.stage.you();
+            let is_driven = you.is_some() && you == picked;
+            let found = if you.is_some() { "somebody driven" } else { "nobody driven" };
+            (if *drives { is_driven } else { you.is_none() }, found.to_owned())
+        }
+        Expected::Walked(metres) => {
+            let walked_m = viewer.stage.walked_m();
+            (walked_m >= *metres, format!("{walked_m:.2} m"))
         }
         Expected::Down(is_down) => {
             let down = picked.is_some_and(|member| viewer.stage.falls.is_down(member));

@@ -95,6 +95,13 @@ impl Stage {
         self.you.as_ref().map(You::member)
     }
 
+    /// Returns how far the driven member is from where it was taken over, in metres; 0 without one.
+    pub(crate) fn walked_m(&self) -> f32 {
+        let Some(you) = &self.you else { return 0.0 };
+        let at = self.crowd.member(you.member()).map(|view| view.placement().position());
+        at.map_or(0.0, |at| Vec3::from(at).distance(Vec3::from(you.began_at())))
+    }
+
     /// Returns the camera of the show at the present time.
     pub(crate) fn shown_camera(&self) -> Result<Camera, Error> {
         self.show.camera(self.secs).map_err(Error::Show)

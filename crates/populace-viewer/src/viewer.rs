@@ -9,8 +9,9 @@ use populace::character::Image;
 use populace_render::{Camera, PassTimes, Renderer, TexturePatch};
 
 use crate::Error;
+use crate::aims::Aims;
 use crate::camera::Mode;
-use crate::desk::{Command, Desk, Times};
+use crate::desk::{Command, Desk, Page, Times};
 use crate::film::Recording;
 use crate::keys::Held;
 use crate::layout::Layout;
@@ -30,6 +31,8 @@ pub(crate) struct Input {
     pub(crate) dropped: Vec<PathBuf>,
     /// Seconds that have passed in the window.
     pub(crate) secs: f64,
+    /// Milliseconds since the last frame by the clock on the wall.
+    pub(crate) wall_ms: f64,
     /// True if exactly one frame of the show passes instead while it plays.
     pub(crate) one_frame: bool,
 }
@@ -162,7 +165,7 @@ impl<'a> Viewer<'a> {
         paint::paint(&mut self.renderer, &context, output, &place)?;
         let draw = draw_start.elapsed().as_secs_f64() * 1e3;
         let animate = if animated { self.stage.animate_ms() } else { 0.0 };
-        let whole = input.secs * 1e3;
+        let whole = input.wall_ms;
         self.desk.add_times(Times { whole, animate, draw, panels: panels_ms, passes });
         Ok(())
     }
@@ -243,6 +246,9 @@ impl<'a> Viewer<'a> {
             let at = at - self.rect.min;
             let ray = Ray::new(&rig.camera(&shown), at.into(), self.rect.size().into());
             self.desk.picked = ray.and_then(|ray| pick::pick(&mut self.stage, &ray));
+            if self.desk.picked.is_some() {
+                self.desk.page = Page::Member;
+            }
         }
     }
 
@@ -255,6 +261,7 @@ impl<'a> Viewer<'a> {
             refresh |= command == Command::Refresh;
             self.carry_out(command)?;
         }
+        self.aim();
         let frame_secs = 1.0 / self.stage.rate().per_sec();
         let secs = match input.one_frame || self.film.is_some() {
             true if self.desk.clock.plays => frame_secs,
@@ -272,7 +279,8 @@ impl<'a> Viewer<'a> {
                 self.desk.clock.plays = false;
             }
             animated = true;
-        } else if refresh {
+        } else if refresh || self.drawn != Some(self.camera()?) {
+            // A camera that has moved sees other members, in other detail.
             self.stage.refresh(&seen)?;
             animated = true;
         }
@@ -281,6 +289,23 @@ impl<'a> Viewer<'a> {
             self.drawn = None;
         }
         Ok(animated)
+    }
+
+    /// Sets the targets of members where they are now.
+    fn aim(&mut self) {
+        let mut error = None;
+        for (member, edits) in &self.desk.edits {
+            if edits.aims == Aims::default() {
+                continue;
+            }
+            if let Some(placement) = self.stage.placement(*member) {
+                let applied = edits.aims.apply(&mut self.stage.crowd, *member, &placement);
+                error = error.or(applied.err());
+            }
+        }
+        if let Some(error) = error {
+            self.desk.say(error.to_string(), self.now_secs);
+        }
     }
 
     /// Brings the camera up with the member that it follows.
@@ -500,7 +525,7 @@ impl<'a> Viewer<'a> {
             self.renderer.draw(&mut self.stage.crowd, &camera, &scene)?;
             self.drawn = Some(camera);
             self.over = self.draw_over(&camera)?;
-            if self.desk.layout.times && self.desk.layout.panels {
+            if self.desk.layout.times {
                 passes = self.renderer.pass_times()?;
             }
         }

@@ -133,6 +133,7 @@ impl App<'_> {
         let mut input = std::mem::take(&mut self.input);
         input.modifiers = self.translator.modifiers;
         input.secs = self.last.elapsed().as_secs_f64();
+        input.wall_ms = input.secs * 1e3;
         self.last = Instant::now();
         self.run.feed(viewer, &mut input)?;
         let opens = !input.dropped.is_empty();

@@ -28,6 +28,8 @@ pub(crate) struct You {
     member: MemberId,
     walkers: Walkers,
     heading_rad: f32,
+    /// Where it was taken over.
+    began_at: [f32; 3],
 }
 
 impl You {
@@ -41,11 +43,17 @@ impl You {
             view.commit_root_motion().map_err(Error::Crowd)?;
             view.stop_root_motion().map_err(Error::Crowd)?;
         }
-        let heading_rad = crowd.member(member).map_err(Error::Crowd)?.placement().yaw_rad();
+        let placement = crowd.member(member).map_err(Error::Crowd)?.placement();
+        let (heading_rad, began_at) = (placement.yaw_rad(), placement.position());
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         walkers.add_gaits(gaits);
         walkers.add(crowd, member)?;
-        Ok(Self { member, walkers, heading_rad })
+        Ok(Self { member, walkers, heading_rad, began_at })
+    }
+
+    /// Returns where it was taken over, in metres.
+    pub(crate) fn began_at(&self) -> [f32; 3] {
+        self.began_at
     }
 
     pub(crate) fn member(&self) -> MemberId {

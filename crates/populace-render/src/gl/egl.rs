@@ -1,6 +1,6 @@
 //! OpenGL contexts, created with EGL.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_ulong, c_void};
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
@@ -166,7 +166,7 @@ fn create(
 fn window_config(
     egl: &Egl,
     display: egl::Display,
-    visual: Option<u64>,
+    visual: Option<c_ulong>,
 ) -> Result<egl::Config, String> {
     let wanted = [
         [egl::SURFACE_TYPE, egl::WINDOW_BIT],
@@ -182,7 +182,7 @@ fn window_config(
     egl.choose_config(display, &wanted, &mut configs).map_err(failed)?;
     let is_visual = |config: &egl::Config| {
         let id = egl.get_config_attrib(display, *config, egl::NATIVE_VISUAL_ID);
-        id.is_ok_and(|id| u64::try_from(id).ok() == visual)
+        visual.is_some() && id.is_ok_and(|id| c_ulong::try_from(id).ok() == visual)
     };
     let found = configs.iter().copied().find(is_visual).or(configs.first().copied());
     found.ok_or_else(|| "it offers no OpenGL for windows".to_owned())

@@ -1,6 +1,6 @@
 //! Windows that others opened, as EGL takes them.
 
-use std::ffi::c_void;
+use std::ffi::{c_ulong, c_void};
 use std::sync::{Arc, OnceLock};
 
 use dlopen2::raw::Library;
@@ -28,7 +28,7 @@ pub(super) struct NativeWindow {
 
 enum Surface {
     /// Number of the window, which EGL takes by its address, and of its visual.
-    X11 { window: Box<u64>, visual: Option<u64> },
+    X11 { window: Box<c_ulong>, visual: Option<c_ulong> },
     Wayland(WaylandSurface),
 }
 
@@ -59,7 +59,7 @@ impl NativeWindow {
     }
 
     /// Returns the number of the window's visual, if it has one.
-    pub(super) fn visual(&self) -> Option<u64> {
+    pub(super) fn visual(&self) -> Option<c_ulong> {
         match &self.surface {
             Surface::X11 { visual, .. } => *visual,
             Surface::Wayland(_) => None,

@@ -14,7 +14,6 @@ const MOST_MEMBERS: u32 = 100_000;
 const SCHEDULES: [Schedule; 2] = [Schedule::Fused, Schedule::Staged];
 
 pub(super) fn show(ui: &mut Ui, stage: &Stage, desk: &mut Desk) {
-    ui.heading("Crowd");
     let mut reopen = (None, None, None);
     egui::Grid::new("crowd").num_columns(2).min_col_width(58.0).show(ui, |ui| {
         ui.label("Members");
@@ -57,25 +56,34 @@ pub(super) fn show(ui: &mut Ui, stage: &Stage, desk: &mut Desk) {
         let (members, device, schedule) = reopen;
         desk.wish(Command::Reopen { members, device, schedule });
     }
+    title(ui, "Camera");
     cameras(ui, stage, desk);
-    ui.horizontal(|ui| {
+    title(ui, "Drawn over the picture");
+    ui.horizontal_wrapped(|ui| {
         for (name, words) in [
             ("Skeletons", "Draw the joints of members (K)"),
             ("Bounds", "Draw the spheres by which members are chosen for the picture (B)"),
             ("Levels", "Write levels of detail over members (L)"),
+            ("Times", "Draw how long frames take (T)"),
         ] {
             let layout = &mut desk.layout;
             let on = match name {
                 "Skeletons" => &mut layout.skeletons,
                 "Bounds" => &mut layout.bounds,
+                "Times" => &mut layout.times,
                 _ => &mut layout.levels,
             };
             let response = ui.toggle_value(on, name).on_hover_text(words);
             desk.widgets.note(name, response);
         }
     });
+    title(ui, "In the picture");
     statistics(ui, stage);
-    ui.separator();
+}
+
+fn title(ui: &mut Ui, text: &str) {
+    ui.add_space(8.0);
+    ui.label(RichText::new(text).color(QUIET));
 }
 
 fn cameras(ui: &mut Ui, stage: &Stage, desk: &mut Desk) {
@@ -104,12 +112,11 @@ fn cameras(ui: &mut Ui, stage: &Stage, desk: &mut Desk) {
 fn statistics(ui: &mut Ui, stage: &Stage) {
     let counts = stage.crowd.view_statistics();
     let seen: usize = counts.levels.iter().sum();
-    let levels: Vec<String> = counts.levels.iter().map(usize::to_string).collect();
-    let text = format!(
-        "{seen} in view, {} only by shadow, {} hidden; by level: {}",
-        counts.shadow_only,
-        counts.hidden,
-        levels.join(" ")
-    );
-    ui.label(RichText::new(text).color(QUIET).small());
+    let (shadows, hidden) = (counts.shadow_only, counts.hidden);
+    ui.label(format!("{seen} seen, {shadows} by their shadow, {hidden} hidden"));
+    let levels = counts.levels.iter().enumerate().filter(|(_, count)| **count > 0);
+    let levels: Vec<String> = levels.map(|(level, count)| format!("{level}: {count}")).collect();
+    if !levels.is_empty() {
+        ui.label(format!("levels of detail {}", levels.join(", ")));
+    }
 }

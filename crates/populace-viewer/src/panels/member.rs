@@ -24,7 +24,6 @@ const MASKS: [(&str, &[Role]); 5] = [
 ];
 
 pub(super) fn show(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
-    ui.heading("Member");
     let Some(member) = desk.picked else {
         ui.label(RichText::new("Click somebody in the picture.").color(QUIET));
         return;
@@ -42,14 +41,14 @@ pub(super) fn show(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
     section(ui, desk, "Clips", true, |ui, desk| {
         changed |= clips(ui, stage, desk, (member, character), &mut edits);
     });
+    section(ui, desk, "Gaze", true, |ui, desk| {
+        changed |= targets::gaze(ui, &stage.crowd, desk, member, &mut edits.aims);
+    });
+    section(ui, desk, "Reach", true, |ui, desk| {
+        changed |= targets::hands(ui, &stage.crowd, desk, member, &mut edits.aims);
+    });
     section(ui, desk, "Layers", false, |ui, desk| {
         changed |= layers(ui, &mut stage.crowd, desk, (member, character), &mut edits);
-    });
-    section(ui, desk, "Gaze", false, |ui, desk| {
-        changed |= targets::gaze(ui, &mut stage.crowd, desk, member, &mut edits.gaze);
-    });
-    section(ui, desk, "Reach", false, |ui, desk| {
-        changed |= targets::hands(ui, &mut stage.crowd, desk, member, &mut edits.hands);
     });
     desk.edits.insert(member, edits);
     if changed {
@@ -65,7 +64,8 @@ fn section(
     content: impl FnOnce(&mut Ui, &mut Desk),
 ) {
     let shown =
-        CollapsingHeader::new(name).default_open(is_open).show(ui, |ui| content(ui, desk));
+        CollapsingHeader::new(RichText::new(name).color(QUIET)).default_open(is_open);
+    let shown = shown.show_unindented(ui, |ui| content(ui, desk));
     desk.widgets.note(name, shown.header_response);
 }
 

@@ -1,11 +1,12 @@
 //! The graph of milliseconds per frame.
 
-use egui::{Color32, RichText, Sense, Ui, vec2};
+use egui::{Area, Color32, Context, Frame, Margin, RichText, Sense, Ui, vec2};
 
-use crate::desk::{Desk, Times};
+use crate::desk::{Desk, GRAPH_FRAMES, Times};
 use crate::stage::Stage;
-use crate::theme::QUIET;
+use crate::theme::{PANEL, QUIET};
 
+const WIDTH: f32 = 216.0;
 const HEIGHT: f32 = 58.0;
 /// Parts of a frame from the bottom up, with their colours.
 const PARTS: [(&str, Color32); 4] = [
@@ -15,14 +16,19 @@ const PARTS: [(&str, Color32); 4] = [
     ("rest", Color32::from_rgb(96, 102, 114)),
 ];
 
-pub(super) fn show(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
-    let response = ui.toggle_value(&mut desk.layout.times, "Times").on_hover_text("(T)");
-    desk.widgets.note("Times", response);
-    if desk.layout.times {
-        graph(ui, desk);
-        numbers(ui, stage, desk);
-    }
-    ui.separator();
+/// Shows the graph in the upper left corner.
+pub(super) fn show(context: &Context, stage: &mut Stage, desk: &Desk) {
+    let frame = Frame::new()
+        .fill(PANEL.gamma_multiply(0.86))
+        .inner_margin(Margin::same(8))
+        .corner_radius(6.0);
+    Area::new("times".into()).fixed_pos([10.0, 10.0]).interactable(false).show(context, |ui| {
+        frame.show(ui, |ui| {
+            ui.set_width(WIDTH);
+            graph(ui, desk);
+            numbers(ui, stage, desk);
+        });
+    });
 }
 
 /// Returns the milliseconds of the parts of a frame.
@@ -44,7 +50,7 @@ fn graph(ui: &mut Ui, desk: &Desk) {
         .find(|top| *top >= usual * 1.15)
         .unwrap_or(usual * 1.15);
     #[expect(clippy::cast_precision_loss, reason = "at most 160 frames")]
-    let width = rect.width() / (desk.times.capacity().clamp(1, 160) as f32);
+    let width = rect.width() / GRAPH_FRAMES as f32;
     let mut x = rect.right();
     for times in desk.times.iter().rev() {
         let mut y = rect.bottom();

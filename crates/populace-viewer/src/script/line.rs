@@ -8,7 +8,7 @@ use egui::{Key, Modifiers, PointerButton};
 use crate::Error;
 
 /// What a line may say, for messages.
-const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, shot, picture, \
+const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, picture, \
                        expect, pace, measure or quit";
 
 /// A line.
@@ -35,6 +35,8 @@ pub(super) enum Action {
     Slide(String, f32),
     Hold { keys: Vec<Key>, modifiers: Modifiers, secs: f64 },
     Drop(PathBuf),
+    /// Goes to a time in seconds, as the timeline does.
+    Seek(f64),
     /// Writes the whole window.
     Shot(PathBuf),
     /// Writes the picture alone.
@@ -53,6 +55,7 @@ impl Action {
             Self::Shot(_)
                 | Self::Picture(_)
                 | Self::Expect(_)
+                | Self::Seek(_)
                 | Self::Pace { .. }
                 | Self::Measure
                 | Self::Quit
@@ -73,6 +76,10 @@ pub(super) enum Expected {
     Members(usize),
     /// Who is picked has fallen.
     Down(bool),
+    /// The keyboard drives who is picked.
+    You(bool),
+    /// The driven member is at least this far from where it was taken over, in metres.
+    Walked(f32),
 }
 
 impl fmt::Display for Expected {
@@ -85,6 +92,9 @@ impl fmt::Display for Expected {
             Self::Frames(most) => write!(f, "input to be shown within {most} frames"),
             Self::Members(count) => write!(f, "{count} members"),
             Self::Down(true) => write!(f, "who is picked to have fallen"),
+            Self::You(true) => write!(f, "who is picked to be driven"),
+            Self::You(false) => write!(f, "nobody to be driven"),
+            Self::Walked(metres) => write!(f, "who is driven to have walked {metres} m"),
             Self::Down(false) => write!(f, "who is picked to stand"),
         }
     }
@@ -151,6 +161,7 @@ fn action(words: &[&str], folder: &Path) -> Result<Action, String> {
         ["key", name] => hold(name, 0.0)?,
         ["hold", name, secs] => hold(name, seconds(secs)?)?,
         ["drop", name] => Action::Drop(path(name)),
+        ["seek", secs] => Action::Seek(seconds(secs)?),
         ["shot", name] => Action::Shot(path(name)),
         ["picture", name] => Action::Picture(path(name)),
         ["expect", rest @ ..] => Action::Expect(expected(rest)?),
@@ -177,9 +188,12 @@ fn expected(words: &[&str]) -> Result<Expected, String> {
         ["members", count] => Expected::Members(small(count)? as usize),
         ["down"] => Expected::Down(true),
         ["up"] => Expected::Down(false),
+        ["you"] => Expected::You(true),
+        ["others"] => Expected::You(false),
+        ["walked", metres] => Expected::Walked(number(metres)?),
         _ => {
             return Err("expect picked any|none|NUMBER, time SECONDS, frames MOST, members COUNT, \
-                        down or up"
+                        down, up, you, others or walked METRES"
                 .into());
         }
     })
