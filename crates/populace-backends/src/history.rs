@@ -110,7 +110,10 @@ impl DeviceHistory {
             (StageBuffer::Watched, &self.watched, tables.watched_elements()),
             (StageBuffer::Running, &self.running, tables.running_elements()),
         ] {
-            backend.write(buffer, 0, &all[..all.len().min(count)])?;
+            // What the history does not hold begins anew, also where the device has run before.
+            let mut all = all.clone();
+            all.resize(count, Float4::default());
+            backend.write(buffer, 0, &all)?;
         }
         Ok(())
     }

@@ -8,6 +8,8 @@ mod parts;
 mod picture;
 mod trajectories;
 mod values;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::path::PathBuf;
 
@@ -26,6 +28,8 @@ pub(crate) use picture::PictureArgs;
 pub(crate) use trajectories::OverlayArgs;
 use trajectories::TrajectoryArgs;
 pub(crate) use values::VertexId;
+#[cfg(feature = "viewer")]
+pub(crate) use view::ViewArgs;
 
 /// Animate and draw crowds of skinned characters on the CPU or on OpenCL devices.
 #[derive(Debug, Parser)]
@@ -50,7 +54,10 @@ fn command() -> clap::Command {
         }
         _ => arg,
     };
-    Cli::command().mut_subcommands(|subcommand| subcommand.mut_args(negative))
+    let command = Cli::command().mut_subcommands(|subcommand| subcommand.mut_args(negative));
+    #[cfg(feature = "viewer")]
+    let command = command.mut_subcommand("view", view::without_films);
+    command
 }
 
 #[derive(Debug, Subcommand)]
@@ -83,6 +90,24 @@ pub(crate) enum Command {
     /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed
     /// once it is complete.
     Render(RenderArgs),
+    /// Open a window with what `populace render` would draw, and play it.
+    ///
+    /// Drag with the left mouse button to turn, with the middle one to move the picture, and turn
+    /// the wheel to come nearer; click somebody to pick them. The key ? lists all others. With
+    /// --script, a file drives the window in place of a person: docs/viewer.md lists its commands.
+    ///
+    /// With --json, a document is printed once the window is closed. Its `frames` is the number of
+    /// frames that were shown, and `ms_median` holds the median of milliseconds per frame. With a
+    /// script, `inputs` holds for each of its inputs the `line`, the words in `input`, the seconds
+    /// since the window was opened in `at`, and the `ms` and `frames` until a picture showed it.
+    ///
+    /// Without a display the program ends with exit code 3; `populace render` draws without one.
+    #[cfg(feature = "viewer")]
+    View(ViewArgs),
+    /// Says how to get `populace view`.
+    #[cfg(not(feature = "viewer"))]
+    #[command(hide = true, disable_help_flag = true)]
+    View(AbsentArgs),
     /// Divide a film into chunks of frames, for several runs or machines.
     ///
     /// Prints a line `--frames A..B` for each chunk, with the numbers of its first and last frame,
@@ -319,7 +344,7 @@ pub(crate) struct DevicesArgs {
 }
 
 /// The arguments of a command that this program was built without; all are taken.
-#[cfg(not(feature = "bench"))]
+#[cfg(any(not(feature = "bench"), not(feature = "viewer")))]
 #[derive(Args, Debug)]
 pub(crate) struct AbsentArgs {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]

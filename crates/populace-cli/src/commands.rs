@@ -10,3 +10,5 @@ pub(crate) mod inspect;
 pub(crate) mod plan;
 pub(crate) mod pose;
 pub(crate) mod render;
+#[cfg(feature = "viewer")]
+pub(crate) mod view;

@@ -25,11 +25,7 @@ impl CrowdRenderer {
         roles: &[CrowdRole],
         hide: &[String],
     ) -> Result<Self, Failure> {
-        let transport = renderer.connect_palettes(crowd)?.transport;
-        let hidden = |part: &Part| hide.contains(&part.node_name);
-        for role in roles {
-            renderer.upload_character(&role.character, &hidden)?;
-        }
+        let transport = connect(&mut renderer, crowd, roles, hide)?;
         Ok(Self { renderer, transport, drawn: Drawn::default() })
     }
 
@@ -80,6 +76,22 @@ impl CrowdRenderer {
         let people = crowd.members().map(|member| person(member.id())).collect();
         Ok(PixelFacts { marks, people })
     }
+}
+
+/// Links a crowd's palettes to a renderer, and uploads its characters without the parts of nodes in
+/// `hide`. Returns the transport of palettes.
+pub(crate) fn connect(
+    renderer: &mut Renderer,
+    crowd: &mut Crowd,
+    roles: &[CrowdRole],
+    hide: &[String],
+) -> Result<PaletteTransport, Failure> {
+    let transport = renderer.connect_palettes(crowd)?.transport;
+    let hidden = |part: &Part| hide.contains(&part.node_name);
+    for role in roles {
+        renderer.upload_character(&role.character, &hidden)?;
+    }
+    Ok(transport)
 }
 
 /// Prepares a crowd builder for the OpenGL context of a renderer, if there is one.

@@ -7,21 +7,58 @@ use populace_film::FrameRate;
 use populace_render::Camera;
 use serde_json::Value;
 
-use crate::camera::{Cameras, Pose, Subject};
+use crate::camera::{Cameras, Pose, Subject, View};
 use crate::cli::{FrameRange, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::filming::Filming;
+use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::{Action, LEAD_IN_SECS};
 use crate::frames::{Frames, Shutter, single};
 use crate::population::{Population, PopulationSettings};
 use crate::report::{counted, message};
-use crate::roles::{self, ClipChoice, CrowdRole};
+use crate::roles::{self, ClipChoice, LoadedRoles};
 
 /// Frames per second, if none are given.
 const DEFAULT_FPS: u32 = 30;
 /// Seconds of walking that the camera of a film has in view.
 const FRAMED_SECS: f32 = 3.0;
+
+/// A crowd of characters, as the command line describes it.
+pub(crate) struct CrowdPlan<'a> {
+    pub(crate) inputs: &'a [PathBuf],
+    pub(crate) members: u32,
+    pub(crate) args: &'a PictureArgs,
+}
+
+impl CrowdPlan<'_> {
+    /// Loads the characters and spawns the members. `start_secs` is the time of frame 0, and
+    /// `is_film` is true if the members are seen walking on.
+    pub(crate) fn stage(
+        &self,
+        crowd: &mut Crowd,
+        (start_secs, is_film): (f32, bool),
+    ) -> Result<(LoadedRoles, FilmedCrowd), Failure> {
+        let args = self.args;
+        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
+        let plain = args.plain || self.members == 1;
+        let loaded = roles::load(
+            crowd,
+            &args.input,
+            self.inputs,
+            &args.clips,
+            choice,
+            args.height,
+            !args.full_detail,
+            !plain,
+        )?;
+        let settings =
+            PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
+        check_hidden(&loaded.roles, &args.hide)?;
+        let population = Population::new(crowd, &loaded.roles, &settings)?;
+        let action = CrowdAction { population, start_secs, is_film };
+        Ok((loaded, FilmedCrowd { action, view: args.camera.clone(), cameras: None }))
+    }
+}
 
 /// A job of drawing a crowd.
 pub(crate) struct DrawJob<'a> {
@@ -44,12 +81,12 @@ impl DrawJob<'_> {
         let sink = filming.sink()?;
         let renderer = filming.renderer();
         let mut crowd = filming.crowd(&renderer, [self.members as usize, 1])?;
-        let (roles, population) = self.populate(&mut crowd, &filming)?;
-        let action =
-            CrowdAction { population, start_secs: self.start_secs(), is_film: self.is_film() };
-        let [width, height] = args.size.0;
-        let cameras = Cameras::new(&args.camera, &action, width as f32 / height as f32)?;
-        let mut action = FilmedCrowd { action, cameras };
+        let plan = CrowdPlan { inputs: self.inputs, members: self.members, args };
+        let (loaded, mut action) = plan.stage(&mut crowd, (self.start_secs(), self.is_film()))?;
+        filming.check(&loaded.files)?;
+        let roles = loaded.roles;
+        let [width, height] = args.size();
+        action.set_aspect(width as f32 / height as f32)?;
         let devices = devices_and_shares(&crowd);
         message!(
             "{} on {devices}, {}",
@@ -62,32 +99,6 @@ impl DrawJob<'_> {
         let played = (&mut action as &mut dyn Action, &filming.scene(), self.lead_in);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         filmed.report(&crowd, args.json, Value::Null)
-    }
-
-    /// Loads the characters and spawns the members.
-    fn populate(
-        &self,
-        crowd: &mut Crowd,
-        filming: &Filming<'_>,
-    ) -> Result<(Vec<CrowdRole>, Population), Failure> {
-        let args = self.args;
-        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
-        let plain = args.plain || self.members == 1;
-        let loaded = roles::load(
-            crowd,
-            &args.input,
-            self.inputs,
-            &args.clips,
-            choice,
-            args.height,
-            !args.full_detail,
-            !plain,
-        )?;
-        filming.check(&loaded.roles, &loaded.files)?;
-        let settings =
-            PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
-        let population = Population::new(crowd, &loaded.roles, &settings)?;
-        Ok((loaded.roles, population))
     }
 
     /// Returns the frames that are drawn.
@@ -154,21 +165,38 @@ impl Subject for CrowdAction {
 }
 
 /// An action and the cameras that film it.
-struct FilmedCrowd {
+pub(crate) struct FilmedCrowd {
     action: CrowdAction,
-    cameras: Cameras,
+    view: View,
+    /// `None` before the aspect of pictures is known.
+    cameras: Option<Cameras>,
 }
 
 impl Action for FilmedCrowd {
+    fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure> {
+        self.cameras = Some(Cameras::new(&self.view, &self.action, aspect)?);
+        Ok(())
+    }
+
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         Ok(crowd.update(secs)?)
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        Ok(self.cameras.at(&self.action, secs))
+        let cameras = self.cameras.as_ref();
+        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.action, secs)))
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {
         self.action.population.number(member).map(|number| number as u64)
+    }
+}
+
+#[cfg(feature = "viewer")]
+impl crate::view::Watched for FilmedCrowd {
+    fn rewind(&mut self) {}
+
+    fn leads_members(&self) -> bool {
+        false
     }
 }

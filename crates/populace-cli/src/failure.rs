@@ -47,6 +47,17 @@ impl Failure {
     }
 }
 
+impl std::fmt::Display for Failure {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.error() {
+            Some(error) => write!(f, "{error:#}"),
+            None => write!(f, "the reader of the output is gone"),
+        }
+    }
+}
+
+impl std::error::Error for Failure {}
+
 impl From<populace_assets::Error> for Failure {
     fn from(error: populace_assets::Error) -> Self {
         Self::Input(error.into())
@@ -106,6 +117,25 @@ impl From<populace_render::Error> for Failure {
         match error {
             populace_render::Error::NoGl { .. } => Self::NoDevice(error.into()),
             populace_render::Error::BadCamera { .. } => Self::Usage(error.into()),
+            _ => Self::Run(error.into()),
+        }
+    }
+}
+
+#[cfg(feature = "viewer")]
+impl From<populace_viewer::Error> for Failure {
+    fn from(error: populace_viewer::Error) -> Self {
+        use populace_viewer::Error;
+        match error {
+            Error::NoDisplay { .. } => Self::NoDevice(error.into()),
+            Error::Script { .. } => Self::Usage(error.into()),
+            Error::Render(error) => error.into(),
+            Error::Film(error) => error.into(),
+            Error::Crowd(error) => error.into(),
+            Error::Show(error) => match error.downcast::<Self>() {
+                Ok(failure) => *failure,
+                Err(error) => Self::Run(anyhow::anyhow!("{error}")),
+            },
             _ => Self::Run(error.into()),
         }
     }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::Crowd;
+use populace::{Crowd, CrowdBuilder};
 use populace_film::FilmSettings;
 use populace_render::{Drawn, Renderer, Scene};
 use serde_json::{Value, json};
@@ -54,7 +54,7 @@ impl<'a> Filming<'a> {
     /// Begins to write. A film that cannot be encoded fails here.
     pub(crate) fn sink(&self) -> Result<Sink<'_>, Failure> {
         let (film, frames) = (&self.args.film, self.frames);
-        let settings = FilmSettings::new(self.args.size.0, frames.rate);
+        let settings = FilmSettings::new(self.args.size(), frames.rate);
         let settings = FilmSettings { encoder: film.encoder, ..settings };
         let sink = Sink::open(&self.outputs, &settings, film.skip_existing)?;
         let skipped = u32::try_from(sink.skipped()).unwrap_or_default();
@@ -64,7 +64,7 @@ impl<'a> Filming<'a> {
 
     /// Returns a renderer. A missing OpenGL is reported last: errors in the inputs are more useful.
     pub(crate) fn renderer(&self) -> Result<Renderer, populace_render::Error> {
-        Renderer::headless(self.args.size.0)
+        Renderer::headless(self.args.size())
     }
 
     /// Builds a crowd whose palettes a renderer can take.
@@ -74,27 +74,17 @@ impl<'a> Filming<'a> {
         [capacity, slots]: [usize; 2],
     ) -> Result<Crowd, Failure> {
         let builder = self.args.device.crowd().capacity(capacity).slots_per_member(slots);
-        let crowd = build(builder_for(builder, renderer))?;
-        // Drivers that were loaded for it may have set a handler of their own.
-        #[cfg(unix)]
-        crate::aborts::exit_on_abort();
-        Ok(crowd)
+        build_crowd(builder_for(builder, renderer))
     }
 
     /// Returns the light and the surroundings.
     pub(crate) fn scene(&self) -> Scene {
-        let mut scene = self.args.sky.scene();
-        if self.args.full_detail {
-            scene.sun.error_texels = 0.0;
-        }
-        scene
+        scene(self.args)
     }
 
-    /// Checks what characters bring: files that no output may destroy, and nodes that can be
-    /// hidden.
-    pub(crate) fn check(&self, roles: &[CrowdRole], files: &[PathBuf]) -> Result<(), Failure> {
-        check_inputs(self.outputs.paths(), files)?;
-        check_hidden(roles, &self.args.hide)
+    /// Checks that no output destroys a file that characters refer to.
+    pub(crate) fn check(&self, files: &[PathBuf]) -> Result<(), Failure> {
+        check_inputs(self.outputs.paths(), files)
     }
 
     /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are
@@ -110,9 +100,9 @@ impl<'a> Filming<'a> {
         let frame_loop = FrameLoop {
             frames,
             lead_in,
-            size: args.size.0,
+            size: args.size(),
             scene,
-            detail: (!args.full_detail).then_some(args.detail),
+            detail: args.detail_px(),
         };
         let skipped = sink.skipped();
         let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
@@ -173,7 +163,26 @@ impl Filmed {
     }
 }
 
-fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {
+/// Builds a crowd, and keeps the program's way to end.
+pub(crate) fn build_crowd(builder: CrowdBuilder) -> Result<Crowd, Failure> {
+    let crowd = build(builder)?;
+    // Drivers that were loaded for it may have set a handler of their own.
+    #[cfg(unix)]
+    crate::aborts::exit_on_abort();
+    Ok(crowd)
+}
+
+/// Returns the light and the surroundings that were asked for.
+pub(crate) fn scene(args: &PictureArgs) -> Scene {
+    let mut scene = args.sky.scene();
+    if args.full_detail {
+        scene.sun.error_texels = 0.0;
+    }
+    scene
+}
+
+/// Refuses nodes to hide that have nothing to draw.
+pub(crate) fn check_hidden(roles: &[CrowdRole], hide: &[String]) -> Result<(), Failure> {
     let names = || roles.iter().flat_map(|r| &r.character.parts).map(|p| p.node_name.as_str());
     match hide.iter().find(|wanted| !names().any(|n| n == wanted.as_str())) {
         None => Ok(()),

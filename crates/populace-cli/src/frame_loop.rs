@@ -26,6 +26,10 @@ pub(crate) trait Action {
     /// depend on those that are drawn before it.
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure>;
 
+    /// Chooses the cameras of pictures whose width is `aspect` times their height. Called before
+    /// the first camera is asked for.
+    fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure>;
+
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 

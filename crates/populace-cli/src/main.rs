@@ -37,6 +37,8 @@ mod sinks;
 mod skin;
 mod trajectory;
 mod unfinished;
+#[cfg(feature = "viewer")]
+mod view;
 
 use std::process::ExitCode;
 
@@ -59,6 +61,13 @@ fn run(command: Command) -> Result<(), Failure> {
     match command {
         Command::Demo(args) => commands::demo::run(&args),
         Command::Render(args) => commands::render::run(&args),
+        #[cfg(feature = "viewer")]
+        Command::View(args) => commands::view::run(&args),
+        #[cfg(not(feature = "viewer"))]
+        Command::View(_) => Err(Failure::usage(
+            "this program was built without the command view; \
+             `cargo build --release -p populace-cli` builds one that has it",
+        )),
         Command::Plan(args) => commands::plan::run(&args),
         Command::Film(args) => commands::film::run(&args),
         Command::Cast(args) => commands::cast::run(&args),

@@ -11,21 +11,23 @@ use std::time::Instant;
 use populace::character::Image;
 use populace::{Crowd, MemberId};
 use populace_locomotion::SkateMeter;
-use populace_render::{Camera, Ground};
+use populace_render::{Camera, Ground, Scene};
 use populace_scene::{Motions, Replay};
 use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
-use crate::camera::Cameras;
+use crate::camera::{Cameras, View};
 use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
 use crate::film_length;
-use crate::filming::Filming;
+#[cfg(feature = "viewer")]
+use crate::filming::{self, build_crowd};
+use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
 use crate::report::{self, message};
-use crate::roles::{self, ClipChoice, CrowdRole};
+use crate::roles::{self, ClipChoice, LoadedRoles};
 use crate::trajectory::{self, ReadArgs};
 use agents::Agents;
 use overlays::Overlays;
@@ -61,7 +63,7 @@ impl ReplayJob<'_> {
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
             let mut crowd = build(args.device.crowd().capacity(capacity))?;
-            let (mut action, _) = self.people(&mut crowd, recording, motions, None)?;
+            let (mut action, _) = self.people(&mut crowd, recording, motions, false)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
         let filming = Filming::new(args, out, (frames, self.is_film()), &self.given())?;
@@ -69,21 +71,56 @@ impl ReplayJob<'_> {
         let renderer = filming.renderer();
         // One more for the place.
         let mut crowd = filming.crowd(&renderer, [capacity(&motions) + 1, SLOTS])?;
-        let (mut action, roles) = self.people(&mut crowd, recording, motions, Some(&filming))?;
-        let [width, height] = args.size.0;
-        let aspect = width as f32 / height as f32;
-        action.cameras = Some(Cameras::new(&args.camera, &action.subject, aspect)?);
+        let (mut action, loaded) = self.people(&mut crowd, recording, motions, true)?;
+        filming.check(&loaded.files)?;
+        let roles = loaded.roles;
+        let [width, height] = args.size();
+        action.set_aspect(width as f32 / height as f32)?;
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let mut scene = filming.scene();
-        action.place = Place::new(&mut crowd, &action.recording, self.overlay.walls)?;
-        if action.place.is_known() {
-            scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
-        }
+        self.build_place(&mut crowd, &mut action, &mut scene)?;
         let played = (&mut action as &mut dyn Action, &scene, 0);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         filmed.report(&crowd, args.json, action.measures())
+    }
+
+    /// Brings people and place into a crowd for a window. Returns what moves them, the light and the
+    /// surroundings, and the length in seconds.
+    #[cfg(feature = "viewer")]
+    pub(crate) fn stage(
+        &self,
+        builder: populace::CrowdBuilder,
+        slots: usize,
+    ) -> Result<crate::view::Staged, Failure> {
+        let recording = self.read.load(self.file)?;
+        describe(&recording);
+        let motions = Motions::new(&recording);
+        let [from, until] = recording.secs();
+        // One more for the place.
+        let builder = builder.capacity(capacity(&motions) + 1).slots_per_member(slots);
+        let mut crowd = build_crowd(builder)?;
+        let (mut action, loaded) = self.people(&mut crowd, recording, motions, true)?;
+        let mut scene = filming::scene(self.picture);
+        self.build_place(&mut crowd, &mut action, &mut scene)?;
+        let rate = film_length::film_rate(self.picture.film.fps)?;
+        let (action, roles) = (Box::new(action), loaded.roles);
+        Ok(crate::view::Staged { crowd, action, roles, scene, rate, length_secs: Some(until - from) })
+    }
+
+    /// Brings the place into the crowd, and lowers the ground around it.
+    fn build_place(
+        &self,
+        crowd: &mut Crowd,
+        action: &mut ReplayAction,
+        scene: &mut Scene,
+    ) -> Result<(), Failure> {
+        action.place = Place::new(crowd, &action.recording, self.overlay.walls)?;
+        if action.place.is_known() {
+            scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
+        }
+        Ok(())
     }
 
     /// Returns the files that are read, as far as they are known from the command line.
@@ -93,14 +130,14 @@ impl ReplayJob<'_> {
         files.filter(|file| roles::built_in_name(file).is_none()).collect()
     }
 
-    /// Brings the people into the crowd.
+    /// Brings the people into the crowd, with levels of detail if they are drawn.
     fn people(
         &self,
         crowd: &mut Crowd,
         recording: Recording,
         motions: Motions,
-        filming: Option<&Filming<'_>>,
-    ) -> Result<(ReplayAction, Vec<CrowdRole>), Failure> {
+        are_drawn: bool,
+    ) -> Result<(ReplayAction, LoadedRoles), Failure> {
         let args = self.picture;
         let everybody = [PathBuf::from("@people")];
         let loaded = roles::load(
@@ -110,31 +147,41 @@ impl ReplayJob<'_> {
             &args.clips,
             ClipChoice::default(),
             args.height,
-            filming.is_some() && !args.full_detail,
+            are_drawn && !args.full_detail,
             !args.plain,
         )?;
-        let roles = loaded.roles;
-        if let Some(filming) = filming {
-            filming.check(&roles, &loaded.files)?;
+        let roles = &loaded.roles;
+        if are_drawn {
+            check_hidden(roles, &args.hide)?;
         }
-        let gaits = crate::people::gaits(crowd, &roles)?;
+        let gaits = crate::people::gaits(crowd, roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
-        let people = people::cast(&recording, &roles, &settings);
+        let people = people::cast(&recording, roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);
         let subject = Agents::new(&recording, motions.clone());
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
-        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), &roles, people)?;
+        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), roles, people)?;
         message!(
             "{} on {}, {}",
             trajectory::people(&recording),
             devices_and_shares(crowd),
             crowd.device_info().schedule
         );
-        let (cameras, meter, place) = (None, SkateMeter::new(), Place::default());
-        let action =
-            ReplayAction { recording, replay, subject, cameras, meter, every, overlays, place };
-        Ok((action, roles))
+        let action = ReplayAction {
+            recording,
+            #[cfg(feature = "viewer")]
+            first: replay.clone(),
+            replay,
+            subject,
+            view: args.camera.clone(),
+            cameras: None,
+            meter: SkateMeter::new(),
+            every,
+            overlays,
+            place: Place::default(),
+        };
+        Ok((action, loaded))
     }
 
     /// Evaluates all frames without drawing them.
@@ -198,7 +245,11 @@ fn capacity(motions: &Motions) -> usize {
 struct ReplayAction {
     recording: Recording,
     replay: Replay,
+    /// The replay before frame 0.
+    #[cfg(feature = "viewer")]
+    first: Replay,
     subject: Agents,
+    view: View,
     /// `None` if nothing is drawn.
     cameras: Option<Cameras>,
     meter: SkateMeter,
@@ -243,6 +294,11 @@ impl Action for ReplayAction {
         Ok(())
     }
 
+    fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure> {
+        self.cameras = Some(Cameras::new(&self.view, &self.subject, aspect)?);
+        Ok(())
+    }
+
     fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), Failure> {
         self.overlays.draw(picture, camera, &self.recording, &self.replay)
     }
@@ -255,6 +311,23 @@ impl Action for ReplayAction {
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))
+    }
+}
+
+#[cfg(feature = "viewer")]
+impl crate::view::Watched for ReplayAction {
+    fn rewind(&mut self) {
+        self.replay = self.first.clone();
+        self.place.forget();
+        self.meter = SkateMeter::new();
+    }
+
+    fn leads_members(&self) -> bool {
+        true
+    }
+
+    fn has_overlay(&self) -> bool {
+        self.overlays.draw_something()
     }
 }
 

@@ -3,6 +3,7 @@
 mod glyphs;
 mod marks;
 mod outline;
+pub(crate) mod truetype;
 
 use crate::strokes::Segment;
 use glyphs::Glyph;

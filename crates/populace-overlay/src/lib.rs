@@ -38,6 +38,7 @@ mod trails;
 pub use canvas::Canvas;
 pub use error::Error;
 pub use font::text_width;
+pub use font::truetype::truetype;
 pub use oklab::Color;
 pub use panels::{Corner, Legend};
 pub use scale::{Scale, WORD_COLORS};

@@ -18,6 +18,9 @@ pub enum Error {
         /// Message of the driver.
         cause: String,
     },
+    /// The renderer has no window.
+    #[error("this renderer has no window to draw into; create it by Renderer::in_window")]
+    NoWindow,
     /// The driver rejected a shader.
     #[error("the driver rejected shader {name}: {log}")]
     Shader {

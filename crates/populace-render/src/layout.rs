@@ -247,6 +247,17 @@ vertex_struct! {
 }
 
 vertex_struct! {
+    /// A corner of a triangle of the user interface.
+    Corner {
+        /// Position in clip space.
+        position: Float2,
+        uv: Float2,
+        /// sRGB with premultiplied alpha.
+        color: Bytes4,
+    }
+}
+
+vertex_struct! {
     /// Per-instance vertex attributes.
     InstanceData {
         /// First of the three rows of `world_from_model`.

@@ -1,4 +1,4 @@
-//! Windowless rendering of crowds with OpenGL. Meshes are instanced, and skinned in the vertex
+//! Rendering of crowds with OpenGL, without a window or in one. Meshes are instanced, and skinned in the vertex
 //! shader from the matrix palettes that a compute device wrote.
 //!
 //! Spaces and units are those of [`populace_model`]. Pictures are sRGB, top row first. Colours in
@@ -41,8 +41,10 @@ mod sun;
 pub use batch::Drawn;
 pub use camera::Camera;
 pub use error::Error;
+pub use gl::WindowTarget;
 pub use palettes::PaletteInterop;
 pub use renderer::Renderer;
+pub use renderer::interface::{Sheet, SheetCorner, TexturePatch};
 pub use renderer::marks::Marks;
 pub use renderer::passes::PassTimes;
 pub use scene::{Ambient, Ground, Highlights, Preset, Scene, Sky, Sun};

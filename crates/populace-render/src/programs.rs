@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::Error;
 use crate::gl::{Gl, Program};
 use crate::layout::{
-    Contact, Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
+    Contact, Corner, Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
     VertexStruct as _, glsl_inputs,
 };
 use crate::model::{Alpha, Maps};
@@ -41,6 +41,8 @@ pub(crate) enum Kind {
     Sky,
     /// The members' samples, over ground and sky.
     Resolve { samples: u8 },
+    /// The user interface of a window.
+    Interface,
 }
 
 const VERSION: &str = "#version 430 core\n";
@@ -92,6 +94,13 @@ fn sources(kind: Kind) -> [String; 2] {
             [
                 [VERSION, include_str!("shaders/resolve.vert")].concat(),
                 [VERSION, &define, include_str!("shaders/resolve.frag")].concat(),
+            ]
+        }
+        Kind::Interface => {
+            let inputs = glsl_inputs(&[Corner::ATTRIBUTES]);
+            [
+                [VERSION, &inputs, include_str!("shaders/interface.vert")].concat(),
+                [VERSION, include_str!("shaders/interface.frag")].concat(),
             ]
         }
     }

@@ -1,6 +1,7 @@
 //! The renderer: shadow map, members, ground and sky of one frame.
 
 mod constants;
+pub(crate) mod interface;
 pub(crate) mod marks;
 pub(crate) mod passes;
 
@@ -12,9 +13,11 @@ use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 
 use self::constants::{bounding_sphere, frame};
+use self::interface::Interface;
 use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers, VertexArray,
+    WindowTarget,
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::models::Models;
@@ -26,7 +29,8 @@ use crate::{Camera, Error, Scene};
 /// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
 
-/// An OpenGL renderer that draws crowds into a picture in memory.
+/// An OpenGL renderer that draws crowds into a picture in memory, and from there into a window if
+/// it has one.
 ///
 /// A renderer is bound to the thread that created it. One thread can use several renderers in turn.
 pub struct Renderer {
@@ -47,6 +51,8 @@ pub struct Renderer {
     runs: Vec<Run>,
     /// Created on first use.
     marks: Option<MarkTarget>,
+    /// What a window shows besides the picture; created on first use.
+    interface: Option<Interface>,
     gl: Rc<Gl>,
 }
 
@@ -59,7 +65,23 @@ impl Renderer {
     /// [`Error::EmptyPicture`] or [`Error::TooLarge`] for a size out of range; other errors if the
     /// driver fails.
     pub fn headless(size: [u32; 2]) -> Result<Self, Error> {
-        let gl = Gl::headless()?;
+        Self::of(Gl::headless()?, size)
+    }
+
+    /// Creates a renderer for a window, with pictures of `size` pixels (width, height). It keeps
+    /// the window as long as it needs it.
+    ///
+    /// [`draw`](Self::draw) draws the picture, [`compose`](Self::compose) brings it and a user
+    /// interface into the window, and [`present`](Self::present) shows the window.
+    ///
+    /// # Errors
+    ///
+    /// As for [`headless`](Self::headless). Windows of X11 (by Xlib) and of Wayland are known.
+    pub fn in_window(window: Arc<dyn WindowTarget>, size: [u32; 2]) -> Result<Self, Error> {
+        Self::of(Gl::in_window(window, size)?, size)
+    }
+
+    fn of(gl: Rc<Gl>, size: [u32; 2]) -> Result<Self, Error> {
         Ok(Self {
             size,
             picture: PictureTarget::new(&gl, size)?,
@@ -76,8 +98,31 @@ impl Renderer {
             timers: Timers::new(&gl)?,
             runs: Vec::new(),
             marks: None,
+            interface: None,
             gl,
         })
+    }
+
+    /// Changes the size of pictures, in pixels (width, height). The picture is lost.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::EmptyPicture`] or [`Error::TooLarge`] for a size out of range, and errors of the
+    /// driver; the old size stays then.
+    pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
+        self.gl.make_current()?;
+        self.picture = PictureTarget::new(&self.gl, size)?;
+        (self.size, self.marks) = (size, None);
+        if self.shadow.as_ref().is_some_and(|map| u32::from(map.size()) != shadow_size(size)) {
+            self.shadow = None;
+        }
+        Ok(())
+    }
+
+    /// Returns width and height of pictures in pixels.
+    #[must_use]
+    pub fn size(&self) -> [u32; 2] {
+        self.size
     }
 
     /// Returns the driver's name and version, for display.

@@ -11,12 +11,15 @@ use super::values::{Size, height, pixels};
 use crate::camera::View;
 use crate::input::InputArgs;
 
+/// Width and height of a picture in pixels, if none are given.
+const SIZE: [u32; 2] = [1280, 720];
+
 /// Options for drawing a crowd.
 #[derive(Args, Debug)]
 pub(crate) struct PictureArgs {
-    /// Width and height of the picture in pixels
-    #[arg(long, value_name = "WxH", default_value = "1280x720", allow_hyphen_values = true)]
-    pub(crate) size: Size,
+    /// Width and height of the picture in pixels [default: 1280x720]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
+    pub(crate) size: Option<Size>,
     #[command(flatten)]
     pub(crate) film: FilmArgs,
     /// Camera: crowd shows all members, and close one of the nearest, with which it goes; top looks
@@ -78,4 +81,16 @@ pub(crate) struct PictureArgs {
     pub(crate) input: InputArgs,
     #[command(flatten)]
     pub(crate) device: DeviceArgs,
+}
+
+impl PictureArgs {
+    /// Returns width and height of the picture in pixels.
+    pub(crate) fn size(&self) -> [u32; 2] {
+        self.size.map_or(SIZE, |size| size.0)
+    }
+
+    /// Returns the error of levels of detail in pixels; `None` for full detail.
+    pub(crate) fn detail_px(&self) -> Option<f32> {
+        (!self.full_detail).then_some(self.detail)
+    }
 }

@@ -73,6 +73,15 @@ impl Overlays {
         Ok(Self { colours, dyes, people, trail_secs, ids, clock_from_secs })
     }
 
+    /// Returns true if something is drawn over pictures.
+    #[cfg(feature = "viewer")]
+    pub(super) fn draw_something(&self) -> bool {
+        self.colours.is_some()
+            || self.trail_secs.is_some()
+            || self.ids
+            || self.clock_from_secs.is_some()
+    }
+
     /// Dresses the people who are there.
     pub(super) fn dress(
         &self,

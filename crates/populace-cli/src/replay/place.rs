@@ -47,6 +47,12 @@ impl Place {
         !self.parts.is_empty()
     }
 
+    /// Forgets the part that is there, whose member is gone.
+    #[cfg(feature = "viewer")]
+    pub(super) fn forget(&mut self) {
+        self.present = None;
+    }
+
     /// Shows the part of a time in seconds.
     pub(super) fn change(&mut self, crowd: &mut Crowd, secs: f64) -> Result<(), Failure> {
         let next = self.parts.partition_point(|(from, _)| *from <= secs);

@@ -239,3 +239,12 @@ const GLYPHS: &[Entry] = &[
     ),
     ("…", [9, 9], "d 0 1 d 20 1 d 40 1"),
 ];
+
+/// Returns all characters that have a glyph, in their order.
+pub(super) fn letters() -> Vec<char> {
+    let own = GLYPHS.iter().flat_map(|(letters, ..)| letters.chars());
+    let mut letters: Vec<char> = own.chain(marks::letters()).chain([' ', '\u{a0}']).collect();
+    letters.sort_unstable();
+    letters.dedup();
+    letters
+}

@@ -28,3 +28,8 @@ pub(super) fn parts(letter: char) -> Option<(char, &'static str)> {
         Some((plain.chars().nth(at)?, *mark))
     })
 }
+
+/// Returns all letters that have a mark.
+pub(super) fn letters() -> impl Iterator<Item = char> {
+    MARKED.iter().flat_map(|(marked, ..)| marked.chars())
+}

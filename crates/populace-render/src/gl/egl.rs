@@ -1,12 +1,13 @@
-//! Windowless OpenGL contexts, created with EGL.
+//! OpenGL contexts, created with EGL.
 
-use std::ffi::{CStr, c_void};
+use std::ffi::{CStr, c_ulong, c_void};
 use std::fmt;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use khronos_egl as egl;
 use populace_device::{EglHandles, GlContext};
 
+use super::window::{NativeWindow, WindowTarget};
 use crate::Error;
 
 type Egl = egl::DynamicInstance<egl::EGL1_5>;
@@ -23,6 +24,8 @@ pub(crate) struct Context {
     display: egl::Display,
     context: egl::Context,
     surface: Option<egl::Surface>,
+    /// The window whose surface it is. Declared last, since it must outlive the surface.
+    window: Option<NativeWindow>,
 }
 
 impl Context {
@@ -50,19 +53,8 @@ impl Context {
             .choose_first_config(display, &wanted)
             .map_err(failed("eglChooseConfig"))?
             .ok_or("it offers no OpenGL")?;
-        let version = [
-            egl::CONTEXT_MAJOR_VERSION,
-            4,
-            egl::CONTEXT_MINOR_VERSION,
-            3,
-            egl::CONTEXT_OPENGL_PROFILE_MASK,
-            egl::CONTEXT_OPENGL_CORE_PROFILE_BIT,
-            egl::NONE,
-        ];
-        let context = egl
-            .create_context(display, config, None, &version)
-            .map_err(failed("eglCreateContext for OpenGL 4.3"))?;
-        let mut created = Self { egl, display, context, surface: None };
+        let context = create(egl, display, config)?;
+        let mut created = Self { egl, display, context, surface: None, window: None };
         if !has_extension(egl, Some(display), "EGL_KHR_surfaceless_context") {
             let size = [egl::WIDTH, 1, egl::HEIGHT, 1, egl::NONE];
             let surface = egl.create_pbuffer_surface(display, config, &size);
@@ -70,6 +62,63 @@ impl Context {
         }
         created.make_current().map_err(|error| error.to_string())?;
         Ok(created)
+    }
+
+    /// Returns a context that draws into a window of `size` pixels (width, height).
+    pub(super) fn in_window(
+        target: Arc<dyn WindowTarget>,
+        size: [u32; 2],
+    ) -> Result<Self, Error> {
+        let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
+        Self::on_window(egl, target, size).map_err(|cause| no_gl(format!("the window: {cause}")))
+    }
+
+    fn on_window(
+        egl: &'static Egl,
+        target: Arc<dyn WindowTarget>,
+        size: [u32; 2],
+    ) -> Result<Self, String> {
+        let failed = |call: &'static str| move |e: egl::Error| format!("{call} failed, {e}");
+        let mut window = NativeWindow::new(target, size)?;
+        let (platform, native) = window.display();
+        let display = platform_display(egl, platform, native)?;
+        egl.initialize(display).map_err(failed("eglInitialize"))?;
+        egl.bind_api(egl::OPENGL_API).map_err(failed("eglBindAPI"))?;
+        let config = window_config(egl, display, window.visual())?;
+        let context = create(egl, display, config)?;
+        let mut created = Self { egl, display, context, surface: None, window: None };
+        // SAFETY: the display is that of the window's platform, for which EGL 1.5 wants the
+        // pointer that `surface_argument` returns. The window lives until the context is dropped.
+        let surface = unsafe {
+            let native = window.surface_argument();
+            egl.create_platform_window_surface(display, config, native, &[egl::ATTRIB_NONE])
+        };
+        created.surface = Some(surface.map_err(failed("eglCreatePlatformWindowSurface"))?);
+        created.window = Some(window);
+        created.make_current().map_err(|error| error.to_string())?;
+        // Without an interval, frames tear but are shown all the same.
+        let _ = egl.swap_interval(display, 1);
+        Ok(created)
+    }
+
+    /// Returns true if the context draws into a window.
+    pub(super) fn has_window(&self) -> bool {
+        self.window.is_some()
+    }
+
+    /// Tells the window's surface its size in pixels, where it does not know it.
+    pub(super) fn resize_window(&self, size: [u32; 2]) {
+        self.window.iter().for_each(|window| window.resize(size));
+    }
+
+    /// Shows what was drawn into the window. Waits for the screen if it is ahead of it.
+    pub(super) fn swap(&self) -> Result<(), Error> {
+        let (Some(surface), true) = (self.surface, self.has_window()) else {
+            return Err(Error::NoWindow);
+        };
+        self.egl
+            .swap_buffers(self.display, surface)
+            .map_err(|cause| Error::ContextLost { cause: cause.to_string() })
     }
 
     pub(super) fn make_current(&self) -> Result<(), Error> {
@@ -94,11 +143,57 @@ impl Context {
     }
 }
 
+/// Creates a context of OpenGL 4.3 core.
+fn create(
+    egl: &Egl,
+    display: egl::Display,
+    config: egl::Config,
+) -> Result<egl::Context, String> {
+    let version = [
+        egl::CONTEXT_MAJOR_VERSION,
+        4,
+        egl::CONTEXT_MINOR_VERSION,
+        3,
+        egl::CONTEXT_OPENGL_PROFILE_MASK,
+        egl::CONTEXT_OPENGL_CORE_PROFILE_BIT,
+        egl::NONE,
+    ];
+    egl.create_context(display, config, None, &version)
+        .map_err(|e| format!("eglCreateContext for OpenGL 4.3 failed, {e}"))
+}
+
+/// Returns a configuration of a window; the one of its visual if it has one.
+fn window_config(
+    egl: &Egl,
+    display: egl::Display,
+    visual: Option<c_ulong>,
+) -> Result<egl::Config, String> {
+    let wanted = [
+        [egl::SURFACE_TYPE, egl::WINDOW_BIT],
+        [egl::RENDERABLE_TYPE, egl::OPENGL_BIT],
+        [egl::RED_SIZE, 8],
+        [egl::GREEN_SIZE, 8],
+        [egl::BLUE_SIZE, 8],
+    ];
+    let wanted: Vec<egl::Int> = wanted.into_iter().flatten().chain([egl::NONE]).collect();
+    let failed = |e: egl::Error| format!("eglChooseConfig failed, {e}");
+    let count = egl.matching_config_count(display, &wanted).map_err(failed)?;
+    let mut configs = Vec::with_capacity(count);
+    egl.choose_config(display, &wanted, &mut configs).map_err(failed)?;
+    let is_visual = |config: &egl::Config| {
+        let id = egl.get_config_attrib(display, *config, egl::NATIVE_VISUAL_ID);
+        visual.is_some() && id.is_ok_and(|id| c_ulong::try_from(id).ok() == visual)
+    };
+    let found = configs.iter().copied().find(is_visual).or(configs.first().copied());
+    found.ok_or_else(|| "it offers no OpenGL for windows".to_owned())
+}
+
 // SAFETY: EGL functions can be called on every thread (EGL 1.5, section 2.6), with every handle.
 // eglMakeCurrent rejects a context that is current on another thread (section 3.7.3), and
-// eglDestroyContext defers until the context is no longer current (sections 3.2 and 3.7.2).
+// eglDestroyContext defers until the context is no longer current (sections 3.2 and 3.7.2). A window
+// can be sent and shared, as `WindowTarget` demands, and `NativeWindow` never changes.
 unsafe impl Send for Context {}
-// SAFETY: as above; `Context` holds only handles, which never change.
+// SAFETY: as above; `Context` holds only handles, which never change, and the window.
 unsafe impl Sync for Context {}
 
 impl fmt::Debug for Context {

@@ -10,12 +10,14 @@
 
 mod buffer;
 mod egl;
+mod interface;
 mod page;
 mod program;
 mod target;
 mod texture;
 mod timer;
 mod vertex_array;
+mod window;
 
 use std::rc::Rc;
 use std::sync::Arc;
@@ -27,12 +29,14 @@ use populace_device::GlContext;
 use crate::Error;
 
 pub(crate) use buffer::{Buffer, BufferUse};
+pub(crate) use interface::{InterfaceTexture, Triangles, WindowPicture};
 pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
 pub(crate) use target::{MarkTarget, PictureTarget, ShadowTarget};
 pub(crate) use texture::{Coding, Sampling, Texture};
 pub(crate) use timer::Timers;
 pub(crate) use vertex_array::{DrawRange, VertexArray};
+pub use window::WindowTarget;
 
 /// Limits and features of the driver.
 #[derive(Clone, Debug)]
@@ -100,8 +104,21 @@ impl DrawState {
 impl Gl {
     /// Creates a windowless context and loads its functions.
     pub(crate) fn headless() -> Result<Rc<Self>, Error> {
-        let context = Arc::new(egl::Context::headless()?);
-        // SAFETY: `egl::Context::headless` made the context current on this thread. The loader
+        Self::of(egl::Context::headless()?)
+    }
+
+    /// Creates a context that draws into a window of `size` pixels (width, height).
+    pub(crate) fn in_window(
+        target: Arc<dyn WindowTarget>,
+        size: [u32; 2],
+    ) -> Result<Rc<Self>, Error> {
+        Self::of(egl::Context::in_window(target, size)?)
+    }
+
+    /// Loads the functions of a context that is current.
+    fn of(context: egl::Context) -> Result<Rc<Self>, Error> {
+        let context = Arc::new(context);
+        // SAFETY: the functions of `egl::Context` that create one made the context current on this thread. The loader
         // returns addresses of that context's functions, or null, which glow checks before each
         // call.
         let functions =
@@ -127,6 +144,21 @@ impl Gl {
 
     pub(crate) fn driver(&self) -> &str {
         &self.driver
+    }
+
+    /// Returns true if the context draws into a window.
+    pub(crate) fn has_window(&self) -> bool {
+        self.context.has_window()
+    }
+
+    /// Tells the window's surface its size in pixels.
+    pub(crate) fn resize_window(&self, size: [u32; 2]) {
+        self.context.resize_window(size);
+    }
+
+    /// Shows what was drawn into the window.
+    pub(crate) fn swap(&self) -> Result<(), Error> {
+        self.context.swap()
     }
 
     /// Makes the context current on this thread. Each public function of the crate that calls

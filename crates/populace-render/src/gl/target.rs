@@ -226,6 +226,33 @@ impl PictureTarget {
         self.drawn.bind_texture(glow::TEXTURE_2D_MULTISAMPLE, unit);
     }
 
+    /// Copies the picture into the window, byte by byte; its upper left corner comes to `at`, in
+    /// pixels from the upper left corner of the window of `height` pixels.
+    pub(crate) fn copy_to_window(&self, at: [i32; 2], height: u32) {
+        let functions = &self.resolved.gl.functions;
+        let [wide, high] = self.size;
+        let low = i32::try_from(height).unwrap_or(i32::MAX) - at[1] - high;
+        self.resolved.bind(glow::READ_FRAMEBUFFER);
+        // SAFETY: the context is current and has a window, which `Renderer` checks. Without
+        // FRAMEBUFFER_SRGB, colours are neither decoded nor encoded.
+        unsafe {
+            functions.disable(glow::FRAMEBUFFER_SRGB);
+            functions.bind_framebuffer(glow::DRAW_FRAMEBUFFER, None);
+            functions.blit_framebuffer(
+                0,
+                0,
+                wide,
+                high,
+                at[0],
+                low,
+                at[0] + wide,
+                low + high,
+                glow::COLOR_BUFFER_BIT,
+                glow::NEAREST,
+            );
+        }
+    }
+
     /// Reads the picture back, top row first.
     pub(crate) fn read(&self) -> Result<Image, Error> {
         let gl = &self.resolved.gl;
@@ -248,7 +275,7 @@ impl PictureTarget {
 }
 
 /// Reverses the order of rows, since the first row of OpenGL is the lowest.
-fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
+pub(super) fn flip_rows(rgba: &mut [u8], row_bytes: usize) {
     let (upper, lower) = rgba.split_at_mut(rgba.len() / row_bytes / 2 * row_bytes);
     for (a, b) in upper.chunks_exact_mut(row_bytes).zip(lower.chunks_exact_mut(row_bytes).rev()) {
         a.swap_with_slice(b);

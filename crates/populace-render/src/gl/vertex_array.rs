@@ -6,7 +6,9 @@ use glow::HasContext as _;
 
 use super::{Buffer, Gl};
 use crate::Error;
-use crate::layout::{Attribute, Component, Contact, InstanceData, Vertex, VertexStruct};
+use crate::layout::{
+    Attribute, Component, Contact, Corner, InstanceData, Vertex, VertexStruct,
+};
 
 /// Vertex buffer binding points.
 const VERTICES: u32 = 0;
@@ -54,6 +56,11 @@ impl VertexArray {
     pub(crate) fn contacts(gl: &Rc<Gl>) -> Result<Self, Error> {
         let instances = (INSTANCES, InstanceData::ATTRIBUTES);
         Self::with(gl, &[(VERTICES, Contact::ATTRIBUTES), instances])
+    }
+
+    /// Creates the vertex array of the user interface.
+    pub(crate) fn corners(gl: &Rc<Gl>) -> Result<Self, Error> {
+        Self::with(gl, &[(VERTICES, Corner::ATTRIBUTES)])
     }
 
     fn with(gl: &Rc<Gl>, bindings: &[(u32, &'static [Attribute])]) -> Result<Self, Error> {
@@ -122,6 +129,29 @@ impl VertexArray {
     ) {
         self.bind_buffer(VERTICES, vertices);
         self.draw_indexed(indices, instances, range);
+    }
+
+    /// Draws the triangles of a run of indices: the first, and their number. Draws nothing if the
+    /// run ends past the indices. Each index must be less than the number of vertices.
+    pub(crate) fn draw_corners(
+        &self,
+        vertices: &Buffer<Corner>,
+        indices: &Buffer<u32>,
+        [first, count]: [usize; 2],
+    ) {
+        self.bind_buffer(VERTICES, vertices);
+        let bytes = i32::try_from(first * size_of::<u32>());
+        let (Ok(offset), Ok(count)) = (bytes, i32::try_from(count)) else { return };
+        if first + count.unsigned_abs() as usize > indices.len() {
+            return;
+        }
+        // SAFETY: the context is current. The run lies within the indices, and
+        // `renderer/interface.rs` checks that each is less than the number of vertices.
+        unsafe {
+            let functions = &self.gl.functions;
+            functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(indices.raw()));
+            functions.draw_elements(glow::TRIANGLES, count, glow::UNSIGNED_INT, offset);
+        }
     }
 
     /// Makes a buffer the source of the attributes of a binding point.

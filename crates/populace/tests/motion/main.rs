@@ -273,6 +273,22 @@ fn move_before_the_newest_members_ran_keeps_offsets() {
     });
 }
 
+/// A snapshot from before the first frame holds no motion.
+#[test]
+fn restored_members_begin_where_they_were_placed() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        let member = walker(scene, walk);
+        let start = scene.crowd.snapshot().expect("a snapshot");
+        for secs in [0.0, 0.5, 0.25] {
+            scene.crowd.restore(&start).expect("its own snapshot");
+            scene.update(secs);
+            let z = scene.edit(member).moved_placement().expect("a member").position()[2];
+            assert!((z - secs).abs() < 1e-4, "{z} after {secs} s");
+        }
+    });
+}
+
 #[test]
 fn motion_of_a_walk_in_place_comes_from_its_feet() {
     let skeleton = character().skeleton.clone();

@@ -1,0 +1,69 @@
+//! The arguments of `populace view`.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::film::FilmArgs;
+use super::picture::PictureArgs;
+use super::trajectories::TrajectoryArgs;
+use crate::failure::Failure;
+use populace_film::Encoder;
+
+/// Options of films and pictures, which mean nothing in a window.
+const FILM_OPTIONS: [&str; 6] =
+    ["frames", "skip_existing", "encoder", "shutter", "images", "no_draw"];
+
+#[derive(Args, Debug)]
+pub(crate) struct ViewArgs {
+    /// Characters, built-in people or a trajectory file, as for `populace render` [default: @people]
+    #[arg(value_name = "FILE")]
+    pub(crate) inputs: Vec<PathBuf>,
+    /// More characters: files, folders with glTF files, or built-in people
+    #[arg(long, value_name = "PATH", num_args = 1..)]
+    pub(crate) cast: Vec<PathBuf>,
+    /// Number of members of the crowd [default: 200]
+    #[arg(
+        long,
+        value_name = "N",
+        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
+    )]
+    pub(crate) members: Option<u32>,
+    /// File with lines such as \"at 0.5 click 300 200\" that drive the window
+    #[arg(long, value_name = "FILE")]
+    pub(crate) script: Option<PathBuf>,
+    /// Path of films that are recorded; a number is added to the name
+    #[arg(long, value_name = "FILE", default_value = "populace.mp4")]
+    pub(crate) film: PathBuf,
+    #[command(flatten)]
+    pub(crate) trajectory: TrajectoryArgs,
+    #[command(flatten)]
+    pub(crate) picture: PictureArgs,
+}
+
+impl ViewArgs {
+    /// Refuses options that mean nothing in a window.
+    pub(crate) fn refuse_films(&self) -> Result<(), Failure> {
+        let FilmArgs { frames, skip_existing, encoder, shutter, images, .. } = &self.picture.film;
+        let is_given = frames.is_some()
+            || *skip_existing
+            || *encoder != Encoder::OpenH264
+            || *shutter != 0.0
+            || !images.is_empty()
+            || self.trajectory.no_draw;
+        if is_given {
+            return Err(Failure::usage(
+                "--frames, --skip-existing, --encoder, --shutter, --images and --no-draw have no \
+                 meaning in a window; `populace render` takes them",
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Hides the options of films from the help.
+pub(super) fn without_films(command: clap::Command) -> clap::Command {
+    FILM_OPTIONS.into_iter().fold(command, |command, name| {
+        command.mut_arg(name, |arg| arg.hide(true))
+    })
+}

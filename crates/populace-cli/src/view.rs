@@ -1,0 +1,219 @@
+//! What `populace view` shows: the crowds of `populace render`, for the window to play.
+
+use std::path::PathBuf;
+
+use populace::character::Image;
+use populace::{Crowd, CrowdBuilder, MemberId};
+use populace_film::FrameRate;
+use populace_render::{Camera, Renderer, Scene};
+use populace_viewer::{Opened, Opener, Show, ShowError, Wish};
+
+use crate::cli::ViewArgs;
+use crate::crowd_renderer::{connect, devices_and_shares};
+use crate::draw::CrowdPlan;
+use crate::failure::Failure;
+use crate::filming::{build_crowd, scene};
+use crate::frame_loop::Action;
+use crate::replay::ReplayJob;
+use crate::report::{counted, message};
+use crate::roles::CrowdRole;
+use crate::trajectory;
+
+/// Members of a crowd unless set.
+const MEMBERS: u32 = 200;
+/// Frames per second of a crowd unless set.
+const FPS: u32 = 30;
+/// Clips that a member can play at the same time.
+const SLOTS: usize = 6;
+
+/// An action that can be watched in a window.
+pub(crate) trait Watched: Action {
+    /// Returns to the time before frame 0. The crowd has been brought back to it.
+    fn rewind(&mut self);
+
+    /// Returns true if it places its members in each frame.
+    fn leads_members(&self) -> bool;
+
+    /// Returns true if it draws over pictures.
+    fn has_overlay(&self) -> bool {
+        false
+    }
+}
+
+/// A crowd that is ready to be watched.
+pub(crate) struct Staged {
+    pub(crate) crowd: Crowd,
+    pub(crate) action: Box<dyn Watched>,
+    pub(crate) roles: Vec<CrowdRole>,
+    pub(crate) scene: Scene,
+    pub(crate) rate: FrameRate,
+    /// `None` if it goes on for ever.
+    pub(crate) length_secs: Option<f64>,
+}
+
+/// Opens what the command line names, and files that are dropped on the window.
+pub(crate) struct CommandLine<'a>(pub(crate) &'a ViewArgs);
+
+impl CommandLine<'_> {
+    fn stage(&self, wish: &Wish, renderer: &Renderer) -> Result<(Staged, String), Failure> {
+        let args = self.0;
+        let people = || vec![PathBuf::from("@people")];
+        let mut inputs = match &wish.dropped {
+            Some(file) => vec![file.clone()],
+            None => args.inputs.clone(),
+        };
+        let film = inputs.iter().position(|input| trajectory::is_trajectory(input));
+        let devices = wish.devices.clone().or_else(|| args.picture.device.device.clone());
+        let builder = Crowd::builder()
+            .split(args.picture.device.split.clone())
+            .schedule(wish.schedule.unwrap_or(args.picture.device.schedule))
+            .for_gl(renderer.gl_context());
+        let builder = devices.into_iter().fold(builder, CrowdBuilder::devices);
+        let is_dropped = wish.dropped.is_some();
+        if let Some(at) = film {
+            let file = inputs.remove(at);
+            let staged = self.replay(&file, inputs, builder)?;
+            return Ok((staged, name_of(&file)));
+        }
+        if !is_dropped {
+            args.trajectory.read.refuse_unused()?;
+            args.trajectory.overlay.refuse_unused()?;
+            inputs.extend(args.cast.iter().cloned());
+        }
+        let inputs = if inputs.is_empty() { people() } else { inputs };
+        let title = inputs.iter().map(|input| name_of(input)).collect::<Vec<_>>().join(", ");
+        let members = wish.members.or(args.members).unwrap_or(MEMBERS);
+        Ok((self.crowd(&inputs, members, builder)?, title))
+    }
+
+    fn replay(
+        &self,
+        file: &PathBuf,
+        mut cast: Vec<PathBuf>,
+        builder: CrowdBuilder,
+    ) -> Result<Staged, Failure> {
+        let args = self.0;
+        if let Some(other) = cast.iter().find(|input| trajectory::is_trajectory(input)) {
+            return Err(Failure::usage(format!(
+                "{} and {} are both trajectory files; give one",
+                file.display(),
+                other.display()
+            )));
+        }
+        cast.extend(args.cast.iter().cloned());
+        let job = ReplayJob {
+            file,
+            cast: &cast,
+            out: None,
+            read: &args.trajectory.read,
+            overlay: &args.trajectory.overlay,
+            picture: &args.picture,
+        };
+        job.stage(builder, SLOTS)
+    }
+
+    fn crowd(
+        &self,
+        inputs: &[PathBuf],
+        members: u32,
+        builder: CrowdBuilder,
+    ) -> Result<Staged, Failure> {
+        let args = &self.0.picture;
+        let mut crowd = build_crowd(builder.capacity(members as usize).slots_per_member(SLOTS))?;
+        let plan = CrowdPlan { inputs, members, args };
+        let (loaded, action) = plan.stage(&mut crowd, (0.0, true))?;
+        let devices = devices_and_shares(&crowd);
+        let schedule = crowd.device_info().schedule;
+        message!("{} on {devices}, {schedule}", counted(crowd.member_count(), "member"));
+        let rate = args.film.fps.map_or_else(|| FrameRate::new(FPS, 1), Ok)?;
+        Ok(Staged {
+            crowd,
+            action: Box::new(action),
+            roles: loaded.roles,
+            scene: scene(args),
+            rate,
+            length_secs: None,
+        })
+    }
+}
+
+impl Opener for CommandLine<'_> {
+    fn open(&mut self, wish: &Wish, renderer: &mut Renderer) -> Result<Opened, ShowError> {
+        let (staged, title) = self.stage(wish, renderer)?;
+        let Staged { mut crowd, action, roles, scene, rate, length_secs } = staged;
+        let hide = &self.0.picture.hide;
+        connect(renderer, &mut crowd, &roles, hide)?;
+        let detail_px = self.0.picture.detail_px();
+        let show = ActionShow { action, title, scene, rate, length_secs, detail_px };
+        Ok(Opened { crowd, show: Box::new(show) })
+    }
+}
+
+/// Returns the name of an input without its folder.
+fn name_of(input: &std::path::Path) -> String {
+    input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// An action as the window plays it.
+struct ActionShow {
+    action: Box<dyn Watched>,
+    title: String,
+    scene: Scene,
+    rate: FrameRate,
+    length_secs: Option<f64>,
+    detail_px: Option<f32>,
+}
+
+impl Show for ActionShow {
+    fn title(&self) -> String {
+        self.title.clone()
+    }
+
+    fn rate(&self) -> FrameRate {
+        self.rate
+    }
+
+    fn length_secs(&self) -> Option<f64> {
+        self.length_secs
+    }
+
+    fn scene(&self) -> Scene {
+        self.scene
+    }
+
+    fn detail_px(&self) -> Option<f32> {
+        self.detail_px
+    }
+
+    fn set_aspect(&mut self, aspect: f32) -> Result<(), ShowError> {
+        Ok(self.action.set_aspect(aspect)?)
+    }
+
+    fn camera(&self, secs: f64) -> Result<Camera, ShowError> {
+        Ok(self.action.camera(secs)?)
+    }
+
+    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
+        Ok(self.action.advance(crowd, secs)?)
+    }
+
+    fn rewind(&mut self) {
+        self.action.rewind();
+    }
+
+    fn has_overlay(&self) -> bool {
+        self.action.has_overlay()
+    }
+
+    fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), ShowError> {
+        Ok(self.action.overlay(picture, camera)?)
+    }
+
+    fn person(&self, member: MemberId) -> Option<u64> {
+        self.action.person(member)
+    }
+
+    fn leads_members(&self) -> bool {
+        self.action.leads_members()
+    }
+}

@@ -1,0 +1,292 @@
+//! The crowd of a show on its way through time, and what people do to it.
+
+use std::time::Instant;
+
+use glam::Vec3;
+use populace::{Crowd, MemberId, Placement, Snapshot};
+use populace_film::FrameRate;
+use populace_render::{Camera, Scene};
+
+use crate::Error;
+use crate::camera::Followed;
+use crate::falls::Falls;
+use crate::show::{Opened, Show, ShowError};
+use crate::you::{Steering, You};
+
+/// Longest time that a replay may take before a picture is drawn, in milliseconds.
+const REPLAY_MS: f64 = 60.0;
+/// Times that are nearer to each other are the same, in seconds.
+const SAME_SECS: f64 = 1e-9;
+/// How far beside the camera's target a visitor appears, in metres.
+const BESIDE_M: f32 = 0.9;
+
+/// The view that a frame is evaluated for.
+pub(crate) struct Seen<'a> {
+    /// Returns the camera at a time, from the camera of the show at that time.
+    pub(crate) camera: &'a dyn Fn(&Camera) -> Camera,
+    /// Width and height of the picture in pixels.
+    pub(crate) size: [u32; 2],
+}
+
+/// A crowd and its show.
+pub(crate) struct Stage {
+    pub(crate) crowd: Crowd,
+    pub(crate) show: Box<dyn Show>,
+    pub(crate) falls: Falls,
+    you: Option<You>,
+    start: Snapshot,
+    scene: Scene,
+    secs: f64,
+    /// Number of the frame whose time it is, if all steps since the beginning went from frame to
+    /// frame.
+    frame: Option<u32>,
+    /// Where a replay goes that has not arrived.
+    target_secs: Option<f64>,
+    /// Milliseconds of the last step.
+    animate_ms: f64,
+}
+
+impl Stage {
+    /// Evaluates the beginning of a show.
+    pub(crate) fn new(opened: Opened, seen: &Seen<'_>) -> Result<Self, Error> {
+        let Opened { mut crowd, show } = opened;
+        let start = crowd.snapshot()?;
+        let scene = show.scene();
+        let floor_m = scene.ground.map_or(0.0, |ground| ground.height_m.max(0.0));
+        let falls = Falls::new(floor_m).map_err(|e| Error::Show(e.into()))?;
+        let mut stage = Self {
+            crowd,
+            show,
+            falls,
+            you: None,
+            start,
+            scene,
+            secs: 0.0,
+            frame: None,
+            target_secs: None,
+            animate_ms: 0.0,
+        };
+        stage.begin(seen)?;
+        Ok(stage)
+    }
+
+    pub(crate) fn secs(&self) -> f64 {
+        self.secs
+    }
+
+    pub(crate) fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    pub(crate) fn rate(&self) -> FrameRate {
+        self.show.rate()
+    }
+
+    pub(crate) fn animate_ms(&self) -> f64 {
+        self.animate_ms
+    }
+
+    /// Returns the time that a replay goes to, if it has not arrived.
+    pub(crate) fn target_secs(&self) -> Option<f64> {
+        self.target_secs
+    }
+
+    pub(crate) fn you(&self) -> Option<MemberId> {
+        self.you.as_ref().map(You::member)
+    }
+
+    /// Returns how far the driven member is from where it was taken over, in metres; 0 without one.
+    pub(crate) fn walked_m(&self) -> f32 {
+        let Some(you) = &self.you else { return 0.0 };
+        let at = self.crowd.member(you.member()).map(|view| view.placement().position());
+        at.map_or(0.0, |at| Vec3::from(at).distance(Vec3::from(you.began_at())))
+    }
+
+    /// Returns the camera of the show at the present time.
+    pub(crate) fn shown_camera(&self) -> Result<Camera, Error> {
+        self.show.camera(self.secs).map_err(Error::Show)
+    }
+
+    /// Evaluates frame 0.
+    fn begin(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
+        self.look(0.0, seen)?;
+        self.show.advance(&mut self.crowd, 0.0).map_err(Error::Show)?;
+        (self.secs, self.frame) = (0.0, Some(0));
+        Ok(())
+    }
+
+    /// Sets the view that the crowd is evaluated for.
+    fn look(&mut self, secs: f64, seen: &Seen<'_>) -> Result<(), Error> {
+        if let Some(detail_px) = self.show.detail_px() {
+            let camera = (seen.camera)(&self.show.camera(secs).map_err(Error::Show)?);
+            self.crowd.set_view(Some(camera.view(seen.size, &self.scene, detail_px)?))?;
+        }
+        Ok(())
+    }
+
+    /// Goes on to a later time in one step.
+    fn step(&mut self, secs: f64, steering: Steering, seen: &Seen<'_>) -> Result<(), Error> {
+        let start = Instant::now();
+        self.look(secs, seen)?;
+        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32")]
+        let step_secs = (secs - self.secs) as f32;
+        if let Some(you) = self.you.as_mut().filter(|you| !self.falls.is_down(you.member())) {
+            let steered = you.step(&mut self.crowd, steering, step_secs);
+            steered.map_err(|e| Error::Show(e.into()))?;
+        }
+        self.falls.step(&mut self.crowd, step_secs).map_err(|e| Error::Show(e.into()))?;
+        self.show.advance(&mut self.crowd, step_secs).map_err(Error::Show)?;
+        self.crowd.finish()?;
+        self.secs = secs;
+        self.animate_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
+    }
+
+    /// Plays on by a time in seconds, until the end of the show. Returns false at its end.
+    pub(crate) fn play(
+        &mut self,
+        secs: f64,
+        steering: Steering,
+        seen: &Seen<'_>,
+    ) -> Result<bool, Error> {
+        let end_secs = self.show.length_secs().unwrap_or(f64::INFINITY);
+        let next_secs = (self.secs + secs).min(end_secs);
+        if next_secs <= self.secs + SAME_SECS {
+            return Ok(secs <= 0.0);
+        }
+        match self.next_frame() {
+            Some((frame, at)) if (at - next_secs).abs() < SAME_SECS => {
+                self.step(at, steering, seen)?;
+                self.frame = Some(frame);
+            }
+            _ => {
+                self.step(next_secs, steering, seen)?;
+                self.frame = None;
+            }
+        }
+        Ok(next_secs < end_secs)
+    }
+
+    /// Returns number and time of the next frame, if it is known which one this is.
+    fn next_frame(&self) -> Option<(u32, f64)> {
+        let next = self.frame?.checked_add(1)?;
+        Some((next, self.rate().secs(next)))
+    }
+
+    /// Evaluates the present time again, for changes that are seen in a pause.
+    pub(crate) fn refresh(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
+        self.look(self.secs, seen)?;
+        self.crowd.update(0.0)?;
+        self.crowd.finish()?;
+        Ok(())
+    }
+
+    /// Begins to replay to a time: frame by frame, as films are made. What people did to the crowd
+    /// is undone if the time is an earlier one.
+    pub(crate) fn seek(&mut self, secs: f64) -> Result<(), Error> {
+        let end_secs = self.show.length_secs().unwrap_or(f64::INFINITY);
+        let secs = secs.clamp(0.0, end_secs);
+        if self.frame.is_none() || secs < self.secs - SAME_SECS {
+            self.rewind()?;
+        }
+        self.target_secs = Some(secs);
+        Ok(())
+    }
+
+    /// Returns to the time before frame 0.
+    fn rewind(&mut self) -> Result<(), Error> {
+        self.you = None;
+        let floor_m = self.scene.ground.map_or(0.0, |ground| ground.height_m.max(0.0));
+        self.falls = Falls::new(floor_m).map_err(|e| Error::Show(e.into()))?;
+        self.crowd.restore(&self.start)?;
+        self.show.rewind();
+        (self.secs, self.frame) = (-1.0, None);
+        Ok(())
+    }
+
+    /// Goes on with a replay for a while. Returns true if there is none, or if it has arrived.
+    pub(crate) fn replay(&mut self, seen: &Seen<'_>) -> Result<bool, Error> {
+        let Some(target_secs) = self.target_secs else { return Ok(true) };
+        let start = Instant::now();
+        if self.secs < 0.0 {
+            self.begin(seen)?;
+        }
+        while self.secs < target_secs - SAME_SECS {
+            match self.next_frame().filter(|(_, at)| *at <= target_secs + SAME_SECS) {
+                Some((frame, at)) => {
+                    self.step(at, Steering::default(), seen)?;
+                    self.frame = Some(frame);
+                }
+                None => {
+                    self.step(target_secs, Steering::default(), seen)?;
+                    self.frame = None;
+                }
+            }
+            if start.elapsed().as_secs_f64() * 1e3 > REPLAY_MS {
+                return Ok(false);
+            }
+        }
+        self.target_secs = None;
+        Ok(true)
+    }
+
+    /// Returns the time of the frame before or after the present time in seconds.
+    pub(crate) fn neighbour_secs(&self, later: bool) -> f64 {
+        let place = self.secs * self.rate().per_sec();
+        let frame = if later { (place + 1e-6).floor() + 1.0 } else { (place - 1e-6).ceil() - 1.0 };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "at least 0, and floats saturate"
+        )]
+        let frame = frame.max(0.0) as u32;
+        self.rate().secs(frame)
+    }
+
+    /// Lets the keyboard drive a member; a visitor beside it if the show leads its members. Returns
+    /// the member.
+    pub(crate) fn drive(&mut self, member: MemberId) -> Result<MemberId, ShowError> {
+        self.you = None;
+        let member =
+            if self.show.leads_members() { self.visitor(member)? } else { member };
+        self.you = Some(You::new(&mut self.crowd, member)?);
+        Ok(member)
+    }
+
+    /// Lets go of the member that the keyboard drives. It stands.
+    pub(crate) fn leave(&mut self) {
+        self.you = None;
+    }
+
+    /// Spawns a person that looks like a member, at its side.
+    fn visitor(&mut self, member: MemberId) -> Result<MemberId, populace::Error> {
+        let view = self.crowd.member(member)?;
+        let (character, look, at) = (view.character(), view.look(), view.placement());
+        let side = at.world_from_model().transform_point([BESIDE_M / at.scale(), 0.0, 0.0]);
+        let placement = Placement::at(side).facing(at.yaw_rad()).scaled(at.scale());
+        let visitor = self.crowd.spawn(character, placement)?;
+        self.crowd.member_mut(visitor)?.set_look(look);
+        Ok(visitor)
+    }
+
+    /// Returns where a member is; `None` for one that is gone.
+    pub(crate) fn followed(&mut self, member: MemberId) -> Option<Followed> {
+        let character = self.crowd.member(member).ok()?.character();
+        let height_m = self.crowd.character(character).ok()?.asset().height_m();
+        let placement = self.placement(member)?;
+        Some(Followed {
+            feet: Vec3::from(placement.position()),
+            yaw_rad: placement.yaw_rad(),
+            height_m: (height_m * placement.scale()).max(0.1),
+        })
+    }
+
+    /// Returns the placement to which a member has moved; `None` for one that is gone.
+    pub(crate) fn placement(&mut self, member: MemberId) -> Option<Placement> {
+        let mut view = self.crowd.member_mut(member).ok()?;
+        if view.has_root_motion() {
+            return view.moved_placement().ok();
+        }
+        Some(view.placement())
+    }
+}

@@ -1,0 +1,586 @@
+//! A frame of the window: input, panels, crowd, picture.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use egui::{CentralPanel, Context, Event, Frame as Border, Key, Modifiers, RawInput, Rect, Ui};
+use populace::Devices;
+use populace::character::Image;
+use populace_render::{Camera, PassTimes, Renderer, TexturePatch};
+
+use crate::Error;
+use crate::aims::Aims;
+use crate::camera::Mode;
+use crate::desk::{Command, Desk, Page, Times};
+use crate::film::Recording;
+use crate::keys::Held;
+use crate::layout::Layout;
+use crate::marks::{self, Sight};
+use crate::paint::{self, Frame};
+use crate::panels;
+use crate::pick::{self, Ray};
+use crate::show::{Opener, ShowError, Wish};
+use crate::stage::{Seen, Stage};
+use crate::theme::{self, PANEL};
+
+/// What happened since the last frame.
+#[derive(Default)]
+pub(crate) struct Input {
+    pub(crate) events: Vec<Event>,
+    pub(crate) modifiers: Modifiers,
+    pub(crate) dropped: Vec<PathBuf>,
+    /// Seconds that have passed in the window.
+    pub(crate) secs: f64,
+    /// Milliseconds since the last frame by the clock on the wall.
+    pub(crate) wall_ms: f64,
+    /// True if exactly one frame of the show passes instead while it plays.
+    pub(crate) one_frame: bool,
+}
+
+/// A window's contents.
+pub(crate) struct Viewer<'a> {
+    context: Context,
+    pub(crate) renderer: Renderer,
+    pub(crate) stage: Stage,
+    pub(crate) desk: Desk,
+    opener: Box<dyn Opener + 'a>,
+    wish: Wish,
+    held: Held,
+    film: Option<Recording>,
+    film_path: PathBuf,
+    /// Width and height of the window in pixels, and pixels of a point.
+    window: [u32; 2],
+    scale: f32,
+    now_secs: f64,
+    /// The place of the picture in points.
+    rect: Rect,
+    /// Camera of the last picture; `None` if it must be drawn anew.
+    drawn: Option<Camera>,
+    /// Width over height of the pictures that the show was told; `None` for a new show.
+    aspect: Option<f32>,
+    /// The last picture with what the show drew over it.
+    over: Option<Image>,
+    cursor: egui::CursorIcon,
+}
+
+impl<'a> Viewer<'a> {
+    /// Opens the first show.
+    pub(crate) fn new(
+        mut renderer: Renderer,
+        mut opener: Box<dyn Opener + 'a>,
+        (layout, film_path): (Layout, PathBuf),
+        (window, scale): ([u32; 2], f32),
+    ) -> Result<Self, Error> {
+        let context = Context::default();
+        theme::apply(&context);
+        context.options_mut(|options| options.max_passes = 1.try_into().unwrap_or(options.max_passes));
+        let wish = Wish::default();
+        let stage = open(&mut *opener, &wish, &mut renderer)?;
+        let mut desk = Desk::default();
+        desk.layout = layout;
+        desk.members = u32::try_from(stage.crowd.member_count()).unwrap_or(u32::MAX);
+        let devices = populace::devices().into_iter().filter_map(|report| report.device);
+        desk.devices = devices.map(|device| device.to_string()).collect();
+        desk.say("Press ? for keys and mouse", 0.0);
+        let rect = Rect::NOTHING;
+        let (held, film, drawn) = (Held::default(), None, None);
+        Ok(Self {
+            context,
+            renderer,
+            stage,
+            desk,
+            opener,
+            wish,
+            held,
+            film,
+            film_path,
+            window,
+            scale,
+            now_secs: 0.0,
+            rect,
+            drawn,
+            aspect: None,
+            over: None,
+            cursor: egui::CursorIcon::Default,
+        })
+    }
+
+    pub(crate) fn context(&self) -> &Context {
+        &self.context
+    }
+
+    pub(crate) fn window(&self) -> [u32; 2] {
+        self.window
+    }
+
+    /// Changes the size of the window in pixels, and the pixels of a point.
+    pub(crate) fn resize(&mut self, window: [u32; 2], scale: f32) {
+        (self.window, self.scale) = (window, scale);
+        #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
+        let [width, height] = window.map(|side| side as f32 / scale);
+        (self.desk.layout.width, self.desk.layout.height) = (width, height);
+    }
+
+    /// Forgets the keys that are held.
+    pub(crate) fn leave(&mut self) {
+        self.held.clear();
+    }
+
+    /// Returns true if the next frame differs from the last one without any input.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.desk.clock.plays
+            || self.stage.target_secs().is_some()
+            || self.held.moves()
+            || self.context.has_requested_repaint()
+    }
+
+    /// Makes a frame. It is shown by [`Renderer::present`].
+    pub(crate) fn frame(&mut self, mut input: Input) -> Result<(), Error> {
+        let start = Instant::now();
+        self.now_secs += input.secs;
+        if let Some(path) = input.dropped.pop() {
+            let wish = Wish { dropped: Some(path), ..self.wish.clone() };
+            self.reopen(Wish { members: None, ..wish });
+        }
+        let is_typing = self.context.wants_keyboard_input();
+        let pressed = self.held.take(&mut input.events, input.modifiers, is_typing);
+        pressed.into_iter().for_each(|key| self.press(key));
+        let raw = self.raw_input(&mut input);
+        let context = self.context.clone();
+        let mut result = Ok(false);
+        let mut panels_ms = 0.0;
+        let output = context.run(raw, |context| {
+            self.rect = panels::lay_out(context, &mut self.stage, &mut self.desk);
+            panels_ms = start.elapsed().as_secs_f64() * 1e3;
+            CentralPanel::default().frame(Border::NONE).show(context, |ui| {
+                self.touch(ui, input.secs);
+                result = self.advance(&input).inspect(|_| self.mark(ui));
+            });
+        });
+        let animated = result?;
+        self.cursor = output.platform_output.cursor_icon;
+        let draw_start = Instant::now();
+        let passes = self.draw()?;
+        let place = self.place();
+        paint::paint(&mut self.renderer, &context, output, &place)?;
+        let draw = draw_start.elapsed().as_secs_f64() * 1e3;
+        let animate = if animated { self.stage.animate_ms() } else { 0.0 };
+        let whole = input.wall_ms;
+        self.desk.add_times(Times { whole, animate, draw, panels: panels_ms, passes });
+        Ok(())
+    }
+
+    fn raw_input(&self, input: &mut Input) -> RawInput {
+        #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
+        let [width, height] = self.window.map(|side| side as f32 / self.scale);
+        let mut raw = RawInput {
+            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height))),
+            time: Some(self.now_secs),
+            modifiers: input.modifiers,
+            events: std::mem::take(&mut input.events),
+            focused: true,
+            ..RawInput::default()
+        };
+        if let Some(viewport) = raw.viewports.get_mut(&raw.viewport_id) {
+            viewport.native_pixels_per_point = Some(self.scale);
+        }
+        raw
+    }
+
+    /// Returns the place of the picture in pixels: left, top, width and height.
+    fn pixels(&self) -> ([i32; 2], [u32; 2]) {
+        #[expect(clippy::cast_possible_truncation, reason = "floats saturate")]
+        let pixel = |points: f32| (points * self.scale).round() as i32;
+        let rect = self.rect;
+        let [left, top, right, bottom] =
+            [rect.min.x, rect.min.y, rect.max.x, rect.max.y].map(pixel);
+        let side = |low: i32, high: i32| high.saturating_sub(low).max(1).unsigned_abs();
+        ([left, top], [side(left, right), side(top, bottom)])
+    }
+
+    fn place(&self) -> Frame {
+        let margin = [PANEL.r(), PANEL.g(), PANEL.b()].map(|byte| f32::from(byte) / 255.0);
+        let (at, size) = self.pixels();
+        Frame { window: self.window, at, size, margin }
+    }
+
+    /// Returns the camera of the picture.
+    fn camera(&self) -> Result<Camera, Error> {
+        Ok(self.desk.rig.camera(&self.stage.shown_camera()?))
+    }
+
+    /// Moves the camera and picks members by the mouse.
+    fn touch(&mut self, ui: &mut Ui, secs: f64) {
+        let response = ui.allocate_rect(self.rect, egui::Sense::click_and_drag());
+        let Ok(shown) = self.stage.shown_camera() else { return };
+        let (shift, wheel) = ui.input(|i| (i.modifiers.shift, i.raw_scroll_delta.y));
+        let by = response.drag_delta() / self.rect.height().max(1.0);
+        let by = [by.x, by.y];
+        let rig = &mut self.desk.rig;
+        let [left, middle, right] = [
+            egui::PointerButton::Primary,
+            egui::PointerButton::Middle,
+            egui::PointerButton::Secondary,
+        ]
+        .map(|button| response.dragged_by(button));
+        if right {
+            rig.set_mode(Mode::Fly, &shown);
+            rig.turn(by, &shown);
+        } else if middle || left && shift {
+            rig.pan(by, &shown);
+        } else if left {
+            rig.turn(by, &shown);
+        }
+        if response.contains_pointer() && wheel != 0.0 {
+            rig.zoom(wheel / 40.0, &shown);
+        }
+        let flight = self.held.flight();
+        if flight != [0.0; 3] && (rig.mode() == Mode::Fly || self.stage.you().is_none()) {
+            #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
+            let secs = secs as f32;
+            rig.fly(flight.map(|speed| speed * secs), &shown);
+        }
+        if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            let at = at - self.rect.min;
+            let ray = Ray::new(&rig.camera(&shown), at.into(), self.rect.size().into());
+            self.desk.picked = ray.and_then(|ray| pick::pick(&mut self.stage, &ray));
+            if self.desk.picked.is_some() {
+                self.desk.page = Page::Member;
+            }
+        }
+    }
+
+    /// Does what the panels wished for, and lets time pass. Returns true if the crowd was
+    /// evaluated.
+    fn advance(&mut self, input: &Input) -> Result<bool, Error> {
+        self.fit()?;
+        let mut refresh = false;
+        for command in std::mem::take(&mut self.desk.commands) {
+            refresh |= command == Command::Refresh;
+            self.carry_out(command)?;
+        }
+        self.aim();
+        let frame_secs = 1.0 / self.stage.rate().per_sec();
+        let secs = match input.one_frame || self.film.is_some() {
+            true if self.desk.clock.plays => frame_secs,
+            true => 0.0,
+            false => self.desk.clock.passed_secs(input.secs),
+        };
+        let rig = self.desk.rig;
+        let seen = Seen { camera: &|shown| rig.camera(shown), size: self.pixels().1 };
+        let mut animated = false;
+        if self.stage.target_secs().is_some() {
+            self.stage.replay(&seen)?;
+            animated = true;
+        } else if secs > 0.0 {
+            if !self.stage.play(secs, self.held.steering(), &seen)? {
+                self.desk.clock.plays = false;
+            }
+            animated = true;
+        } else if refresh || self.drawn != Some(self.camera()?) {
+            // A camera that has moved sees other members, in other detail.
+            self.stage.refresh(&seen)?;
+            animated = true;
+        }
+        self.follow(input.secs);
+        if animated {
+            self.drawn = None;
+        }
+        Ok(animated)
+    }
+
+    /// Sets the targets of members where they are now.
+    fn aim(&mut self) {
+        let mut error = None;
+        for (member, edits) in &self.desk.edits {
+            if edits.aims == Aims::default() {
+                continue;
+            }
+            if let Some(placement) = self.stage.placement(*member) {
+                let applied = edits.aims.apply(&mut self.stage.crowd, *member, &placement);
+                error = error.or(applied.err());
+            }
+        }
+        if let Some(error) = error {
+            self.desk.say(error.to_string(), self.now_secs);
+        }
+    }
+
+    /// Brings the camera up with the member that it follows.
+    fn follow(&mut self, secs: f64) {
+        if self.desk.rig.mode() != Mode::Follow {
+            return;
+        }
+        let member = self.stage.you().or(self.desk.picked);
+        if let Some(followed) = member.and_then(|member| self.stage.followed(member)) {
+            #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
+            self.desk.rig.follow(&followed, secs as f32);
+        }
+    }
+
+    /// Gives the picture the size of its place.
+    fn fit(&mut self) -> Result<(), Error> {
+        let (_, size) = self.pixels();
+        if size != self.renderer.size() {
+            self.renderer.resize(size)?;
+            self.drawn = None;
+            self.end_film();
+        }
+        #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
+        let [width, height] = size.map(|side| side as f32);
+        if self.aspect.replace(width / height) == Some(width / height) {
+            return Ok(());
+        }
+        self.stage.show.set_aspect(width / height).map_err(Error::Show)
+    }
+
+    fn carry_out(&mut self, command: Command) -> Result<(), Error> {
+        match command {
+            Command::Seek(secs) => self.stage.seek(secs)?,
+            Command::Step { later } => {
+                self.desk.clock.plays = false;
+                let secs = self.stage.neighbour_secs(later);
+                self.stage.seek(secs)?;
+            }
+            Command::Refresh => {}
+            Command::Frame(member) => {
+                if let (Some(at), Ok(shown)) =
+                    (self.stage.followed(member), self.stage.shown_camera())
+                {
+                    let center = at.feet + glam::Vec3::Y * 0.5 * at.height_m;
+                    self.desk.rig.frame(center, 0.6 * at.height_m, &shown);
+                }
+            }
+            Command::Follow(member) => {
+                if let (Some(at), Ok(shown)) =
+                    (self.stage.followed(member), self.stage.shown_camera())
+                {
+                    self.desk.rig.begin_to_follow(&at, &shown);
+                }
+            }
+            Command::Drive(member) => self.drive(member),
+            Command::Fall(member) => {
+                let yaw_rad = self.desk.rig.yaw_rad();
+                #[expect(clippy::disallowed_methods, reason = "a shove of the host alone")]
+                let away = [yaw_rad.sin(), yaw_rad.cos()];
+                let result = self.stage.falls.fall(&self.stage.crowd, member, away);
+                self.say_error(result.map_err(Into::into));
+                self.desk.clock.plays = true;
+            }
+            Command::GetUp(member) => {
+                let Stage { falls, crowd, .. } = &mut self.stage;
+                let result = falls.get_up(crowd, member);
+                self.say_error(result.map_err(Into::into));
+                self.desk.clock.plays = true;
+            }
+            Command::Reopen { members, device, schedule } => {
+                let devices = device.and_then(|name| name.parse::<Devices>().ok());
+                let old = self.wish.clone();
+                self.reopen(Wish {
+                    dropped: old.dropped,
+                    members: members.or(old.members),
+                    devices: devices.or(old.devices),
+                    schedule: schedule.or(old.schedule),
+                });
+            }
+            Command::Record => self.record(),
+        }
+        Ok(())
+    }
+
+    /// Lets the keyboard drive a member, or lets go of the one that it drives.
+    fn drive(&mut self, member: populace::MemberId) {
+        if self.stage.you() == Some(member) {
+            self.stage.leave();
+            return;
+        }
+        match self.stage.drive(member) {
+            Ok(you) => {
+                self.desk.picked = Some(you);
+                self.desk.wish(Command::Follow(you));
+                self.desk.clock.plays = true;
+                self.desk.say("The arrow keys walk and turn; Shift runs", self.now_secs);
+            }
+            Err(error) => self.desk.say(format!("nobody can drive it: {error}"), self.now_secs),
+        }
+    }
+
+    fn press(&mut self, key: Key) {
+        let picked = self.desk.picked;
+        let desk = &mut self.desk;
+        let of_picked = |desk: &mut Desk, command: fn(populace::MemberId) -> Command| match picked {
+            Some(member) => desk.wish(command(member)),
+            None => desk.say("click somebody first", self.now_secs),
+        };
+        match key {
+            Key::Space => desk.clock.plays = !desk.clock.plays,
+            Key::Comma => desk.wish(Command::Step { later: false }),
+            Key::Period => desk.wish(Command::Step { later: true }),
+            Key::Home => desk.wish(Command::Seek(0.0)),
+            Key::OpenBracket => desk.clock.change(false),
+            Key::CloseBracket => desk.clock.change(true),
+            Key::Num1 => self.set_mode(Mode::Shown),
+            Key::Num2 => self.set_mode(Mode::Orbit),
+            Key::Num3 => self.set_mode(Mode::Fly),
+            Key::Num4 => of_picked(desk, Command::Follow),
+            Key::F => of_picked(desk, Command::Frame),
+            Key::Y => match self.stage.you() {
+                Some(member) => desk.wish(Command::Drive(member)),
+                None => of_picked(desk, Command::Drive),
+            },
+            Key::R => of_picked(desk, Command::Fall),
+            Key::G => of_picked(desk, Command::GetUp),
+            Key::K => desk.layout.skeletons = !desk.layout.skeletons,
+            Key::B => desk.layout.bounds = !desk.layout.bounds,
+            Key::L => desk.layout.levels = !desk.layout.levels,
+            Key::T => desk.layout.times = !desk.layout.times,
+            Key::V => desk.wish(Command::Record),
+            Key::Tab => desk.layout.panels = !desk.layout.panels,
+            Key::Questionmark | Key::F1 => desk.help = !desk.help,
+            Key::Escape if desk.help => desk.help = false,
+            Key::Escape => desk.picked = None,
+            _ => {}
+        }
+    }
+
+    fn set_mode(&mut self, mode: Mode) {
+        if let Ok(shown) = self.stage.shown_camera() {
+            self.desk.rig.set_mode(mode, &shown);
+        }
+    }
+
+    /// Opens a show in place of the present one, which stays if that fails.
+    fn reopen(&mut self, wish: Wish) {
+        self.end_film();
+        match open(&mut *self.opener, &wish, &mut self.renderer) {
+            Ok(stage) => {
+                let is_other = wish.dropped != self.wish.dropped;
+                let secs = if is_other { 0.0 } else { self.stage.secs() };
+                (self.stage, self.wish, self.aspect) = (stage, wish, None);
+                self.desk.forget();
+                let count = self.stage.crowd.member_count();
+                self.desk.members = u32::try_from(count).unwrap_or(u32::MAX);
+                if is_other {
+                    self.desk.rig = crate::camera::Rig::default();
+                }
+                self.desk.wish(Command::Seek(secs));
+            }
+            Err(error) => self.desk.say(error.to_string(), self.now_secs),
+        }
+        self.drawn = None;
+    }
+
+    fn record(&mut self) {
+        if self.film.is_some() {
+            return self.end_film();
+        }
+        let (path, size, rate) = (&self.film_path, self.renderer.size(), self.stage.rate());
+        match Recording::begin(path, size, rate) {
+            Ok(film) => {
+                self.desk.film = Some((film.path().display().to_string(), 0));
+                self.film = Some(film);
+                self.desk.clock.plays = true;
+            }
+            Err(error) => self.desk.say(error.to_string(), self.now_secs),
+        }
+    }
+
+    /// Completes the film, if one is being made.
+    pub(crate) fn end_film(&mut self) {
+        self.desk.film = None;
+        let Some(film) = self.film.take() else { return };
+        let words = match film.end() {
+            Ok(path) => format!("recorded {}", path.display()),
+            Err(error) => error.to_string(),
+        };
+        self.desk.say(words, self.now_secs);
+    }
+
+    fn say_error(&mut self, result: Result<(), ShowError>) {
+        if let Err(error) = result {
+            self.desk.say(error.to_string(), self.now_secs);
+        }
+    }
+
+    /// Draws lines and words over the picture.
+    fn mark(&mut self, ui: &Ui) {
+        let Ok(camera) = self.camera() else { return };
+        let sight =
+            Sight { camera, rect: self.rect, size: self.pixels().1, scale: self.scale };
+        marks::draw(ui, &mut self.stage, &self.desk, &sight);
+        if let Some(text) = self.desk.message(self.now_secs) {
+            marks::message(ui, self.rect, text);
+        }
+    }
+
+    /// Draws the picture, if it would differ from the last one, and adds it to the film.
+    fn draw(&mut self) -> Result<PassTimes, Error> {
+        let camera = self.camera()?;
+        let mut passes = self.desk.times.back().map(|times| times.passes).unwrap_or_default();
+        let is_new = self.drawn != Some(camera);
+        if is_new {
+            let scene = *self.stage.scene();
+            self.renderer.draw(&mut self.stage.crowd, &camera, &scene)?;
+            self.drawn = Some(camera);
+            self.over = self.draw_over(&camera)?;
+            if self.desk.layout.times {
+                passes = self.renderer.pass_times()?;
+            }
+        }
+        let size = self.renderer.size();
+        if let Some(film) = self.film.as_mut().filter(|film| film.takes(size)) {
+            if self.desk.clock.plays {
+                let picture = match &self.over {
+                    Some(over) => over.clone(),
+                    None => self.renderer.read_image()?,
+                };
+                film.push(picture)?;
+            }
+            self.desk.film = Some((film.path().display().to_string(), film.frames()));
+        }
+        Ok(passes)
+    }
+
+    /// Reads the last picture back, without panels and marks.
+    pub(crate) fn picture(&mut self) -> Result<Image, Error> {
+        match &self.over {
+            Some(over) => Ok(over.clone()),
+            None => Ok(self.renderer.read_image()?),
+        }
+    }
+
+    /// Reads the picture back and draws over it, if the show does so, for the window to show that
+    /// in its place.
+    fn draw_over(&mut self, camera: &Camera) -> Result<Option<Image>, Error> {
+        if !self.stage.show.has_overlay() {
+            self.renderer.remove_texture(paint::OVER);
+            return Ok(None);
+        }
+        let mut picture = self.renderer.read_image()?;
+        self.stage.show.overlay(&mut picture, camera).map_err(Error::Show)?;
+        self.renderer.set_texture(&TexturePatch {
+            texture: paint::OVER,
+            at: None,
+            size: [picture.width, picture.height],
+            rgba: &picture.rgba,
+        })?;
+        Ok(Some(picture))
+    }
+
+    /// Returns the shape of the pointer.
+    pub(crate) fn cursor(&self) -> egui::CursorIcon {
+        self.cursor
+    }
+}
+
+/// Opens a show and evaluates its beginning.
+fn open(opener: &mut dyn Opener, wish: &Wish, renderer: &mut Renderer) -> Result<Stage, Error> {
+    let mut opened = opener.open(wish, renderer).map_err(Error::Show)?;
+    let size = renderer.size();
+    #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
+    let [width, height] = size.map(|side| side as f32);
+    opened.show.set_aspect(width / height).map_err(Error::Show)?;
+    Stage::new(opened, &Seen { camera: &|shown| *shown, size })
+}

@@ -1,0 +1,88 @@
+//! The member that the keyboard drives, by the calls that drive all walkers.
+#![expect(clippy::disallowed_methods, reason = "angles of the host alone; no device computes them")]
+
+use std::f32::consts::TAU;
+
+use populace::{Crowd, MemberId};
+use populace_locomotion::{Error, GaitSpace, Goal, WalkerSettings, Walkers};
+
+/// Speeds of walking, running and going backwards in m/s.
+const WALK: f32 = 1.4;
+const RUN: f32 = 3.4;
+const BACK: f32 = 0.8;
+/// Speed of turning in radians per second.
+const TURN: f32 = 2.4;
+
+/// Keys that are held.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Steering {
+    /// From -1, backwards, to 1, forwards.
+    pub(crate) forward: f32,
+    /// From -1, to the right, to 1, to the left.
+    pub(crate) left: f32,
+    pub(crate) runs: bool,
+}
+
+/// A member that is driven.
+pub(crate) struct You {
+    member: MemberId,
+    walkers: Walkers,
+    heading_rad: f32,
+    /// Where it was taken over.
+    began_at: [f32; 3],
+}
+
+impl You {
+    /// Takes over a member. It stands, where it was.
+    pub(crate) fn new(crowd: &mut Crowd, member: MemberId) -> Result<Self, Error> {
+        let view = crowd.member(member).map_err(Error::Crowd)?;
+        let (character, moves) = (view.character(), view.has_root_motion());
+        let gaits = GaitSpace::of(crowd, character)?;
+        if moves {
+            let mut view = crowd.member_mut(member).map_err(Error::Crowd)?;
+            view.commit_root_motion().map_err(Error::Crowd)?;
+            view.stop_root_motion().map_err(Error::Crowd)?;
+        }
+        let placement = crowd.member(member).map_err(Error::Crowd)?.placement();
+        let (heading_rad, began_at) = (placement.yaw_rad(), placement.position());
+        let mut walkers = Walkers::new(WalkerSettings::default())?;
+        walkers.add_gaits(gaits);
+        walkers.add(crowd, member)?;
+        Ok(Self { member, walkers, heading_rad, began_at })
+    }
+
+    /// Returns where it was taken over, in metres.
+    pub(crate) fn began_at(&self) -> [f32; 3] {
+        self.began_at
+    }
+
+    pub(crate) fn member(&self) -> MemberId {
+        self.member
+    }
+
+    /// Goes on for `secs` as the keys say. Before the crowd's update.
+    pub(crate) fn step(
+        &mut self,
+        crowd: &mut Crowd,
+        steering: Steering,
+        secs: f32,
+    ) -> Result<(), Error> {
+        let member = self.member;
+        self.heading_rad = (self.heading_rad + TURN * steering.left * secs).rem_euclid(TAU);
+        let speed = match steering.forward {
+            f if f > 0.0 => f * if steering.runs { RUN } else { WALK },
+            f => f * BACK,
+        };
+        let (sine, cosine) = self.heading_rad.sin_cos();
+        let goal = Goal::Velocity([speed * sine, speed * cosine]);
+        self.walkers.set_goal(member, if speed == 0.0 { Goal::Stand } else { goal })?;
+        self.walkers.set_facing(member, Some(self.heading_rad))?;
+        let mut left_secs = secs;
+        while left_secs > 0.0 {
+            let step_secs = left_secs.min(0.1);
+            self.walkers.update(crowd, step_secs)?;
+            left_secs -= step_secs;
+        }
+        Ok(())
+    }
+}
