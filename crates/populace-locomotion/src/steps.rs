@@ -1,10 +1,7 @@
 //! Which mix of clips goes at a speed, and with which stride, measured at speeds from standing to
 //! beyond the fastest clip.
 
-use std::sync::Arc;
-
-use populace::character::Character;
-
+use crate::soles::Treadmill;
 use crate::step::Step;
 use crate::strides::{MixSteps, MixStride};
 use crate::{Error, Gait, MixedClip};
@@ -52,7 +49,7 @@ pub(crate) struct Row {
 
 /// The mixes of a character's clips, idle first, each with its gait.
 pub(crate) struct Mixes<'a> {
-    asset: &'a Arc<Character>,
+    treadmill: &'a mut Treadmill,
     clips: &'a [(MixedClip, Gait)],
     samples: &'a [Sample],
     /// Own strides of mixes between standing and the first sample, and between neighbouring
@@ -64,14 +61,14 @@ impl<'a> Mixes<'a> {
     /// Measures the own strides of mixes. A mix that shows none, or one that is far from that of
     /// its clips, has a stride in proportion.
     pub(crate) fn new(
-        asset: &'a Arc<Character>,
+        treadmill: &'a mut Treadmill,
         clips: &'a [(MixedClip, Gait)],
         samples: &'a [Sample],
     ) -> Result<Self, Error> {
-        let mut mixes = Self { asset, clips, samples, strides: Vec::new() };
+        let mut mixes = Self { treadmill, clips, samples, strides: Vec::new() };
         let mut below = 0.0;
         for (segment, sample) in samples.iter().enumerate() {
-            let own = |mix, expected| {
+            let mut own = |mix, expected| {
                 let steps = mixes.measure(mix)?;
                 let own = steps.map(|steps| steps.stride_m(1.0, 0.0));
                 Ok::<_, Error>(own.filter(|own| is_near(*own, expected)).unwrap_or(expected))
@@ -91,17 +88,17 @@ impl<'a> Mixes<'a> {
     }
 
     /// Measures a mix: a point of the blend space.
-    fn measure(&self, mix: f32) -> Result<Option<MixSteps>, Error> {
+    fn measure(&mut self, mix: f32) -> Result<Option<MixSteps>, Error> {
         let weights = (0_u16..).map(|nth| 1.0 - (mix - f32::from(nth)).abs());
         let weighted = self.clips.iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
         let mixed: Vec<_> = weighted
             .map(|((clip, gait), weight)| (MixedClip { weight, ..clip.clone() }, gait))
             .collect();
-        MixSteps::measure(self.asset, &mixed)
+        MixSteps::measure(self.treadmill, &mixed)
     }
 
     /// Returns how a member steps at speeds from standing to beyond the fastest clip.
-    pub(crate) fn rows(&self) -> Result<Vec<Row>, Error> {
+    pub(crate) fn rows(&mut self) -> Result<Vec<Row>, Error> {
         let slowest = self.samples[0].speed;
         let mut rows = vec![self.row(STANDS * slowest)?];
         let parts = |count: u16| (1..=count).map(move |nth| f32::from(nth) / f32::from(count));
@@ -122,7 +119,7 @@ impl<'a> Mixes<'a> {
 
     /// Returns how a member steps at a speed in metres per second. Its stride is shortened, and its
     /// cadence raised, until legs reach the feet that the mix plants.
-    fn row(&self, speed: f32) -> Result<Row, Error> {
+    fn row(&mut self, speed: f32) -> Result<Row, Error> {
         let (segment, wanted) = self.stride_at(speed);
         let (mix, own_m) = self.mix_of_stride(segment, wanted);
         let Some(steps) = self.measure(mix)? else {
@@ -137,7 +134,7 @@ impl<'a> Mixes<'a> {
     }
 
     /// Returns how a member steps that turns on the spot.
-    pub(crate) fn on_the_spot(&self) -> Result<Step, Error> {
+    pub(crate) fn on_the_spot(&mut self) -> Result<Step, Error> {
         let slowest = self.samples[0];
         let own_m = own_stride(&self.strides[0], ON_THE_SPOT);
         let cycles_per_sec = slowest.speed / slowest.stride;
