@@ -60,7 +60,7 @@ impl ReplayJob<'_> {
         let frames = self.frames(&recording, &motions)?;
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
-            let mut crowd = build(args.device.crowd().capacity(capacity))?;
+            let mut crowd = build(args.device.crowd_to_read().capacity(capacity))?;
             let (mut action, _) = self.people(&mut crowd, recording, motions, None)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };

@@ -9,6 +9,7 @@ use populace::{BlendSpace, BlendSpaceId, CharacterId, ClipId, Crowd};
 
 use rayon::prelude::*;
 
+use crate::footing::Landing;
 use crate::soles::Treadmill;
 use crate::step::Step;
 use crate::steps::{Mixes, Row, STANDS, Sample};
@@ -28,6 +29,8 @@ pub struct GaitSpace {
     samples: Vec<Sample>,
     /// How it steps at speeds, in their order.
     rows: Vec<Row>,
+    /// How the feet of mixes touch down, by the mix.
+    landings: Vec<(f32, [Landing; 2])>,
     on_the_spot: Step,
     idle_cycles_per_sec: f32,
 }
@@ -163,6 +166,16 @@ impl GaitSpace {
         }
     }
 
+    /// Returns how the feet of a mix touch down; `None` if that is not known.
+    pub(crate) fn landings(&self, mix: f32) -> Option<[Landing; 2]> {
+        let above = self.landings.partition_point(|(own, _)| *own <= mix);
+        let low = self.landings.get(above.saturating_sub(1))?;
+        let high = self.landings.get(above).unwrap_or(low);
+        let span = high.0 - low.0;
+        let part = if span > 0.0 { ((mix - low.0) / span).clamp(0.0, 1.0) } else { 0.0 };
+        Some([0, 1].map(|foot: usize| low.1[foot].towards(&high.1[foot], part)))
+    }
+
     /// Returns how a member steps that turns on the spot or finds its stance.
     #[must_use]
     pub const fn on_the_spot(&self) -> Step {
@@ -281,7 +294,11 @@ impl Measured {
         let gaits = self.mixed.iter().map(|(_, gait)| gait);
         tell_contacts(crowd, character, ids.iter().zip(gaits))?;
         let idle_secs = self.mixed[0].0.clip.duration_secs();
+        let landings = self.rows.iter().filter_map(|row| Some((row.mix, row.landings?)));
+        let mut landings: Vec<_> = landings.collect();
+        landings.sort_by(|a, b| a.0.total_cmp(&b.0));
         Ok(GaitSpace {
+            landings,
             character,
             space: add_space(crowd, &ids, &self.mixed)?,
             samples: self.samples.clone(),

@@ -64,6 +64,9 @@ pub(crate) struct Soles {
     pub(crate) feet: [Vec<SoleSample>; 2],
     /// The legs of both feet, if they are known.
     pub(crate) legs: [Option<Leg>; 2],
+    /// How far ahead of each point of a sole at rest the middle of the sole is, in metres, left and
+    /// right.
+    pub(crate) middles_z: [Vec<f32>; 2],
 }
 
 /// Where the feet are in one pose, in model space.
@@ -79,6 +82,8 @@ struct Pose {
 pub(crate) struct Treadmill {
     character: Arc<Character>,
     feet: Feet,
+    /// The joints at rest, in model space.
+    rest: Vec<Affine>,
     crowd: Crowd,
     id: CharacterId,
     members: Vec<MemberId>,
@@ -120,8 +125,10 @@ impl Treadmill {
             .build()?;
         let id = crowd.add_character(Arc::clone(character))?;
         let members = crowd.spawn_many(id, &[Placement::at([0.0; 3]); AT_ONCE])?;
+        let skeleton = &character.skeleton;
+        let rest = skeleton.joints().map(|joint| skeleton.rest_model(joint)).collect();
         let (character, clips) = (Arc::clone(character), Vec::new());
-        Ok(Some(Self { character, feet, crowd, id, members, clips }))
+        Ok(Some(Self { character, feet, rest, crowd, id, members, clips }))
     }
 
     /// The body.
@@ -145,9 +152,19 @@ impl Treadmill {
             (rest_m > 0.0).then_some(Hips { rest_m, mean_m })
         });
         let legs = feet.feet.each_ref().map(|foot| foot.leg);
+        let middles_z = feet.feet.each_ref().map(|foot| self.middles_z(&foot.sole));
         let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
         let own_speed = own_speed(clips);
-        Ok(Some(Soles { duration_secs, body_height_m, travel, hips, own_speed, feet, legs }))
+        Ok(Some(Soles {
+            duration_secs,
+            body_height_m,
+            travel,
+            hips,
+            own_speed,
+            feet,
+            legs,
+            middles_z,
+        }))
     }
 
     /// Returns the feet at `count` even steps through the cycle, and at its end.
@@ -177,6 +194,14 @@ impl Treadmill {
             }
         }
         Ok(poses)
+    }
+
+    /// Returns how far ahead of points at rest the middle between them is, in metres.
+    fn middles_z(&self, points: &[Carried]) -> Vec<f32> {
+        let at_rest = |point: &Carried| point.place(&self.rest).z;
+        let low = points.iter().map(at_rest).fold(f32::INFINITY, f32::min);
+        let high = points.iter().map(at_rest).fold(f32::NEG_INFINITY, f32::max);
+        points.iter().map(|point| 0.5 * (low + high) - at_rest(point)).collect()
     }
 
     fn id_of(&mut self, clip: &Arc<Clip>) -> Result<ClipId, Error> {

@@ -1,6 +1,7 @@
 //! Which mix of clips goes at a speed, and with which stride, measured at speeds from standing to
 //! beyond the fastest clip.
 
+use crate::footing::Landing;
 use crate::soles::Treadmill;
 use crate::step::Step;
 use crate::strides::{MixSteps, MixStride};
@@ -45,6 +46,8 @@ pub(crate) struct Row {
     pub(crate) stride: f32,
     pub(crate) mix: f32,
     pub(crate) own: MixStride,
+    /// How feet touch down, if that is known.
+    pub(crate) landings: Option<[Landing; 2]>,
 }
 
 /// The mixes of a character's clips, idle first, each with its gait.
@@ -130,7 +133,8 @@ impl<'a> Mixes<'a> {
         if !own.is_plausible(own_m) {
             return Ok(Row::of_ankles(speed, wanted, mix, own_m));
         }
-        Ok(Row { speed, stride, mix, own })
+        let landings = steps.landings(own.sole_m);
+        Ok(Row { speed, stride, mix, own, landings })
     }
 
     /// Returns how a member steps that turns on the spot.
@@ -182,7 +186,8 @@ impl<'a> Mixes<'a> {
 impl Row {
     /// Returns a row of a mix whose stride ankles step alone.
     const fn of_ankles(speed: f32, stride: f32, mix: f32, own_m: f32) -> Self {
-        Self { speed, stride, mix, own: MixStride { sole_m: own_m, ankle_m: own_m } }
+        let own = MixStride { sole_m: own_m, ankle_m: own_m };
+        Self { speed, stride, mix, own, landings: None }
     }
 }
 

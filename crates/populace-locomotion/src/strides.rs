@@ -3,6 +3,7 @@
 use populace::model::Side;
 
 use crate::feet::Leg;
+use crate::footing::Landing;
 use crate::soles::{SoleSample, Treadmill};
 use crate::{Error, Gait, MixedClip};
 
@@ -91,8 +92,8 @@ impl MixSteps {
         let mixed: Vec<_> = clips.iter().map(|(clip, _)| clip.clone()).collect();
         let Some(soles) = treadmill.sample(&mixed)? else { return Ok(None) };
         let legs = soles.legs;
-        let [left, right] = soles.feet;
-        let stance = |side, samples: Vec<SoleSample>, leg| {
+        let ([left, right], [of_left, of_right]) = (soles.feet, soles.middles_z);
+        let stance = |side, samples: Vec<SoleSample>, middles_z, leg| {
             let count = samples.len() as f32;
             let within = |at: f32| {
                 let mut planting = Planting::default();
@@ -103,11 +104,21 @@ impl MixSteps {
                 planting.margin()
             };
             let at = (0_u16..).map(f32::from).take(samples.len());
-            Stance { within: at.map(within).collect(), samples, leg }
+            Stance { within: at.map(within).collect(), samples, middles_z, leg }
         };
-        let feet = [stance(Side::Left, left, legs[0]), stance(Side::Right, right, legs[1])];
+        let feet = [
+            stance(Side::Left, left, of_left, legs[0]),
+            stance(Side::Right, right, of_right, legs[1]),
+        ];
         let stands = feet.iter().any(|foot| foot.within.iter().any(|within| *within > 0.0));
         Ok(stands.then_some(Self { feet }))
+    }
+
+    /// Returns how both feet touch down while the mix goes on by its stride in metres. `None` for a
+    /// body without legs, and for a foot that does not lift or does not step.
+    pub(crate) fn landings(&self, stride_m: f32) -> Option<[Landing; 2]> {
+        let [left, right] = self.feet.each_ref().map(|foot| foot.landing(stride_m));
+        Some([left?, right?])
     }
 
     /// Returns the stride in metres with steps of ankles led, at cycles in a second: by the median
@@ -224,6 +235,8 @@ struct Stance {
     samples: Vec<SoleSample>,
     /// How far within a contact each sample is: above 0 if the foot is planted.
     within: Vec<f32>,
+    /// See [`Soles::middles_z`](crate::soles::Soles::middles_z).
+    middles_z: Vec<f32>,
     leg: Option<Leg>,
 }
 
@@ -270,6 +283,23 @@ impl Stance {
             let ([before, _], _) = self.around(times[0]);
             self.between(self.samples[before].lowest, times)
         })
+    }
+
+    /// Returns how the foot touches down in its longest contact.
+    fn landing(&self, stride_m: f32) -> Option<Landing> {
+        let (leg, count) = (self.leg?, self.samples.len());
+        let planted = |nth: usize| self.within[nth % count] > 0.0;
+        let downs = (0..count).filter(|nth| planted(*nth) && !planted(nth + count - 1));
+        let stands = |down: usize| (down..down + count).take_while(|nth| planted(*nth)).count();
+        let (down, stands) = downs.map(|down| (down, stands(down))).max_by_key(|(_, n)| *n)?;
+        let SoleSample { ankle, points_z, lowest, .. } = &self.samples[down];
+        let ahead_m = points_z[*lowest] + self.middles_z[*lowest];
+        let until_lift = stands as f32 / count as f32;
+        let until_over = (ahead_m / stride_m).clamp(0.0, until_lift);
+        let over = (down as f32 / count as f32 + until_over).rem_euclid(1.0);
+        let stepped_m = ankle.y - leg.rest_z;
+        let landing = Landing { over, until_over, until_lift, ahead_m, stepped_m };
+        landing.steps().then_some(landing)
     }
 
     /// Returns whether the leg reaches a foot that is locked to the ground from the beginning to

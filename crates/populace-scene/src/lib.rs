@@ -1,6 +1,7 @@
 //! Scenes of crowds: people who follow recorded trajectories.
 
 mod error;
+mod footsteps;
 mod gaze;
 mod heading;
 mod motion;

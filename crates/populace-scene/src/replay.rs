@@ -9,12 +9,17 @@ use populace_locomotion::{GaitSpace, Lead, WalkerSettings, Walkers};
 use populace_trajectory::Recording;
 
 use crate::Error;
+use crate::footsteps::led_step;
 use crate::gaze::{Gazes, Somebody};
 use crate::motion::{Moment, Motion, Motions};
 
 /// The part of a cycle by which neighbouring agents step apart: the golden ratio spreads them
 /// evenly.
 const PHASES: f64 = 0.618_033_988_749_895;
+
+/// The part of a step for which feet of people who come have been down when the body is over them,
+/// until it is known.
+const FROM_TOUCH_DOWN: f32 = 0.5;
 
 /// Seconds in which people fade in and out.
 const FADE_SECS: f64 = 0.4;
@@ -133,10 +138,15 @@ impl Replay {
         self.secs += f64::from(secs);
         self.leave(crowd)?;
         self.leads.clear();
-        let moments = self.agents.iter().zip(&self.moments);
-        let leads =
-            moments.map(|(agent, moment)| lead(&self.motions.agents[*agent], moment, self.secs));
-        self.leads.extend(leads);
+        let people = self.agents.iter().zip(&self.moments).zip(self.walkers.members());
+        for ((agent, moment), member) in people {
+            let motion = &self.motions.agents[*agent];
+            let step = match motion.steps() {
+                [] => None,
+                _ => led_step(motion, self.secs, self.walkers.steps_from_touch_down(*member)?),
+            };
+            self.leads.push(Lead { step, ..lead(motion, moment, self.secs) });
+        }
         self.walkers.follow(crowd, &self.leads, secs)?;
         self.appear(crowd)?;
         self.gaze(crowd, secs)?;
@@ -223,7 +233,8 @@ impl Replay {
             }
             let (motion, person) = (&self.motions.agents[agent], self.people[agent]);
             let Some(moment) = motion.at(self.secs) else { continue };
-            let lead = lead(motion, &moment, self.secs);
+            let step = led_step(motion, self.secs, FROM_TOUCH_DOWN);
+            let lead = Lead { step, ..lead(motion, &moment, self.secs) };
             let [x, z] = lead.position;
             let placement =
                 Placement::at([x, lead.height_m, z]).facing(lead.yaw_rad).scaled(person.scale);
@@ -292,6 +303,7 @@ fn lead(motion: &Motion, now: &Moment, secs: f64) -> Lead {
         soon_m_per_sec: soon.map_or(0.0, |soon| soon.velocity[0].hypot(soon.velocity[1])),
         yaw_rad: heading_rad + FRAC_PI_2,
         height_m: elevation_m,
+        step: None,
     }
 }
 
