@@ -161,13 +161,13 @@ impl Span {
         };
         let headings = match track.headings.get(rows.clone()) {
             Some(headings) if headings.iter().any(|heading| heading.is_finite()) => {
-                heading::of_data(&nearest(headings), step_secs)
+                heading::of_data(&nearest(headings), &velocities, step_secs)
             }
             _ => heading::of_motion(&velocities, step_secs),
         };
         let views = match track.views.get(rows.clone()) {
             Some(views) if views.iter().any(|view| view.is_finite()) => {
-                heading::of_data(&nearest(views), step_secs)
+                heading::of_views(&nearest(views), step_secs)
             }
             _ => Vec::new(),
         };
