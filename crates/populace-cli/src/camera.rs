@@ -110,6 +110,13 @@ impl Cameras {
             View::Follow { id } => Mode::Follow { id: known(id)? },
             View::Eye { id } => Mode::Eye { id: known(id)? },
             View::Keys(keys) => Mode::Keys(keys.clone()),
+            View::Named { name } => {
+                return Err(Failure::usage(format!(
+                    "there is no camera \"{name}\": only scene files name cameras; write crowd, \
+                     close, top, iso, orbit, follow:ID, eye:ID, the path of a .toml file, or the \
+                     positions of camera and target"
+                )));
+            }
         };
         Ok(Self { mode, framed })
     }

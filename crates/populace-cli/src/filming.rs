@@ -97,13 +97,8 @@ impl<'a> Filming<'a> {
         mut sink: Sink<'_>,
     ) -> Result<Filmed, Failure> {
         let (args, frames) = (self.args, self.frames);
-        let frame_loop = FrameLoop {
-            frames,
-            lead_in,
-            size: args.size(),
-            scene,
-            detail: args.detail_px(),
-        };
+        let frame_loop =
+            FrameLoop { frames, lead_in, size: args.size(), scene, detail: args.detail_px() };
         let skipped = sink.skipped();
         let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
         Ok(Filmed { frames, skipped, times, drawn, out: sink.finish()? })
@@ -116,7 +111,7 @@ impl Filmed {
     pub(crate) fn report(&self, crowd: &Crowd, json: bool, more: Value) -> Result<(), Failure> {
         let Self { frames, skipped, times, drawn, out } = self;
         let count = frames.count();
-        let [total, animate, draw] = times.medians();
+        let [total, behave, animate, draw] = times.medians();
         message!(
             "{} drawn, {}",
             counted(drawn.instances, "member"),
@@ -144,6 +139,7 @@ impl Filmed {
             "skipped": skipped,
             "ms_median": {
                 "total": total,
+                "behave": behave,
                 "animate": animate,
                 "draw": draw,
                 "shadow": times.pass(|pass| pass.shadow_ms),

@@ -26,6 +26,11 @@ pub(crate) trait Action {
     /// depend on those that are drawn before it.
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure>;
 
+    /// Returns the milliseconds that behaviours and avoidance have taken since the last call.
+    fn take_behave_ms(&mut self) -> f64 {
+        0.0
+    }
+
     /// Chooses the cameras of pictures whose width is `aspect` times their height. Called before
     /// the first camera is asked for.
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure>;
@@ -91,7 +96,8 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        let mut spent = Spent { animate: self.lead_in(crowd, action, &mut times)?, draw: 0.0 };
+        let mut spent = Spent::default();
+        spent.animate = self.lead_in(crowd, action, &mut times)?;
         let mut renderer = renderer.inspect_err(|_| {
             let ms = median(&times.animate).unwrap_or(spent.animate);
             message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
@@ -108,6 +114,8 @@ impl FrameLoop<'_> {
             if moment.secs > now_secs {
                 self.look(crowd, action, moment.secs)?;
                 spent.animate += animate(crowd, action, single(moment.secs - now_secs))?;
+                let behave = action.take_behave_ms();
+                (spent.animate, spent.behave) = (spent.animate - behave, spent.behave + behave);
                 now_secs = moment.secs;
             }
             // Once for all pictures of a frame: another process may write its file meanwhile.
@@ -130,12 +138,13 @@ impl FrameLoop<'_> {
             }
             let spent = std::mem::take(&mut spent);
             times.animate.push(spent.animate);
+            times.behave.push(spent.behave);
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
                 action.overlay(&mut picture, &action.camera(moment.secs)?)?;
                 times.draw.push(spent.draw + ms_since(start));
                 sink.take(moment.frame, Shot { picture, facts: facts.take() })?;
-                times.total.push(spent.animate + spent.draw + ms_since(start));
+                times.total.push(spent.behave + spent.animate + spent.draw + ms_since(start));
             }
             progress.step();
         }
@@ -177,6 +186,7 @@ impl FrameLoop<'_> {
 pub(crate) struct FrameTimes {
     /// From the start of the update to the written file.
     total: Vec<f64>,
+    behave: Vec<f64>,
     animate: Vec<f64>,
     draw: Vec<f64>,
     passes: Vec<PassTimes>,
@@ -185,6 +195,7 @@ pub(crate) struct FrameTimes {
 /// Milliseconds that a frame has taken so far.
 #[derive(Default)]
 struct Spent {
+    behave: f64,
     animate: f64,
     draw: f64,
 }
@@ -216,8 +227,9 @@ impl FrameTimes {
         median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()
     }
 
-    /// Returns the medians of `total`, `animate` and `draw`.
-    pub(crate) fn medians(&self) -> [f64; 3] {
-        [&self.total, &self.animate, &self.draw].map(|ms| median(ms).unwrap_or_default())
+    /// Returns the medians of `total`, `behave`, `animate` and `draw`.
+    pub(crate) fn medians(&self) -> [f64; 4] {
+        [&self.total, &self.behave, &self.animate, &self.draw]
+            .map(|ms| median(ms).unwrap_or_default())
     }
 }

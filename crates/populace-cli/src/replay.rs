@@ -62,7 +62,7 @@ impl ReplayJob<'_> {
         let frames = self.frames(&recording, &motions)?;
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
-            let mut crowd = build(args.device.crowd().capacity(capacity))?;
+            let mut crowd = build(args.device.crowd_to_read().capacity(capacity))?;
             let (mut action, _) = self.people(&mut crowd, recording, motions, false)?;
             return self.evaluate(&mut crowd, &mut action, frames);
         };
@@ -106,7 +106,14 @@ impl ReplayJob<'_> {
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
         let (action, roles) = (Box::new(action), loaded.roles);
-        Ok(crate::view::Staged { crowd, action, roles, scene, rate, length_secs: Some(until - from) })
+        Ok(crate::view::Staged {
+            crowd,
+            action,
+            roles,
+            scene,
+            rate,
+            length_secs: Some(until - from),
+        })
     }
 
     /// Brings the place into the crowd, and lowers the ground around it.
@@ -180,6 +187,7 @@ impl ReplayJob<'_> {
             every,
             overlays,
             place: Place::default(),
+            behave_ms: 0.0,
         };
         Ok((action, loaded))
     }
@@ -257,13 +265,16 @@ struct ReplayAction {
     every: usize,
     overlays: Overlays,
     place: Place,
+    behave_ms: f64,
 }
 
 impl ReplayAction {
     fn step(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        let start = Instant::now();
         self.replay.advance(crowd, secs)?;
         self.place.change(crowd, self.replay.secs())?;
         self.overlays.dress(crowd, &self.recording, &self.replay)?;
+        self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
         crowd.update(secs)?;
         let metered = self.replay.present().filter(|(agent, _)| agent % self.every == 0);
         for (_, member) in metered {
@@ -284,6 +295,10 @@ impl ReplayAction {
 }
 
 impl Action for ReplayAction {
+    fn take_behave_ms(&mut self) -> f64 {
+        std::mem::take(&mut self.behave_ms)
+    }
+
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
         let steps = (secs / STEP_SECS).ceil().max(1.0);
         let mut done = 0.0;

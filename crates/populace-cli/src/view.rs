@@ -12,11 +12,12 @@ use crate::cli::ViewArgs;
 use crate::crowd_renderer::{connect, devices_and_shares};
 use crate::draw::CrowdPlan;
 use crate::failure::Failure;
-use crate::filming::{build_crowd, scene};
+use crate::filming::{self, build_crowd};
 use crate::frame_loop::Action;
 use crate::replay::ReplayJob;
 use crate::report::{counted, message};
 use crate::roles::CrowdRole;
+use crate::scene::{self, SceneSource};
 use crate::trajectory;
 
 /// Members of a crowd unless set.
@@ -62,7 +63,8 @@ impl CommandLine<'_> {
             Some(file) => vec![file.clone()],
             None => args.inputs.clone(),
         };
-        let film = inputs.iter().position(|input| trajectory::is_trajectory(input));
+        let is_film = |input: &PathBuf| !scene::is_scene(input) && trajectory::is_trajectory(input);
+        let film = inputs.iter().position(is_film);
         let devices = wish.devices.clone().or_else(|| args.picture.device.device.clone());
         let builder = Crowd::builder()
             .split(args.picture.device.split.clone())
@@ -70,6 +72,11 @@ impl CommandLine<'_> {
             .for_gl(renderer.gl_context());
         let builder = devices.into_iter().fold(builder, CrowdBuilder::devices);
         let is_dropped = wish.dropped.is_some();
+        if let Some(file) = inputs.iter().find(|input| scene::is_scene(input)) {
+            let (plan, cast) = (scene::read(file)?, args.cast.as_slice());
+            let source = SceneSource { plan, file: Some(file), cast, picture: &args.picture };
+            return Ok((source.stage(builder)?, name_of(file)));
+        }
         if let Some(at) = film {
             let file = inputs.remove(at);
             let staged = self.replay(&file, inputs, builder)?;
@@ -130,7 +137,7 @@ impl CommandLine<'_> {
             crowd,
             action: Box::new(action),
             roles: loaded.roles,
-            scene: scene(args),
+            scene: filming::scene(args),
             rate,
             length_secs: None,
         })

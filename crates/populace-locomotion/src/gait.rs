@@ -10,7 +10,7 @@ use populace::model::Side;
 
 use crate::contacts::{Contact, Standing};
 use crate::mix::MixedClip;
-use crate::soles::{SoleSample, Soles};
+use crate::soles::{SoleSample, Soles, Treadmill};
 
 /// Contacts, speed and stride of a body in one cycle of a clip.
 ///
@@ -68,6 +68,12 @@ impl Gait {
     ) -> Result<Option<Self>, Error> {
         let Some(soles) = Soles::sample(character, clips)? else { return Ok(None) };
         Ok(Self::of(&soles))
+    }
+
+    /// Measures a clip on a treadmill.
+    pub(crate) fn on(treadmill: &mut Treadmill, clip: &Arc<Clip>) -> Result<Option<Self>, Error> {
+        let soles = treadmill.sample(&[MixedClip::new(clip, 1.0)])?;
+        Ok(soles.as_ref().and_then(Self::of))
     }
 
     pub(crate) fn of(soles: &Soles) -> Option<Self> {

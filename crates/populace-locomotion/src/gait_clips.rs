@@ -7,7 +7,7 @@ use populace::character::Character;
 use populace::clip::Clip;
 use populace::model::Side;
 
-use crate::soles::Soles;
+use crate::soles::Treadmill;
 use crate::{Gait, MixedClip};
 
 /// How fast people walk, in heights of the hips per second, and run, in heights of the body.
@@ -54,7 +54,6 @@ pub struct GaitClips {
 struct Candidate {
     clip: Arc<Clip>,
     gait: Gait,
-    upright: bool,
     /// The height of the hips at rest, in metres.
     hips_m: f32,
 }
@@ -81,9 +80,13 @@ impl GaitClips {
     /// that do not fit the body are passed over.
     #[must_use]
     pub fn among(character: &Arc<Character>, clips: &[Arc<Clip>]) -> Option<Self> {
-        let height_m = character.height_m();
-        let candidates = clips.iter().filter_map(|clip| Candidate::new(character, clip));
-        let all: Vec<_> = candidates.filter(|candidate| candidate.upright).collect();
+        Self::among_on(&mut Treadmill::new(character, 1).ok()??, clips)
+    }
+
+    /// As [`among`](Self::among), on a treadmill.
+    pub(crate) fn among_on(treadmill: &mut Treadmill, clips: &[Arc<Clip>]) -> Option<Self> {
+        let height_m = treadmill.character().height_m();
+        let all: Vec<_> = clips.iter().filter_map(|clip| Candidate::new(treadmill, clip)).collect();
         let idle = all.iter().filter(|one| one.stands(height_m)).min_by_key(|one| {
             let name = one.clip.name();
             (!name.to_lowercase().contains("idle"), name.len())
@@ -104,23 +107,25 @@ impl GaitClips {
 }
 
 impl Candidate {
-    /// Measures a clip in place. `None` if it has no gait.
-    fn new(character: &Arc<Character>, clip: &Arc<Clip>) -> Option<Self> {
-        let sample = |clip: &Arc<Clip>| {
-            Soles::sample(character, &[MixedClip::new(clip, 1.0)]).ok().flatten()
-        };
-        let most = STANDS * character.height_m();
+    /// Measures a clip in place. `None` if it has no gait, or bends down.
+    fn new(treadmill: &mut Treadmill, clip: &Arc<Clip>) -> Option<Self> {
+        let height_m = treadmill.character().height_m();
+        let mut sample =
+            |clip: &Arc<Clip>| treadmill.sample(&[MixedClip::new(clip, 1.0)]).ok().flatten();
+        let most = STANDS * height_m;
         let mut clip = Arc::clone(clip);
         let mut soles = sample(&clip)?;
+        let hips_m = match soles.hips {
+            // Taking the motion out leaves the height of the hips.
+            Some(hips) if hips.mean_m < UPRIGHT * hips.rest_m => return None,
+            Some(hips) => hips.rest_m,
+            None => HIPS * height_m,
+        };
         if soles.travel.length() > most {
             clip = Arc::new(clip.with_root_motion(&MotionSettings::default()).ok()?);
             soles = sample(&clip).filter(|soles| soles.travel.length() <= most)?;
         }
-        let (hips_m, upright) = match soles.hips {
-            Some(hips) => (hips.rest_m, hips.mean_m >= UPRIGHT * hips.rest_m),
-            None => (HIPS * character.height_m(), true),
-        };
-        Some(Self { clip, gait: Gait::of(&soles)?, upright, hips_m })
+        Some(Self { clip, gait: Gait::of(&soles)?, hips_m })
     }
 
     fn stands(&self, height_m: f32) -> bool {

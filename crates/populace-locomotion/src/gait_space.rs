@@ -7,10 +7,16 @@ use populace::clip::Clip;
 use populace::model::{Role, Side};
 use populace::{BlendSpace, BlendSpaceId, CharacterId, ClipId, Crowd};
 
+use rayon::prelude::*;
+
+use crate::footing::Landing;
+use crate::soles::Treadmill;
 use crate::step::Step;
 use crate::steps::{Mixes, Row, STANDS, Sample};
 use crate::{Contact, Error, Gait, GaitClips, MixedClip};
 
+/// Clips that play at the same time between two samples of a space.
+const MIXED_CLIPS: usize = 2;
 /// A clip that is slower than this, in body heights per second, does not walk.
 const WALKS: f32 = 0.1;
 
@@ -23,6 +29,8 @@ pub struct GaitSpace {
     samples: Vec<Sample>,
     /// How it steps at speeds, in their order.
     rows: Vec<Row>,
+    /// How the feet of mixes touch down, by the mix.
+    landings: Vec<(f32, [Landing; 2])>,
     on_the_spot: Step,
     idle_cycles_per_sec: f32,
 }
@@ -45,51 +53,21 @@ impl GaitSpace {
     ) -> Result<Self, Error> {
         let asset = Arc::clone(crowd.character(character)?.asset());
         let known = crowd.character(character)?.clips();
-        let find = |id: ClipId| {
-            let of_character = known.iter().find(|(own, _)| *own == id);
+        let find = |id: &ClipId| {
+            let of_character = known.iter().find(|(own, _)| own == id);
             of_character.map(|(_, clip)| Arc::clone(clip)).ok_or(Error::NotItsClip)
         };
-        let idle_clip = find(idle)?;
-        let no_gait = |clip: &Clip| Error::NoGait { clip: clip.name().to_owned() };
-        let idle_gait = Gait::measure(&asset, &idle_clip)?;
-        let idle_gait = idle_gait.unwrap_or_else(|| standing(&idle_clip));
-        let mut gaits = Vec::new();
-        for id in moving {
-            let clip = find(*id)?;
-            let gait = Gait::measure(&asset, &clip)?.filter(|gait| walks(gait, &asset));
-            gaits.push((*id, gait.ok_or_else(|| no_gait(&clip))?, clip));
-        }
-        gaits.sort_by(|a, b| a.1.speed_m_per_sec().total_cmp(&b.1.speed_m_per_sec()));
-        let sample = |gait: &Gait| Sample {
-            speed: gait.speed_m_per_sec(),
-            stride: gait.speed_m_per_sec() * gait.duration_secs,
+        let clips = GaitClips {
+            idle: find(&idle)?,
+            moving: moving.iter().map(find).collect::<Result<_, _>>()?,
         };
-        let samples: Vec<Sample> = gaits.iter().map(|(_, gait, _)| sample(gait)).collect();
-        if samples.windows(2).any(|pair| pair[1].speed < 1.05 * pair[0].speed) {
-            return Err(Error::SameSpeed);
-        }
-        let Some((_, first, _)) = gaits.first() else { return Err(Error::NoClips) };
-        // All clips touch down with the left foot at the phase at which the slowest does.
-        let lead = left_phase(first);
-        let idle_secs = idle_clip.duration_secs();
-        let mut ids = vec![idle];
-        let mut mixed = vec![(MixedClip::new(&idle_clip, 1.0), idle_gait)];
-        for (id, gait, clip) in gaits {
-            let offset = (left_phase(&gait) - lead).rem_euclid(1.0);
-            ids.push(id);
-            mixed.push((MixedClip::new(&clip, 1.0).with_offset(offset), gait));
-        }
-        let mixes = Mixes::new(&asset, &mixed, &samples)?;
-        let (rows, on_the_spot) = (mixes.rows()?, mixes.on_the_spot()?);
-        tell_contacts(crowd, character, ids.iter().zip(mixed.iter().map(|(_, gait)| gait)))?;
-        Ok(Self {
-            character,
-            space: add_space(crowd, &ids, &mixed)?,
-            samples,
-            rows,
-            on_the_spot,
-            idle_cycles_per_sec: if idle_secs > 0.0 { 1.0 / idle_secs } else { 0.0 },
-        })
+        let Some(mut treadmill) = Treadmill::new(&asset, MIXED_CLIPS)? else {
+            let first = clips.moving.first().ok_or(Error::NoClips)?;
+            return Err(Error::NoGait { clip: first.name().to_owned() });
+        };
+        let measured = Measured::new(&mut treadmill, &clips)?;
+        let ids: Vec<ClipId> = std::iter::once(idle).chain(moving.iter().copied()).collect();
+        measured.tell(crowd, character, &ids)
     }
 
     /// Chooses among the clips of a character as [`GaitClips::among`] does, and measures them as
@@ -99,22 +77,40 @@ impl GaitSpace {
     ///
     /// [`Error::NoGaitClips`] if no clip stands or none moves, and those of [`new`](Self::new).
     pub fn of(crowd: &mut Crowd, character: CharacterId) -> Result<Self, Error> {
-        let view = crowd.character(character)?;
-        let (asset, known) = (Arc::clone(view.asset()), view.clips());
-        let clips: Vec<_> = known.iter().map(|(_, clip)| Arc::clone(clip)).collect();
-        let Some(chosen) = GaitClips::among(&asset, &clips) else {
-            return Err(Error::NoGaitClips { character: asset.name.clone() });
+        let mut all = Self::of_all(crowd, &[character]);
+        all.pop().unwrap_or(Err(Error::NoClips))
+    }
+
+    /// Measures several characters as [`of`](Self::of) does one, on all cores. Characters whose
+    /// skeletons and heights are equal and that have the same clips are measured once.
+    pub fn of_all(crowd: &mut Crowd, characters: &[CharacterId]) -> Vec<Result<Self, Error>> {
+        let bodies: Vec<Result<Body, Error>> =
+            characters.iter().map(|character| Body::of(crowd, *character)).collect();
+        let same = |nth: usize| {
+            let body = bodies[nth].as_ref().ok();
+            let first = bodies[..nth].iter().position(|other| {
+                body.zip(other.as_ref().ok()).is_some_and(|(body, other)| body.moves_as(other))
+            });
+            first.unwrap_or(nth)
         };
-        let mut id_of = |chosen: &Arc<Clip>| {
-            let own = known.iter().find(|(_, clip)| Arc::ptr_eq(clip, chosen));
-            match own {
-                Some((id, _)) => Ok(*id),
-                None => Ok::<_, Error>(crowd.character_mut(character)?.add_clip(chosen)?),
+        let firsts: Vec<usize> = (0..bodies.len()).map(same).collect();
+        let measure = |(nth, body): (usize, &Result<Body, Error>)| {
+            body.as_ref().ok().filter(|_| firsts[nth] == nth).map(Body::measured)
+        };
+        let measured: Vec<_> = bodies.par_iter().enumerate().map(measure).collect();
+        let all = characters.iter().zip(bodies).zip(firsts);
+        all.map(|((character, body), first)| {
+            let clips = body?.clips;
+            match &measured[first] {
+                Some(Ok((chosen, measured))) => {
+                    let ids = chosen.ids(crowd, *character, &clips)?;
+                    measured.tell(crowd, *character, &ids)
+                }
+                Some(Err(error)) => Err(error.clone()),
+                None => Err(Error::NoClips),
             }
-        };
-        let idle = id_of(&chosen.idle)?;
-        let moving = chosen.moving.iter().map(&mut id_of).collect::<Result<Vec<_>, _>>()?;
-        Self::new(crowd, character, idle, &moving)
+        })
+        .collect()
     }
 
     /// The character that it was measured on.
@@ -170,10 +166,146 @@ impl GaitSpace {
         }
     }
 
+    /// Returns how the feet of a mix touch down; `None` if that is not known.
+    pub(crate) fn landings(&self, mix: f32) -> Option<[Landing; 2]> {
+        let above = self.landings.partition_point(|(own, _)| *own <= mix);
+        let low = self.landings.get(above.saturating_sub(1))?;
+        let high = self.landings.get(above).unwrap_or(low);
+        let span = high.0 - low.0;
+        let part = if span > 0.0 { ((mix - low.0) / span).clamp(0.0, 1.0) } else { 0.0 };
+        Some([0, 1].map(|foot: usize| low.1[foot].towards(&high.1[foot], part)))
+    }
+
     /// Returns how a member steps that turns on the spot or finds its stance.
     #[must_use]
     pub const fn on_the_spot(&self) -> Step {
         self.on_the_spot
+    }
+}
+
+/// A character and its clips, as measured.
+struct Body {
+    asset: Arc<Character>,
+    clips: Vec<(ClipId, Arc<Clip>)>,
+}
+
+impl Body {
+    fn of(crowd: &Crowd, character: CharacterId) -> Result<Self, Error> {
+        let view = crowd.character(character)?;
+        Ok(Self { asset: Arc::clone(view.asset()), clips: view.clips() })
+    }
+
+    /// Returns true if another has the same gaits.
+    fn moves_as(&self, other: &Self) -> bool {
+        let mut clips = self.clips.iter().zip(&other.clips);
+        self.clips.len() == other.clips.len()
+            && clips.all(|((_, own), (_, other))| Arc::ptr_eq(own, other))
+            && self.asset.rest_bounds() == other.asset.rest_bounds()
+            && self.asset.skeleton == other.asset.skeleton
+    }
+
+    /// Chooses among the clips, and measures the choice.
+    fn measured(&self) -> Result<(GaitClips, Measured), Error> {
+        let clips: Vec<_> = self.clips.iter().map(|(_, clip)| Arc::clone(clip)).collect();
+        let no_clips = || Error::NoGaitClips { character: self.asset.name.clone() };
+        let mut treadmill = Treadmill::new(&self.asset, MIXED_CLIPS)?.ok_or_else(no_clips)?;
+        let chosen = GaitClips::among_on(&mut treadmill, &clips).ok_or_else(no_clips)?;
+        let measured = Measured::new(&mut treadmill, &chosen)?;
+        Ok((chosen, measured))
+    }
+}
+
+impl GaitClips {
+    /// Returns the ids of the clips for a character that has others too, idle first. Clips that it
+    /// does not have are added.
+    fn ids(
+        &self,
+        crowd: &mut Crowd,
+        character: CharacterId,
+        known: &[(ClipId, Arc<Clip>)],
+    ) -> Result<Vec<ClipId>, Error> {
+        let mut id_of = |chosen: &Arc<Clip>| {
+            let own = known.iter().find(|(_, clip)| Arc::ptr_eq(clip, chosen));
+            match own {
+                Some((id, _)) => Ok(*id),
+                None => Ok::<_, Error>(crowd.character_mut(character)?.add_clip(chosen)?),
+            }
+        };
+        std::iter::once(&self.idle).chain(&self.moving).map(&mut id_of).collect()
+    }
+}
+
+/// What was measured of clips on a body.
+struct Measured {
+    /// The clips, idle first and the others by their speeds, each with its gait.
+    mixed: Vec<(MixedClip, Gait)>,
+    /// The place of each among the clips that were given, idle first.
+    given: Vec<usize>,
+    samples: Vec<Sample>,
+    rows: Vec<Row>,
+    on_the_spot: Step,
+}
+
+impl Measured {
+    /// Measures clips on a body.
+    fn new(treadmill: &mut Treadmill, clips: &GaitClips) -> Result<Self, Error> {
+        let idle_gait = Gait::on(treadmill, &clips.idle)?;
+        let idle_gait = idle_gait.unwrap_or_else(|| standing(&clips.idle));
+        let mut gaits = Vec::new();
+        for (nth, clip) in clips.moving.iter().enumerate() {
+            let gait = Gait::on(treadmill, clip)?;
+            let gait = gait.filter(|gait| walks(gait, treadmill.character()));
+            let no_gait = || Error::NoGait { clip: clip.name().to_owned() };
+            gaits.push((nth + 1, gait.ok_or_else(no_gait)?, clip));
+        }
+        gaits.sort_by(|a, b| a.1.speed_m_per_sec().total_cmp(&b.1.speed_m_per_sec()));
+        let sample = |gait: &Gait| Sample {
+            speed: gait.speed_m_per_sec(),
+            stride: gait.speed_m_per_sec() * gait.duration_secs,
+        };
+        let samples: Vec<Sample> = gaits.iter().map(|(_, gait, _)| sample(gait)).collect();
+        if samples.windows(2).any(|pair| pair[1].speed < 1.05 * pair[0].speed) {
+            return Err(Error::SameSpeed);
+        }
+        let Some((_, first, _)) = gaits.first() else { return Err(Error::NoClips) };
+        // All clips touch down with the left foot at the phase at which the slowest does.
+        let lead = left_phase(first);
+        let mut given = vec![0];
+        let mut mixed = vec![(MixedClip::new(&clips.idle, 1.0), idle_gait)];
+        for (nth, gait, clip) in gaits {
+            let offset = (left_phase(&gait) - lead).rem_euclid(1.0);
+            given.push(nth);
+            mixed.push((MixedClip::new(clip, 1.0).with_offset(offset), gait));
+        }
+        let mut mixes = Mixes::new(treadmill, &mixed, &samples)?;
+        let (rows, on_the_spot) = (mixes.rows()?, mixes.on_the_spot()?);
+        Ok(Self { mixed, given, samples, rows, on_the_spot })
+    }
+
+    /// Tells the crowd the contacts of the clips, whose ids are in the order given, and adds a blend
+    /// space of them.
+    fn tell(
+        &self,
+        crowd: &mut Crowd,
+        character: CharacterId,
+        ids: &[ClipId],
+    ) -> Result<GaitSpace, Error> {
+        let ids: Vec<ClipId> = self.given.iter().map(|nth| ids[*nth]).collect();
+        let gaits = self.mixed.iter().map(|(_, gait)| gait);
+        tell_contacts(crowd, character, ids.iter().zip(gaits))?;
+        let idle_secs = self.mixed[0].0.clip.duration_secs();
+        let landings = self.rows.iter().filter_map(|row| Some((row.mix, row.landings?)));
+        let mut landings: Vec<_> = landings.collect();
+        landings.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(GaitSpace {
+            landings,
+            character,
+            space: add_space(crowd, &ids, &self.mixed)?,
+            samples: self.samples.clone(),
+            rows: self.rows.clone(),
+            on_the_spot: self.on_the_spot,
+            idle_cycles_per_sec: if idle_secs > 0.0 { 1.0 / idle_secs } else { 0.0 },
+        })
     }
 }
 

@@ -5,6 +5,7 @@ pub mod avoidance;
 mod contacts;
 mod error;
 mod feet;
+mod footing;
 mod gait;
 mod gait_clips;
 mod gait_space;
@@ -20,6 +21,7 @@ mod walkers;
 
 pub use contacts::Contact;
 pub use error::Error;
+pub use footing::LedStep;
 pub use gait::Gait;
 pub use gait_clips::GaitClips;
 pub use gait_space::GaitSpace;

@@ -4,7 +4,10 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use populace::character::Character;
-use populace::{Affine, ClipPlayback, Crowd, Device, Error, Placement};
+use populace::clip::Clip;
+use populace::{
+    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Error, MemberId, Placement,
+};
 
 use crate::feet::{Carried, Feet, Leg};
 use crate::mix::{MixedClip, cycle_secs};
@@ -13,8 +16,8 @@ use crate::mix::{MixedClip, cycle_secs};
 const SAMPLES_PER_SEC: f32 = 120.0;
 /// The fewest and the most samples of a cycle.
 const SAMPLES: (f32, f32) = (8.0, 4000.0);
-/// The most joints evaluated at once.
-const MOST_JOINTS: usize = 1 << 14;
+/// Steps of a cycle that are evaluated at once.
+const AT_ONCE: usize = 64;
 /// Points up to this fraction of the body's height above the lowest stand with it.
 const STANDING: f32 = 0.01;
 
@@ -61,6 +64,9 @@ pub(crate) struct Soles {
     pub(crate) feet: [Vec<SoleSample>; 2],
     /// The legs of both feet, if they are known.
     pub(crate) legs: [Option<Leg>; 2],
+    /// How far ahead of each point of a sole at rest the middle of the sole is, in metres, left and
+    /// right.
+    pub(crate) middles_z: [Vec<f32>; 2],
 }
 
 /// Where the feet are in one pose, in model space.
@@ -72,6 +78,19 @@ struct Pose {
     soles: [Vec<Vec3>; 2],
 }
 
+/// A body on a treadmill: a crowd of its own, in which each member holds one step of a cycle.
+pub(crate) struct Treadmill {
+    character: Arc<Character>,
+    feet: Feet,
+    /// The joints at rest, in model space.
+    rest: Vec<Affine>,
+    crowd: Crowd,
+    id: CharacterId,
+    members: Vec<MemberId>,
+    /// The clips that it has played.
+    clips: Vec<(Arc<Clip>, ClipId)>,
+}
+
 impl Soles {
     /// Plays clips on a body and follows its soles. `None` for a body without two feet, and for
     /// clips of which none has a length.
@@ -79,23 +98,11 @@ impl Soles {
         character: &Arc<Character>,
         clips: &[MixedClip],
     ) -> Result<Option<Self>, Error> {
-        let Some(duration_secs) = cycle_secs(clips) else { return Ok(None) };
-        let Some(feet) = Feet::find(character) else { return Ok(None) };
-        let count = (duration_secs * SAMPLES_PER_SEC).ceil().clamp(SAMPLES.0, SAMPLES.1);
-        let poses = poses(character, &feet, clips, count)?;
-        let body_height_m = character.height_m();
-        let step_secs = duration_secs / count;
-        let travel = travel(&poses, duration_secs);
-        let hips = feet.hips.as_ref().and_then(|hips| {
-            let rest_m = character.skeleton.rest_model(hips.joint()).origin()[1];
-            let heights = poses.iter().filter_map(|pose| Some(pose.hips?.y));
-            let mean_m = heights.sum::<f32>() / poses.len() as f32;
-            (rest_m > 0.0).then_some(Hips { rest_m, mean_m })
-        });
-        let legs = feet.feet.each_ref().map(|foot| foot.leg);
-        let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
-        let own_speed = own_speed(clips);
-        Ok(Some(Self { duration_secs, body_height_m, travel, hips, own_speed, feet, legs }))
+        if cycle_secs(clips).is_none() {
+            return Ok(None);
+        }
+        let Some(mut treadmill) = Treadmill::new(character, clips.len())? else { return Ok(None) };
+        treadmill.sample(clips)
     }
 }
 
@@ -106,49 +113,106 @@ fn own_speed(clips: &[MixedClip]) -> f32 {
     clips.iter().map(|mixed| mixed.weight * speed(mixed)).sum::<f32>() / weights
 }
 
-/// Returns the feet at `count` even steps through the cycle, and at its end. Members of one crowd
-/// each hold one step.
-fn poses(
-    character: &Arc<Character>,
-    feet: &Feet,
-    clips: &[MixedClip],
-    count: f32,
-) -> Result<Vec<Pose>, Error> {
-    let steps: Vec<f32> = (0u16..).map(f32::from).take_while(|step| *step <= count).collect();
-    let most = MOST_JOINTS / character.skeleton.joint_count();
-    let at_once = steps.len().min(most).max(1);
-    let mut crowd = Crowd::builder()
-        .device(Device::Native { threads: 1 })
-        .capacity(at_once)
-        .slots_per_member(clips.len())
-        .build()?;
-    let id = crowd.add_character(Arc::clone(character))?;
-    let mut ids = Vec::with_capacity(clips.len());
-    for mixed in clips {
-        ids.push(crowd.character_mut(id)?.add_clip(&mixed.clip)?);
+impl Treadmill {
+    /// Puts a body on a treadmill, where it can play a number of clips at the same time. `None` for
+    /// a body without two feet.
+    pub(crate) fn new(character: &Arc<Character>, clips: usize) -> Result<Option<Self>, Error> {
+        let Some(feet) = Feet::find(character) else { return Ok(None) };
+        let mut crowd = Crowd::builder()
+            .device(Device::Native { threads: 1 })
+            .capacity(AT_ONCE)
+            .slots_per_member(clips)
+            .build()?;
+        let id = crowd.add_character(Arc::clone(character))?;
+        let members = crowd.spawn_many(id, &[Placement::at([0.0; 3]); AT_ONCE])?;
+        let skeleton = &character.skeleton;
+        let rest = skeleton.joints().map(|joint| skeleton.rest_model(joint)).collect();
+        let (character, clips) = (Arc::clone(character), Vec::new());
+        Ok(Some(Self { character, feet, rest, crowd, id, members, clips }))
     }
-    let members = crowd.spawn_many(id, &vec![Placement::at([0.0; 3]); at_once])?;
-    let mut poses = Vec::with_capacity(steps.len());
-    for steps in steps.chunks(at_once) {
-        for (step, member) in steps.iter().zip(&members) {
-            let mut member = crowd.member_mut(*member)?;
-            for (nth, (mixed, clip)) in clips.iter().zip(&ids).enumerate() {
-                let held = ClipPlayback::held_at_secs(mixed.secs_at(step / count));
-                let held = held.weight(mixed.weight);
-                // The first takes the place of those of the step before.
-                if nth == 0 {
-                    member.play(*clip, held)?
-                } else {
-                    member.blend(*clip, held)?
-                };
+
+    /// The body.
+    pub(crate) fn character(&self) -> &Arc<Character> {
+        &self.character
+    }
+
+    /// Plays clips and follows the soles. `None` for clips of which none has a length.
+    pub(crate) fn sample(&mut self, clips: &[MixedClip]) -> Result<Option<Soles>, Error> {
+        let Some(duration_secs) = cycle_secs(clips) else { return Ok(None) };
+        let count = (duration_secs * SAMPLES_PER_SEC).ceil().clamp(SAMPLES.0, SAMPLES.1);
+        let poses = self.poses(clips, count)?;
+        let feet = &self.feet;
+        let body_height_m = self.character.height_m();
+        let step_secs = duration_secs / count;
+        let travel = travel(&poses, duration_secs);
+        let hips = feet.hips.as_ref().and_then(|hips| {
+            let rest_m = self.character.skeleton.rest_model(hips.joint()).origin()[1];
+            let heights = poses.iter().filter_map(|pose| Some(pose.hips?.y));
+            let mean_m = heights.sum::<f32>() / poses.len() as f32;
+            (rest_m > 0.0).then_some(Hips { rest_m, mean_m })
+        });
+        let legs = feet.feet.each_ref().map(|foot| foot.leg);
+        let middles_z = feet.feet.each_ref().map(|foot| self.middles_z(&foot.sole));
+        let feet = [0, 1].map(|foot| follow(&poses, foot, travel, step_secs, body_height_m));
+        let own_speed = own_speed(clips);
+        Ok(Some(Soles {
+            duration_secs,
+            body_height_m,
+            travel,
+            hips,
+            own_speed,
+            feet,
+            legs,
+            middles_z,
+        }))
+    }
+
+    /// Returns the feet at `count` even steps through the cycle, and at its end.
+    fn poses(&mut self, clips: &[MixedClip], count: f32) -> Result<Vec<Pose>, Error> {
+        let ids = clips.iter().map(|mixed| self.id_of(&mixed.clip));
+        let ids = ids.collect::<Result<Vec<_>, _>>()?;
+        let steps: Vec<f32> = (0u16..).map(f32::from).take_while(|step| *step <= count).collect();
+        let mut poses = Vec::with_capacity(steps.len());
+        for steps in steps.chunks(self.members.len()) {
+            for (step, member) in steps.iter().zip(&self.members) {
+                let mut member = self.crowd.member_mut(*member)?;
+                for (nth, (mixed, clip)) in clips.iter().zip(&ids).enumerate() {
+                    let held = ClipPlayback::held_at_secs(mixed.secs_at(step / count));
+                    let held = held.weight(mixed.weight);
+                    // The first takes the place of those of the step before.
+                    if nth == 0 {
+                        member.play(*clip, held)?
+                    } else {
+                        member.blend(*clip, held)?
+                    };
+                }
+            }
+            self.crowd.update(0.0)?;
+            for member in &self.members[..steps.len()] {
+                let models = self.crowd.member_mut(*member)?.model_from_joints()?;
+                poses.push(pose(&self.feet, &models));
             }
         }
-        crowd.update(0.0)?;
-        for member in &members[..steps.len()] {
-            poses.push(pose(feet, &crowd.member_mut(*member)?.model_from_joints()?));
-        }
+        Ok(poses)
     }
-    Ok(poses)
+
+    /// Returns how far ahead of points at rest the middle between them is, in metres.
+    fn middles_z(&self, points: &[Carried]) -> Vec<f32> {
+        let at_rest = |point: &Carried| point.place(&self.rest).z;
+        let low = points.iter().map(at_rest).fold(f32::INFINITY, f32::min);
+        let high = points.iter().map(at_rest).fold(f32::NEG_INFINITY, f32::max);
+        points.iter().map(|point| 0.5 * (low + high) - at_rest(point)).collect()
+    }
+
+    fn id_of(&mut self, clip: &Arc<Clip>) -> Result<ClipId, Error> {
+        let known = self.clips.iter().find(|(known, _)| Arc::ptr_eq(known, clip));
+        if let Some((_, id)) = known {
+            return Ok(*id);
+        }
+        let id = self.crowd.character_mut(self.id)?.add_clip(clip)?;
+        self.clips.push((Arc::clone(clip), id));
+        Ok(id)
+    }
 }
 
 fn pose(feet: &Feet, model_from_joints: &[Affine]) -> Pose {

@@ -1,10 +1,8 @@
 //! Which mix of clips goes at a speed, and with which stride, measured at speeds from standing to
 //! beyond the fastest clip.
 
-use std::sync::Arc;
-
-use populace::character::Character;
-
+use crate::footing::Landing;
+use crate::soles::Treadmill;
 use crate::step::Step;
 use crate::strides::{MixSteps, MixStride};
 use crate::{Error, Gait, MixedClip};
@@ -48,11 +46,13 @@ pub(crate) struct Row {
     pub(crate) stride: f32,
     pub(crate) mix: f32,
     pub(crate) own: MixStride,
+    /// How feet touch down, if that is known.
+    pub(crate) landings: Option<[Landing; 2]>,
 }
 
 /// The mixes of a character's clips, idle first, each with its gait.
 pub(crate) struct Mixes<'a> {
-    asset: &'a Arc<Character>,
+    treadmill: &'a mut Treadmill,
     clips: &'a [(MixedClip, Gait)],
     samples: &'a [Sample],
     /// Own strides of mixes between standing and the first sample, and between neighbouring
@@ -64,14 +64,14 @@ impl<'a> Mixes<'a> {
     /// Measures the own strides of mixes. A mix that shows none, or one that is far from that of
     /// its clips, has a stride in proportion.
     pub(crate) fn new(
-        asset: &'a Arc<Character>,
+        treadmill: &'a mut Treadmill,
         clips: &'a [(MixedClip, Gait)],
         samples: &'a [Sample],
     ) -> Result<Self, Error> {
-        let mut mixes = Self { asset, clips, samples, strides: Vec::new() };
+        let mut mixes = Self { treadmill, clips, samples, strides: Vec::new() };
         let mut below = 0.0;
         for (segment, sample) in samples.iter().enumerate() {
-            let own = |mix, expected| {
+            let mut own = |mix, expected| {
                 let steps = mixes.measure(mix)?;
                 let own = steps.map(|steps| steps.stride_m(1.0, 0.0));
                 Ok::<_, Error>(own.filter(|own| is_near(*own, expected)).unwrap_or(expected))
@@ -91,17 +91,17 @@ impl<'a> Mixes<'a> {
     }
 
     /// Measures a mix: a point of the blend space.
-    fn measure(&self, mix: f32) -> Result<Option<MixSteps>, Error> {
+    fn measure(&mut self, mix: f32) -> Result<Option<MixSteps>, Error> {
         let weights = (0_u16..).map(|nth| 1.0 - (mix - f32::from(nth)).abs());
         let weighted = self.clips.iter().zip(weights).filter(|(_, weight)| *weight > 0.0);
         let mixed: Vec<_> = weighted
             .map(|((clip, gait), weight)| (MixedClip { weight, ..clip.clone() }, gait))
             .collect();
-        MixSteps::measure(self.asset, &mixed)
+        MixSteps::measure(self.treadmill, &mixed)
     }
 
     /// Returns how a member steps at speeds from standing to beyond the fastest clip.
-    pub(crate) fn rows(&self) -> Result<Vec<Row>, Error> {
+    pub(crate) fn rows(&mut self) -> Result<Vec<Row>, Error> {
         let slowest = self.samples[0].speed;
         let mut rows = vec![self.row(STANDS * slowest)?];
         let parts = |count: u16| (1..=count).map(move |nth| f32::from(nth) / f32::from(count));
@@ -122,7 +122,7 @@ impl<'a> Mixes<'a> {
 
     /// Returns how a member steps at a speed in metres per second. Its stride is shortened, and its
     /// cadence raised, until legs reach the feet that the mix plants.
-    fn row(&self, speed: f32) -> Result<Row, Error> {
+    fn row(&mut self, speed: f32) -> Result<Row, Error> {
         let (segment, wanted) = self.stride_at(speed);
         let (mix, own_m) = self.mix_of_stride(segment, wanted);
         let Some(steps) = self.measure(mix)? else {
@@ -133,11 +133,12 @@ impl<'a> Mixes<'a> {
         if !own.is_plausible(own_m) {
             return Ok(Row::of_ankles(speed, wanted, mix, own_m));
         }
-        Ok(Row { speed, stride, mix, own })
+        let landings = steps.landings(own.sole_m);
+        Ok(Row { speed, stride, mix, own, landings })
     }
 
     /// Returns how a member steps that turns on the spot.
-    pub(crate) fn on_the_spot(&self) -> Result<Step, Error> {
+    pub(crate) fn on_the_spot(&mut self) -> Result<Step, Error> {
         let slowest = self.samples[0];
         let own_m = own_stride(&self.strides[0], ON_THE_SPOT);
         let cycles_per_sec = slowest.speed / slowest.stride;
@@ -185,7 +186,8 @@ impl<'a> Mixes<'a> {
 impl Row {
     /// Returns a row of a mix whose stride ankles step alone.
     const fn of_ankles(speed: f32, stride: f32, mix: f32, own_m: f32) -> Self {
-        Self { speed, stride, mix, own: MixStride { sole_m: own_m, ankle_m: own_m } }
+        let own = MixStride { sole_m: own_m, ankle_m: own_m };
+        Self { speed, stride, mix, own, landings: None }
     }
 }
 

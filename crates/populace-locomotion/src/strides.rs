@@ -1,12 +1,10 @@
 //! How far mixes of clips step, in the contacts of their clips.
 
-use std::sync::Arc;
-
-use populace::character::Character;
 use populace::model::Side;
 
 use crate::feet::Leg;
-use crate::soles::{SoleSample, Soles};
+use crate::footing::Landing;
+use crate::soles::{SoleSample, Treadmill};
 use crate::{Error, Gait, MixedClip};
 
 /// Times within a contact count up to this, in seconds, when those of several clips are mixed.
@@ -88,14 +86,14 @@ pub(crate) struct MixStride {
 impl MixSteps {
     /// Measures clips that are mixed, each with its gait. `None` if no foot is planted.
     pub(crate) fn measure(
-        character: &Arc<Character>,
+        treadmill: &mut Treadmill,
         clips: &[(MixedClip, &Gait)],
     ) -> Result<Option<Self>, Error> {
         let mixed: Vec<_> = clips.iter().map(|(clip, _)| clip.clone()).collect();
-        let Some(soles) = Soles::sample(character, &mixed)? else { return Ok(None) };
+        let Some(soles) = treadmill.sample(&mixed)? else { return Ok(None) };
         let legs = soles.legs;
-        let [left, right] = soles.feet;
-        let stance = |side, samples: Vec<SoleSample>, leg| {
+        let ([left, right], [of_left, of_right]) = (soles.feet, soles.middles_z);
+        let stance = |side, samples: Vec<SoleSample>, middles_z, leg| {
             let count = samples.len() as f32;
             let within = |at: f32| {
                 let mut planting = Planting::default();
@@ -106,30 +104,44 @@ impl MixSteps {
                 planting.margin()
             };
             let at = (0_u16..).map(f32::from).take(samples.len());
-            Stance { within: at.map(within).collect(), samples, leg }
+            Stance { within: at.map(within).collect(), samples, middles_z, leg }
         };
-        let feet = [stance(Side::Left, left, legs[0]), stance(Side::Right, right, legs[1])];
+        let feet = [
+            stance(Side::Left, left, of_left, legs[0]),
+            stance(Side::Right, right, of_right, legs[1]),
+        ];
         let stands = feet.iter().any(|foot| foot.within.iter().any(|within| *within > 0.0));
         Ok(stands.then_some(Self { feet }))
+    }
+
+    /// Returns how both feet touch down while the mix goes on by its stride in metres. `None` for a
+    /// body without legs, and for a foot that does not lift or does not step.
+    pub(crate) fn landings(&self, stride_m: f32) -> Option<[Landing; 2]> {
+        let [left, right] = self.feet.each_ref().map(|foot| foot.landing(stride_m));
+        Some([left?, right?])
     }
 
     /// Returns the stride in metres with steps of ankles led, at cycles in a second: by the median
     /// movement of the lowest points of planted soles from one frame to the next.
     pub(crate) fn stride_m(&self, lead: f32, cycles_per_sec: f32) -> f32 {
+        self.planted(cycles_per_sec).stride_m(lead)
+    }
+
+    /// Returns the movements of planted soles between frames, at cycles in a second.
+    fn planted(&self, cycles_per_sec: f32) -> Planted {
         let count = self.feet[0].samples.len() as f32;
         let step = (count * cycles_per_sec / SHOWN_PER_SEC).clamp(1.0, (0.1 * count).max(1.0));
-        let mut steps: Vec<f32> =
-            self.feet.iter().flat_map(|foot| foot.steps_m(lead, step)).collect();
-        steps.sort_by(f32::total_cmp);
-        steps.get(steps.len() / 2).map_or(0.0, |moved| -moved / step * count)
+        let moves = self.feet.iter().flat_map(|foot| foot.moves(step)).collect();
+        Planted { count, step, moves }
     }
 
     /// Returns the lead of ankles at which the stride has a length.
     fn lead_of(&self, stride_m: f32, cycles_per_sec: f32) -> f32 {
+        let planted = self.planted(cycles_per_sec);
         let (mut low, mut high) = LEADS;
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            let is_short = self.stride_m(middle, cycles_per_sec) < stride_m;
+            let is_short = planted.stride_m(middle) < stride_m;
             (low, high) = if is_short { (middle, high) } else { (low, middle) };
         }
         0.5 * (low + high)
@@ -169,48 +181,125 @@ impl MixSteps {
     }
 }
 
+/// Movements of planted soles from one frame to the next.
+struct Planted {
+    /// Samples in a cycle, and from one frame to the next.
+    count: f32,
+    step: f32,
+    moves: Vec<Move>,
+}
+
+impl Planted {
+    /// Returns the median stride in metres with steps of ankles led.
+    fn stride_m(&self, lead: f32) -> f32 {
+        let mut steps: Vec<f32> = self.moves.iter().map(|of| of.moved_m(lead)).collect();
+        if steps.is_empty() {
+            return 0.0;
+        }
+        let middle = steps.len() / 2;
+        let (_, moved, _) = steps.select_nth_unstable_by(middle, f32::total_cmp);
+        -*moved / self.step * self.count
+    }
+}
+
+/// A movement of a point of the sole between two times.
+struct Move {
+    from: Between,
+    to: Between,
+}
+
+impl Move {
+    /// Returns how far the point moves forwards, in metres.
+    fn moved_m(&self, lead: f32) -> f32 {
+        self.to.place(lead) - self.from.place(lead)
+    }
+}
+
+/// A place along Z between two samples.
+struct Between {
+    /// The point of the sole and the ankle at the sample before and at that after, in metres.
+    points: [[f32; 2]; 2],
+    /// The part of the way from one to the other.
+    part: f32,
+}
+
+impl Between {
+    fn place(&self, lead: f32) -> f32 {
+        let [low, high] = self.points.map(|[point, ankle]| point + ankle * (lead - 1.0));
+        low + (high - low) * self.part
+    }
+}
+
 /// Samples of a foot over a cycle, and its contacts.
 struct Stance {
     samples: Vec<SoleSample>,
     /// How far within a contact each sample is: above 0 if the foot is planted.
     within: Vec<f32>,
+    /// See [`Soles::middles_z`](crate::soles::Soles::middles_z).
+    middles_z: Vec<f32>,
     leg: Option<Leg>,
 }
 
 impl Stance {
-    /// Returns a value at a time between samples, in samples.
+    /// Returns the samples before and after a time in samples, and the part of the way from one to
+    /// the other.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8000")]
-    fn between(&self, time: f32, value: impl Fn(usize) -> f32) -> f32 {
+    fn around(&self, time: f32) -> ([usize; 2], f32) {
         let (nth, part) = (time as usize, time - time.floor());
-        let [low, high] = [nth, nth + 1].map(|nth| value(nth % self.samples.len()));
-        low + (high - low) * part
+        ([nth, nth + 1].map(|nth| nth % self.samples.len()), part)
     }
 
-    /// Returns the point of the sole that is lowest at the sample before a time.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 8000")]
-    fn lowest(&self, time: f32) -> usize {
-        self.samples[time as usize % self.samples.len()].lowest
+    /// Returns whether the foot is planted at a time in samples.
+    fn is_planted(&self, time: f32) -> bool {
+        let (around, part) = self.around(time);
+        let [low, high] = around.map(|nth| self.within[nth]);
+        low + (high - low) * part > 0.0
     }
 
-    /// Returns how far a point of the sole moves forwards between two times, in metres.
-    fn moved_m(&self, point: usize, [from, to]: [f32; 2], lead: f32) -> f32 {
-        let place = |nth: usize| {
+    /// Returns where a point of the sole is at a time in samples.
+    fn place(&self, point: usize, time: f32) -> Between {
+        let (around, part) = self.around(time);
+        let points = around.map(|nth| {
             let SoleSample { ankle, points_z, .. } = &self.samples[nth];
-            points_z[point] + ankle.y * (lead - 1.0)
-        };
-        self.between(to, place) - self.between(from, place)
+            [points_z[point], ankle.y]
+        });
+        Between { points, part }
     }
 
-    /// Returns how far planted soles move forwards from one time to another, a number of samples
-    /// later, in metres: at [`FINER`] times for each sample.
-    fn steps_m(&self, lead: f32, step: f32) -> impl Iterator<Item = f32> {
-        let within = |time: f32| self.between(time, |nth| self.within[nth]) > 0.0;
+    /// Returns the movement of a point of the sole between two times in samples.
+    fn between(&self, point: usize, [from, to]: [f32; 2]) -> Move {
+        Move { from: self.place(point, from), to: self.place(point, to) }
+    }
+
+    /// Returns the movements of planted soles from one time to another, a number of samples later:
+    /// at [`FINER`] times for each sample.
+    fn moves(&self, step: f32) -> impl Iterator<Item = Move> {
         let times =
             (0_u16..).map(|nth| f32::from(nth) / FINER).map(move |from| [from, from + step]);
         let count = self.samples.len() as f32;
         let times = times.take_while(move |[from, _]| *from < count);
-        let planted = times.filter(move |[from, to]| within(*from) && within(*to));
-        planted.map(move |[from, to]| self.moved_m(self.lowest(from), [from, to], lead))
+        let planted = times.filter(|times| times.iter().all(|time| self.is_planted(*time)));
+        planted.map(|times| {
+            let ([before, _], _) = self.around(times[0]);
+            self.between(self.samples[before].lowest, times)
+        })
+    }
+
+    /// Returns how the foot touches down in its longest contact.
+    fn landing(&self, stride_m: f32) -> Option<Landing> {
+        let (leg, count) = (self.leg?, self.samples.len());
+        let planted = |nth: usize| self.within[nth % count] > 0.0;
+        let downs = (0..count).filter(|nth| planted(*nth) && !planted(nth + count - 1));
+        let stands = |down: usize| (down..down + count).take_while(|nth| planted(*nth)).count();
+        let (down, stands) = downs.map(|down| (down, stands(down))).max_by_key(|(_, n)| *n)?;
+        let SoleSample { ankle, points_z, lowest, .. } = &self.samples[down];
+        let ahead_m = points_z[*lowest] + self.middles_z[*lowest];
+        let until_lift = stands as f32 / count as f32;
+        let until_over = (ahead_m / stride_m).clamp(0.0, until_lift);
+        let over = (down as f32 / count as f32 + until_over).rem_euclid(1.0);
+        let stepped_m = ankle.y - leg.rest_z;
+        let landing = Landing { over, until_over, until_lift, ahead_m, stepped_m };
+        landing.steps().then_some(landing)
     }
 
     /// Returns whether the leg reaches a foot that is locked to the ground from the beginning to
@@ -232,7 +321,7 @@ impl Stance {
             let overstretched = far > own.abs() && far > REACH * leg.length_m;
             let held_back = lag.abs();
             let now = (nth % count) as f32;
-            lag -= step_m + self.moved_m(*lowest, [now, now + 1.0], lead);
+            lag -= step_m + self.between(*lowest, [now, now + 1.0]).moved_m(lead);
             !overstretched && held_back <= HELD_BACK * leg.length_m
         })
     }

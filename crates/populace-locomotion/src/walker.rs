@@ -6,6 +6,7 @@ use glam::Vec2;
 use populace::{Ground, Placement, Stride};
 
 use crate::Error;
+use crate::footing::LedStep;
 use crate::gait_space::GaitSpace;
 use crate::path::check_coordinate;
 use crate::step::Step;
@@ -104,6 +105,8 @@ pub(crate) struct Walker {
     soon: f32,
     soon_cycles: (f32, f32),
     pub(crate) stride: Stride,
+    /// The step that it is led through, and the phase of its cycle when the frame begins.
+    led: Option<(LedStep, f32)>,
     /// The part of the last steps that the position's rounding left out, in metres.
     rest: Vec2,
 }
@@ -130,6 +133,8 @@ pub struct Lead {
     pub yaw_rad: f32,
     /// The height of the ground below it in metres.
     pub height_m: f32,
+    /// The step that it takes; if `None`, it steps as suits its speed.
+    pub step: Option<LedStep>,
 }
 
 impl Lead {
@@ -138,10 +143,10 @@ impl Lead {
 
     /// Refuses a number that is not finite or too large.
     pub(crate) fn check(&self) -> Result<(), Error> {
-        let Self { position: [x, z], velocity: [vx, vz], soon_m_per_sec, yaw_rad, height_m } =
-            *self;
-        let numbers = [x, z, vx, vz, soon_m_per_sec, yaw_rad, height_m];
-        numbers.into_iter().try_for_each(check_coordinate)
+        let Self { position: [x, z], velocity: [vx, vz], .. } = *self;
+        let numbers = [x, z, vx, vz, self.soon_m_per_sec, self.yaw_rad, self.height_m];
+        numbers.into_iter().try_for_each(check_coordinate)?;
+        self.step.map_or(Ok(()), |step| step.check())
     }
 }
 
@@ -191,6 +196,7 @@ impl Walker {
             soon: 0.0,
             soon_cycles: (f32::INFINITY, 0.0),
             stride: Stride::OF_CLIPS,
+            led: None,
             rest: Vec2::ZERO,
         }
     }
@@ -237,18 +243,30 @@ impl Walker {
         self.position + (self.velocity * secs + self.rest)
     }
 
-    /// Is under way as a lead says.
-    pub(crate) fn begin(&mut self, lead: &Lead, gaits: &GaitSpace) {
+    /// Is under way as a lead says, at a phase of its cycle. Returns the phase at which a step that
+    /// it is led through has its cycle, which is by half a cycle further for one of the later half.
+    pub(crate) fn begin(&mut self, lead: &Lead, gaits: &GaitSpace, phase: f32) -> f32 {
         self.heading_rad = wrapped(lead.yaw_rad);
-        self.follow(lead, 1.0);
+        self.follow(lead, None, 1.0);
         // A step without end has the stride of the motion at once.
         self.step(gaits, f32::MAX);
         self.settles_secs = 0.0;
         self.told = Some(self.step);
+        let landings = gaits.landings(self.step.mix);
+        lead.step
+            .zip(landings)
+            .map_or(phase, |(step, landings)| step.phase(&landings[usize::from(phase >= 0.5)]))
     }
 
-    /// Moves to where it is led, in a step of `secs`.
-    pub(crate) fn follow(&mut self, lead: &Lead, secs: f32) {
+    /// Returns the part of a step, 0 to 1, for which a foot has been down when the body is over it.
+    pub(crate) fn steps_from_touch_down(&self, gaits: &GaitSpace) -> f32 {
+        let landings = gaits.landings(self.step.mix);
+        landings.map_or(0.0, |[left, right]| left.until_over + right.until_over)
+    }
+
+    /// Moves to where it is led, in a step of `secs` that begins at a phase of its cycle.
+    pub(crate) fn follow(&mut self, lead: &Lead, phase: Option<f32>, secs: f32) {
+        self.led = lead.step.zip(phase);
         self.position = lead.position.into();
         self.velocity = lead.velocity.into();
         self.height_m = lead.height_m;
@@ -319,15 +337,26 @@ impl Walker {
             }
             step.cycles_per_sec = step.cycles_per_sec.max(self.soon_cycles.1);
         }
+        let landings = self.led.and_then(|_| gaits.landings(step.mix)).filter(|_| step.mix > 0.0);
+        let led = self.led.zip(landings);
+        if let Some(((led, phase), landings)) = led {
+            step.cycles_per_sec = led.cycles_per_sec(&landings, phase, secs);
+        }
         let Vec2 { x: sin, y: cos } = self.ahead;
         let (x, z) = (self.velocity.x / self.scale, self.velocity.y / self.scale);
         let velocity = [cos * x - sin * z, sin * x + cos * z];
         let lean = if self.goes_backwards { -BACKWARDS } else { BACKWARDS };
-        self.goes_backwards = velocity[1] < -lean * speed;
+        self.goes_backwards = led.is_none() && velocity[1] < -lean * speed;
         if self.goes_backwards {
             step = Step { cycles_per_sec: -step.cycles_per_sec, ..step };
         }
-        let wanted = step.stride(velocity, self.turn_rate);
+        let wanted = match led {
+            Some(((led, phase), landings)) => {
+                let told = self.told.unwrap_or(step).cycles_per_sec;
+                led.stride(&landings, phase + told * secs, self.scale).unwrap_or(self.stride)
+            }
+            None => step.stride(velocity, self.turn_rate),
+        };
         self.stride = self.stride.towards(&wanted, secs / (secs + STRIDE_SECS));
         self.step = step;
     }

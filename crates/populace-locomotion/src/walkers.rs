@@ -81,6 +81,8 @@ pub struct Walkers {
     points: Vec<(MemberId, SpacePoint)>,
     /// Placements and strides of the walkers that do not rest, if some do.
     shown: Shown,
+    /// The phases of walkers that are led through steps.
+    phases: Vec<Option<f32>>,
     times: UpdateTimes,
 }
 
@@ -125,6 +127,7 @@ impl Walkers {
             strides: Vec::new(),
             points: Vec::new(),
             shown: (Vec::new(), Vec::new()),
+            phases: Vec::new(),
             times: UpdateTimes::default(),
         })
     }
@@ -161,6 +164,18 @@ impl Walkers {
     #[must_use]
     pub fn velocities(&self) -> &[[f32; 2]] {
         &self.velocities
+    }
+
+    /// Returns for how long a foot of a walker has been down when the body is over it, as a part of
+    /// a [`LedStep`](crate::LedStep); 0 if that is not known.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker.
+    pub fn steps_from_touch_down(&self, member: MemberId) -> Result<f32, Error> {
+        let index = self.index_of(member)?;
+        let gaits = &self.gaits[self.orders[index].gaits as usize];
+        Ok(self.walkers[index].steps_from_touch_down(gaits))
     }
 
     /// The strides that members were told last, in the order of [`members`](Self::members).
@@ -212,13 +227,19 @@ impl Walkers {
         }
         leads.iter().try_for_each(Lead::check)?;
         let Some(share) = self.begin(crowd, secs)? else { return Ok(()) };
+        self.phases.clear();
+        for (lead, member) in leads.iter().zip(&self.members) {
+            let phase = || crowd.member(*member).ok()?.blend_space_phase();
+            self.phases.push(lead.step.and_then(|_| phase()));
+        }
         let Self { gaits, .. } = self;
         let places = self.positions.par_iter_mut().zip(&mut self.velocities);
         let shown = self.placements.par_iter_mut().zip(&mut self.strides);
         let walkers = self.walkers.par_iter_mut().zip(shown).zip(places);
-        walkers.zip(leads.par_iter().zip(&self.orders)).with_min_len(FEWEST_PER_THREAD).for_each(
-            |(((walker, (placement, stride)), (position, velocity)), (lead, orders))| {
-                walker.follow(lead, secs);
+        let leads = leads.par_iter().zip(&self.phases).zip(&self.orders);
+        walkers.zip(leads).with_min_len(FEWEST_PER_THREAD).for_each(
+            |(((walker, (placement, stride)), (position, velocity)), ((lead, phase), orders))| {
+                walker.follow(lead, *phase, secs);
                 walker.step(&gaits[orders.gaits as usize], secs);
                 (placement.1, stride.1) = (walker.placement(), walker.stride);
                 (*position, *velocity) = (lead.position, lead.velocity);

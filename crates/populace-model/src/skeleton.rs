@@ -201,6 +201,16 @@ impl Skeleton {
             .fold(root, |model, joint| model.mul(&Affine::from_trs(self.rest(*joint))))
     }
 
+    /// The place of a joint at rest, in metres of model space, in double precision.
+    #[must_use]
+    pub fn rest_place(&self, joint: JointIndex) -> glam::DVec3 {
+        let mut chain: Vec<_> = std::iter::once(joint).chain(self.ancestors(joint)).collect();
+        chain.reverse();
+        let locals = chain.iter().map(|joint| f64math::affine(self.rest(*joint)));
+        let model = locals.reduce(|model, local| model * local);
+        model.map_or(glam::DVec3::ZERO, |model| model.translation)
+    }
+
     /// `model_from_joint` of each joint at rest, in double precision.
     #[must_use]
     pub fn rest_models(&self) -> Vec<glam::DAffine3> {

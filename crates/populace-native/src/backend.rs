@@ -250,7 +250,8 @@ impl Backend for NativeBackend {
             let frame = self.last.ok_or(BackendError::NotEvaluated)?;
             let (stages, history) = (&self.stages, &self.history);
             let inputs = FrameInputs { tables, frame, stages, history };
-            return reading::read(&mut self.reading, &inputs, buffer, first, into);
+            let evaluated = (&inputs, self.dispatch);
+            return reading::read(&mut self.reading, evaluated, buffer, first, into);
         }
         if buffer == StageBuffer::Palette && self.last.is_none() {
             return Err(BackendError::NotEvaluated);

@@ -4,7 +4,7 @@ use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
 use populace_model::Affine;
 
-use crate::dispatch::Dispatch;
+use crate::dispatch::{Dispatch, Work};
 use crate::errors::failed;
 use crate::frame::FrameInputs;
 use crate::fused::{MemberInputs, member_models};
@@ -23,18 +23,18 @@ pub(crate) struct Reading {
     models: Vec<Affine>,
 }
 
-impl Reading {
-    fn new(inputs: &FrameInputs, member: u32) -> Self {
-        let (tables, tick) = (inputs.tables, inputs.frame.tick);
-        let running = &inputs.history.running;
-        let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick);
-        let samples = member_slots(tables, member).iter().map(sample).collect();
-        let joint_count = body_of(tables, member).joint_count as usize;
-        let mut scratch = Scratch::default();
-        let mut locals = vec![[Float4::default(); 3]; joint_count];
-        let of = MemberInputs { inputs, member, dispatch: Dispatch::Baseline };
-        member_models(of, &mut scratch, |first, local| {
-            for (lane, joint) in locals.iter_mut().skip(first).take(LANES).enumerate() {
+/// Evaluation of one member, with its local transforms.
+struct Evaluate<'a> {
+    of: MemberInputs<'a>,
+    scratch: &'a mut Scratch,
+    locals: &'a mut [[Float4; 3]],
+}
+
+impl Work for Evaluate<'_> {
+    #[inline(always)]
+    fn run(self) {
+        member_models(self.of, self.scratch, |first, local| {
+            for (lane, joint) in self.locals.iter_mut().skip(first).take(LANES).enumerate() {
                 *joint = [
                     Float4::from_xyz(local.t.map(|v| v.0[lane])),
                     Float4(local.r.map(|v| v.0[lane])),
@@ -42,6 +42,20 @@ impl Reading {
                 ];
             }
         });
+    }
+}
+
+impl Reading {
+    fn new(inputs: &FrameInputs, dispatch: Dispatch, member: u32) -> Self {
+        let (tables, tick) = (inputs.tables, inputs.frame.tick);
+        let running = &inputs.history.running;
+        let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick);
+        let samples = member_slots(tables, member).iter().map(sample).collect();
+        let joint_count = body_of(tables, member).joint_count as usize;
+        let mut scratch = Scratch::default();
+        let mut locals = vec![[Float4::default(); 3]; joint_count];
+        let of = MemberInputs { inputs, member, dispatch };
+        dispatch.run(Evaluate { of, scratch: &mut scratch, locals: &mut locals });
         let mut models = scratch.models;
         models.truncate(joint_count);
         Self { member, samples, locals, models }
@@ -74,7 +88,7 @@ impl Reading {
 /// [`BackendError::Failed`] if an element is past the member's end.
 pub(crate) fn read(
     last: &mut Option<Reading>,
-    inputs: &FrameInputs,
+    (inputs, dispatch): (&FrameInputs, Dispatch),
     buffer: StageBuffer,
     first: usize,
     into: &mut [Float4],
@@ -84,7 +98,7 @@ pub(crate) fn read(
     let (member, at) = inputs.tables.place_of(buffer, first).ok_or_else(past_the_end)?;
     let reading = match last.take() {
         Some(reading) if reading.member == member => reading,
-        _ => Reading::new(inputs, member),
+        _ => Reading::new(inputs, dispatch, member),
     };
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;

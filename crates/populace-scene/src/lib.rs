@@ -2,6 +2,7 @@
 
 mod behaviour;
 mod error;
+mod footsteps;
 mod gaze;
 mod heading;
 mod motion;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace_trajectory::{Agent, Kind, Recording, Track};
+use populace_trajectory::{Agent, Footstep, Kind, Recording, Track};
 
 use crate::heading;
 use crate::smoothing::{at_even_times, hermite, low_pass};
@@ -52,6 +52,8 @@ pub struct Moment {
 #[derive(Clone, Debug)]
 pub struct Motion {
     spans: Vec<Span>,
+    /// Empty if the file has no footsteps.
+    steps: Vec<Footstep>,
 }
 
 /// A time in which an agent is there.
@@ -88,12 +90,13 @@ impl Motions {
         let cutoff_hz = if sway_m > SWAYS_M { SWAYING_HZ } else { STEADY_HZ };
         let motion = |agent: &Agent| {
             if agent.kind == Kind::Vehicle {
-                return Motion { spans: Vec::new() };
+                return Motion { spans: Vec::new(), steps: Vec::new() };
             }
             let track = recording.track(agent);
             let spans = spans(track.times, recording.source.fps.value);
             let span = |rows: std::ops::Range<usize>| Span::new(&track, rows, step_secs, cutoff_hz);
-            Motion { spans: spans.into_iter().map(span).collect() }
+            let spans = spans.into_iter().map(span).collect();
+            Motion { spans, steps: track.steps.to_vec() }
         };
         let agents = recording.agents.iter().map(motion).collect();
         Self { agents, cutoff_hz, sway_m }
@@ -116,6 +119,12 @@ impl Motion {
         let next = self.spans.partition_point(|span| span.secs[0] <= secs);
         let span = self.spans.get(next.checked_sub(1)?)?;
         (secs <= span.secs[1]).then(|| span.filtered_at(secs))
+    }
+
+    /// The footsteps that the file has, in the order of time.
+    #[must_use]
+    pub fn steps(&self) -> &[Footstep] {
+        &self.steps
     }
 
     /// Returns the times from when and until when the agent is there, in seconds.
@@ -152,13 +161,13 @@ impl Span {
         };
         let headings = match track.headings.get(rows.clone()) {
             Some(headings) if headings.iter().any(|heading| heading.is_finite()) => {
-                heading::of_data(&nearest(headings), step_secs)
+                heading::of_data(&nearest(headings), &velocities, step_secs)
             }
             _ => heading::of_motion(&velocities, step_secs),
         };
         let views = match track.views.get(rows.clone()) {
             Some(views) if views.iter().any(|view| view.is_finite()) => {
-                heading::of_data(&nearest(views), step_secs)
+                heading::of_views(&nearest(views), step_secs)
             }
             _ => Vec::new(),
         };

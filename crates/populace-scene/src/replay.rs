@@ -9,12 +9,17 @@ use populace_locomotion::{GaitSpace, Lead, WalkerSettings, Walkers};
 use populace_trajectory::Recording;
 
 use crate::Error;
+use crate::footsteps::led_step;
 use crate::gaze::{Gazes, Somebody};
-use crate::motion::{Moment, Motions};
+use crate::motion::{Moment, Motion, Motions};
 
 /// The part of a cycle by which neighbouring agents step apart: the golden ratio spreads them
 /// evenly.
 const PHASES: f64 = 0.618_033_988_749_895;
+
+/// The part of a step for which feet of people who come have been down when the body is over them,
+/// until it is known.
+const FROM_TOUCH_DOWN: f32 = 0.5;
 
 /// Seconds in which people fade in and out.
 const FADE_SECS: f64 = 0.4;
@@ -53,6 +58,13 @@ pub struct Replay {
     walkers: Walkers,
     /// The agents of the walkers, in their order.
     agents: Vec<usize>,
+    /// Where those agents are now.
+    moments: Vec<Moment>,
+    /// The opacities that their members have.
+    opacities: Vec<f32>,
+    /// The times in seconds at which agents come, in order, and how many of them are past.
+    arrivals: Vec<(f64, usize)>,
+    arrived: usize,
     present: Vec<bool>,
     leads: Vec<Lead>,
     gazes: Gazes,
@@ -60,6 +72,8 @@ pub struct Replay {
     somebodies: Vec<Somebody>,
     /// Heights of the eyes above the ground in metres, by agent; 0 for bodies that cannot look.
     eyes_m: Vec<f32>,
+    /// The same at the scale of 1, of the characters that have come.
+    eyes_of: Vec<(CharacterId, f32)>,
     /// When the recording begins and ends.
     all_secs: [f64; 2],
     secs: f64,
@@ -88,16 +102,25 @@ impl Replay {
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
         let max_raw_m = max_raw_m(recording, &motions);
+        let spans = motions.agents.iter().enumerate();
+        let mut arrivals: Vec<(f64, usize)> =
+            spans.flat_map(|(agent, of)| of.secs().map(move |[from, _]| (from, agent))).collect();
+        arrivals.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         Ok(Self {
             motions,
             people: people.to_vec(),
             walkers,
             agents: Vec::new(),
+            moments: Vec::new(),
+            opacities: Vec::new(),
+            arrivals,
+            arrived: 0,
             present: vec![false; agents],
             leads: Vec::new(),
             gazes: Gazes::new(agents),
             somebodies: Vec::new(),
             eyes_m: vec![0.0; agents],
+            eyes_of: Vec::new(),
             all_secs: recording.secs(),
             secs,
             error: PositionError { max_m: 0.0, max_raw_m },
@@ -115,9 +138,14 @@ impl Replay {
         self.secs += f64::from(secs);
         self.leave(crowd)?;
         self.leads.clear();
-        for agent in &self.agents {
-            // Agents that are gone have left above.
-            self.leads.extend(lead(&self.motions, *agent, self.secs));
+        let people = self.agents.iter().zip(&self.moments).zip(self.walkers.members());
+        for ((agent, moment), member) in people {
+            let motion = &self.motions.agents[*agent];
+            let step = match motion.steps() {
+                [] => None,
+                _ => led_step(motion, self.secs, self.walkers.steps_from_touch_down(*member)?),
+            };
+            self.leads.push(Lead { step, ..lead(motion, moment, self.secs) });
         }
         self.walkers.follow(crowd, &self.leads, secs)?;
         self.appear(crowd)?;
@@ -170,11 +198,12 @@ impl Replay {
         self.error
     }
 
-    /// Takes people from the crowd whose agents have left.
+    /// Finds where agents are, and takes people from the crowd whose agents have left.
     fn leave(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
         let mut index = 0;
         while let Some(agent) = self.agents.get(index).copied() {
-            if self.motions.agents[agent].at(self.secs).is_some() {
+            if let Some(moment) = self.motions.agents[agent].at(self.secs) {
+                self.moments[index] = moment;
                 index += 1;
                 continue;
             }
@@ -182,6 +211,8 @@ impl Replay {
             self.walkers.remove(member)?;
             crowd.despawn(member)?;
             self.agents.swap_remove(index);
+            self.moments.swap_remove(index);
+            self.opacities.swap_remove(index);
             self.present[agent] = false;
             self.gazes.forget(agent);
         }
@@ -190,11 +221,20 @@ impl Replay {
 
     /// Brings people into the crowd whose agents have come.
     fn appear(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
-        for (agent, &person) in self.people.iter().enumerate() {
+        let past = self.arrivals.partition_point(|(from, _)| *from <= self.secs);
+        let mut come: Vec<usize> =
+            self.arrivals[self.arrived..past].iter().map(|(_, agent)| *agent).collect();
+        self.arrived = past;
+        come.sort_unstable();
+        for agent in come {
+            // Somebody who left and came within one step has stayed.
             if self.present[agent] {
                 continue;
             }
-            let Some(lead) = lead(&self.motions, agent, self.secs) else { continue };
+            let (motion, person) = (&self.motions.agents[agent], self.people[agent]);
+            let Some(moment) = motion.at(self.secs) else { continue };
+            let step = led_step(motion, self.secs, FROM_TOUCH_DOWN);
+            let lead = Lead { step, ..lead(motion, &moment, self.secs) };
             let [x, z] = lead.position;
             let placement =
                 Placement::at([x, lead.height_m, z]).facing(lead.yaw_rad).scaled(person.scale);
@@ -203,20 +243,37 @@ impl Replay {
             let phase = (agent as f64 * PHASES).fract() as f32;
             self.walkers.add_led(crowd, member, &lead, phase)?;
             self.agents.push(agent);
+            self.moments.push(moment);
+            self.opacities.push(f32::NAN);
             self.present[agent] = true;
-            self.eyes_m[agent] = eye_m(crowd, person)?;
+            self.eyes_m[agent] = person.scale * self.eye_m(crowd, person.character)?;
         }
         Ok(())
     }
 
+    /// Returns the height of a character's eyes above the ground in metres, at the scale of 1; 0
+    /// for a body without a head that turns.
+    fn eye_m(&mut self, crowd: &Crowd, id: CharacterId) -> Result<f32, Error> {
+        let known = self.eyes_of.iter().find(|(known, _)| *known == id);
+        if let Some((_, eye_m)) = known {
+            return Ok(*eye_m);
+        }
+        let asset = crowd.character(id)?.asset();
+        let roles = RoleMap::detect(&asset.skeleton);
+        let can_look = roles.is_some_and(|roles| roles.joint(Role::Head).is_some());
+        let eye_m = if can_look { EYES * asset.height_m() } else { 0.0 };
+        self.eyes_of.push((id, eye_m));
+        Ok(eye_m)
+    }
+
     /// Fades people in and out.
     fn fade(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
-        for (agent, member) in self.present() {
-            let look =
-                self.people[agent].look.unwrap_or_default().with_opacity(self.opacity(agent));
-            let mut member = crowd.member_mut(member)?;
-            if member.look() != look {
-                member.set_look(look);
+        for (index, agent) in self.agents.iter().enumerate() {
+            let opacity = self.opacity(*agent);
+            if self.opacities[index] != opacity {
+                self.opacities[index] = opacity;
+                let look = self.people[*agent].look.unwrap_or_default().with_opacity(opacity);
+                crowd.member_mut(self.walkers.members()[index])?.set_look(look);
             }
         }
         Ok(())
@@ -225,40 +282,29 @@ impl Replay {
     /// Turns the heads of people.
     fn gaze(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
         self.somebodies.clear();
-        let people = self.agents.iter().zip(self.walkers.members());
-        self.somebodies.extend(people.filter_map(|(agent, member)| {
-            let moment = self.motions.agents[*agent].at(self.secs)?;
-            Some(Somebody { agent: *agent, member: *member, moment, eye_m: self.eyes_m[*agent] })
+        let people = self.agents.iter().zip(&self.moments).zip(self.walkers.members());
+        self.somebodies.extend(people.map(|((agent, moment), member)| {
+            let eye_m = self.eyes_m[*agent];
+            Somebody { agent: *agent, member: *member, moment: *moment, eye_m }
         }));
         self.somebodies.sort_unstable_by_key(|somebody| somebody.agent);
         self.gazes.turn(crowd, &self.somebodies, (self.secs, secs))
     }
 }
 
-/// Returns the height of a person's eyes above the ground in metres; 0 for a body without a head
-/// that turns.
-fn eye_m(crowd: &Crowd, person: Person) -> Result<f32, Error> {
-    let character = crowd.character(person.character)?;
-    let asset = character.asset();
-    let roles = RoleMap::detect(&asset.skeleton);
-    let can_look = roles.is_some_and(|roles| roles.joint(Role::Head).is_some());
-    Ok(if can_look { EYES * asset.height_m() * person.scale } else { 0.0 })
-}
-
-/// Returns how an agent is led at a time; `None` while it is not there.
-fn lead(motions: &Motions, agent: usize, secs: f64) -> Option<Lead> {
-    let motion = &motions.agents[agent];
-    let Moment { position: [x, y], velocity, heading_rad, elevation_m, stands, .. } =
-        motion.at(secs)?;
+/// Returns how an agent is led that is somewhere at a time.
+fn lead(motion: &Motion, now: &Moment, secs: f64) -> Lead {
+    let Moment { position: [x, y], velocity, heading_rad, elevation_m, stands, .. } = *now;
     let soon = motion.at(secs + f64::from(Lead::SOON_SECS)).filter(|soon| !soon.stands);
     let [vx, vy] = if stands { [0.0; 2] } else { velocity };
-    Some(Lead {
+    Lead {
         position: [x, -y],
         velocity: [vx, -vy],
         soon_m_per_sec: soon.map_or(0.0, |soon| soon.velocity[0].hypot(soon.velocity[1])),
         yaw_rad: heading_rad + FRAC_PI_2,
         height_m: elevation_m,
-    })
+        step: None,
+    }
 }
 
 /// Returns the largest distance of a motion from the rows of its agent.

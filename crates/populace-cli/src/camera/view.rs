@@ -26,6 +26,8 @@ pub(crate) enum View {
     Eye { id: String },
     /// Moves by key frames.
     Keys(Keys),
+    /// A camera of a scene.
+    Named { name: String },
 }
 
 impl FromStr for View {
@@ -42,6 +44,12 @@ impl FromStr for View {
         }
         if Path::new(text).extension().is_some_and(|e| e.eq_ignore_ascii_case("toml")) {
             return Keys::read(Path::new(text)).map(Self::Keys);
+        }
+        let is_name = |text: &str| {
+            text.starts_with(char::is_alphabetic) && !text.contains([':', ',', '/', '.'])
+        };
+        if is_name(text) && !["follow", "eye"].contains(&text) {
+            return Ok(Self::Named { name: text.to_owned() });
         }
         if let Some((kind @ ("follow" | "eye"), id)) = text.split_once(':') {
             if id.is_empty() {
@@ -76,9 +84,10 @@ mod tests {
         assert_eq!("eye:0".parse(), Ok(View::Eye { id: "0".into() }));
         let wanted = View::At { eye: [0.0, 1.5, -5.0], target: [0.0; 3] };
         assert_eq!("0,1.5,-5,0,0,0".parse(), Ok(wanted));
-        for bad in ["", "near", "1,2,3", "1,2,3,4,5,nan", "follow", "follow:", "look:3"] {
+        for bad in ["", "1,2,3", "1,2,3,4,5,nan", "follow", "follow:", "look:3"] {
             assert!(bad.parse::<View>().is_err(), "{bad}");
         }
+        assert_eq!("pitch".parse(), Ok(View::Named { name: "pitch".into() }));
         let missing = "no-such.toml".parse::<View>().expect_err("no file");
         assert!(missing.contains("no-such.toml"), "{missing}");
     }

@@ -1,7 +1,7 @@
 //! The choice of devices.
 
 use clap::Args;
-use populace::{Crowd, CrowdBuilder, Devices, Schedule, Split};
+use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
 use crate::failure::Failure;
 
@@ -36,6 +36,13 @@ impl DeviceArgs {
     pub(crate) fn crowd(&self) -> CrowdBuilder {
         let builder = Crowd::builder().split(self.split.clone()).schedule(self.schedule);
         self.device.iter().cloned().fold(builder, CrowdBuilder::devices)
+    }
+
+    /// Returns a builder for a crowd on these devices, or on the native device if none is named. It
+    /// reads single members fastest: elsewhere each read is a call of a driver.
+    pub(crate) fn crowd_to_read(&self) -> CrowdBuilder {
+        let builder = self.crowd();
+        if self.device.is_none() { builder.device(Device::native()) } else { builder }
     }
 }
 

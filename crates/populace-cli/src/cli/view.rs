@@ -63,7 +63,7 @@ impl ViewArgs {
 
 /// Hides the options of films from the help.
 pub(super) fn without_films(command: clap::Command) -> clap::Command {
-    FILM_OPTIONS.into_iter().fold(command, |command, name| {
-        command.mut_arg(name, |arg| arg.hide(true))
-    })
+    FILM_OPTIONS
+        .into_iter()
+        .fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(true)))
 }

@@ -6,7 +6,7 @@ use crate::cli::DemoArgs;
 use crate::failure::Failure;
 use crate::output;
 use crate::report;
-use crate::scene::SceneJob;
+use crate::scene::{SceneJob, SceneSource};
 
 /// Seconds before the first picture: people have met, sat down and begun to cross by then.
 const LEAD_IN_SECS: f32 = 20.0;
@@ -20,7 +20,6 @@ pub(crate) fn run(args: &DemoArgs) -> Result<(), Failure> {
         output::write(file, text.as_bytes())?;
         return report::path(file);
     }
-    let job =
-        SceneJob { plan, file: None, cast: &args.cast, out: &args.out, picture: &args.picture };
-    job.run()
+    let source = SceneSource { plan, file: None, cast: &args.cast, picture: &args.picture };
+    SceneJob { source, out: &args.out }.run()
 }

@@ -6,13 +6,16 @@ use crate::cli::RenderArgs;
 use crate::draw::DrawJob;
 use crate::failure::Failure;
 use crate::replay::ReplayJob;
-use crate::scene::{self, SceneJob};
+use crate::scene::{self, SceneJob, SceneSource};
 use crate::trajectory;
 
 /// Members of a crowd unless set.
 const MEMBERS: u32 = 1000;
 
 pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+    if let Some(file) = args.inputs.iter().find(|input| scene::is_scene(input)) {
+        return scene(args, file);
+    }
     let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
     let mut trajectories = args.inputs.iter().filter(is_trajectory);
     if let Some(file) = trajectories.next() {
@@ -24,9 +27,6 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
                 other.display()
             ))),
         };
-    }
-    if let Some(file) = args.inputs.iter().find(|input| scene::is_scene(input)) {
-        return scene(args, file);
     }
     args.trajectory.read.refuse_unused()?;
     args.trajectory.overlay.refuse_unused()?;
@@ -62,8 +62,8 @@ fn scene(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
     let plan = scene::read(file)?;
-    let job = SceneJob { plan, file: Some(file), cast: &args.cast, out, picture: &args.picture };
-    job.run()
+    let source = SceneSource { plan, file: Some(file), cast: &args.cast, picture: &args.picture };
+    SceneJob { source, out }.run()
 }
 
 fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {

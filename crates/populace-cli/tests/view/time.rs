@@ -17,7 +17,8 @@ fn seeks(desk: &Desk, args: &[&str], times: &[&str]) -> Result<(), Failed> {
     }
     desk.view(args, &script)?;
     for secs in times {
-        let wanted = desk.render(&[args, &["--at", secs]].concat(), SIZE, &format!("{secs}.png"))?;
+        let wanted =
+            desk.render(&[args, &["--at", secs]].concat(), SIZE, &format!("{secs}.png"))?;
         let off = differing(&desk.image(&format!("view-{secs}.png"))?, &wanted).len();
         ensure(off == 0, || format!("at {secs} s, {off} pixels differ"))?;
     }

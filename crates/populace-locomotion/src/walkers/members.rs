@@ -44,7 +44,7 @@ impl Walkers {
     ) -> Result<(), Error> {
         lead.check()?;
         let (mut walker, orders, radius_m) = self.standing(crowd, member)?;
-        walker.begin(lead, &self.gaits[orders.gaits as usize]);
+        let phase = walker.begin(lead, &self.gaits[orders.gaits as usize], phase);
         self.start(crowd, member, (walker.step.point(), phase), &orders)?;
         self.put(member, orders, walker, radius_m);
         Ok(())

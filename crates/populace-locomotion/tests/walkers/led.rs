@@ -19,6 +19,7 @@ fn round(secs: f32) -> Lead {
         soon_m_per_sec: SPEED,
         yaw_rad: angle + std::f32::consts::FRAC_PI_2,
         height_m: 0.0,
+        step: None,
     }
 }
 

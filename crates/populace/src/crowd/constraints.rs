@@ -16,7 +16,7 @@ use super::base::Base;
 use crate::{Allowed, Error, Gaze, Reach, Target, Weight};
 use humanoid::limb_above;
 use limb::limb_of;
-use targets::{Goal, aim_at, forget_faded, goal_of, set_targets, targets_of};
+use targets::{Goal, aim_at, forget_faded, gaze_of, goal_of, set_targets, targets_of};
 
 /// The fraction of a limb's length within which it straightens softly.
 const SOFT: f32 = 0.03;
@@ -90,9 +90,7 @@ impl Constraints {
         target: Target,
         weight: Weight,
     ) -> Result<(), Error> {
-        let Gaze { chain, facing, limits } = gaze;
-        let gaze = populace_device::Gaze { chain, facing, limits, targets: Vec::new() };
-        self.aim(base, member, target, weight, &Constraint::Gaze(gaze))
+        self.aim(base, member, target, weight, vec![gaze_of(gaze)])
     }
 
     pub(super) fn reach(
@@ -108,7 +106,7 @@ impl Constraints {
         let mut reach = reach.parts();
         reach.limb = reach.limb.or_else(|| limb_above(state.roles.as_ref(), reach.end));
         let limb = limb_of(&state.character.skeleton, &reach)?;
-        self.aim(base, member, target, weight, &Constraint::Limb(limb))
+        self.aim(base, member, target, weight, vec![Constraint::Limb(limb)])
     }
 
     pub(super) fn reach_with_chain(
@@ -120,7 +118,7 @@ impl Constraints {
         weight: Weight,
     ) -> Result<(), Error> {
         let chain = Chain { first, end, soft: SOFT, targets: Vec::new() };
-        self.aim(base, member, target, weight, &Constraint::Chain(chain))
+        self.aim(base, member, target, weight, vec![Constraint::Chain(chain)])
     }
 
     pub(super) fn plant_with(
@@ -241,14 +239,14 @@ impl Constraints {
         })
     }
 
-    /// Adds a target to the constraint `new`, or to the existing constraint of the same identity.
+    /// Adds a target to each of `all`, or to the existing constraints of the same identity.
     fn aim(
         &mut self,
         base: &mut Base,
         member: MemberId,
         target: Target,
         weight: Weight,
-        new: &Constraint,
+        all: Vec<Constraint>,
     ) -> Result<(), Error> {
         target.check()?;
         weight.check()?;
@@ -257,25 +255,30 @@ impl Constraints {
             Target::Joint { member: other, joint } => self.watch_for(base, member, other, joint)?,
             _ => 0,
         };
-        let (tick, goal) = (base.clock.tick, goal_of(new));
+        let (tick, goals) = (base.clock.tick, all.iter().map(goal_of).collect::<Vec<_>>());
         let (target, weight) = (device_target(&target, watched), weight.parts());
-        let follows = !weight.eases_over && self.was_aimed_within(base, member, goal, weight.secs);
+        let follows = |goal: &Goal| {
+            !weight.eases_over && self.was_aimed_within(base, member, *goal, weight.secs)
+        };
+        let follow: Vec<bool> = goals.iter().map(follows).collect();
         self.change(base, member, |controls| {
-            let at = controls.constraints.iter().position(|constraint| goal_of(constraint) == goal);
-            let mut targets =
-                at.map_or_else(Vec::new, |at| targets_of(&mut controls.constraints[at]).to_vec());
-            aim_at(&mut targets, target, tick, weight, follows);
-            let mut constraint = new.clone();
-            set_targets(&mut constraint, targets);
-            match at {
-                Some(at) => controls.constraints[at] = constraint,
-                None => controls.constraints.push(constraint),
+            for ((mut constraint, goal), follows) in all.into_iter().zip(&goals).zip(follow) {
+                let known = &mut controls.constraints;
+                let at = known.iter().position(|constraint| goal_of(constraint) == *goal);
+                let mut targets =
+                    at.map_or_else(Vec::new, |at| targets_of(&mut known[at]).to_vec());
+                aim_at(&mut targets, target, tick, weight, follows);
+                set_targets(&mut constraint, targets);
+                match at {
+                    Some(at) => known[at] = constraint,
+                    None => known.push(constraint),
+                }
             }
             Ok(())
         })?;
         let aimed = &mut self.controls.entry(member.number()).or_default().aimed;
-        aimed.retain(|(other, _)| *other != goal);
-        aimed.push((goal, tick));
+        aimed.retain(|(other, _)| !goals.contains(other));
+        aimed.extend(goals.into_iter().map(|goal| (goal, tick)));
         Ok(())
     }
 

@@ -33,9 +33,7 @@ pub(super) fn foot_row(
         let ankle = skeleton.name(foot.ankle).to_owned();
         return bad(ConstraintFault::LegAtPelvis { ankle });
     }
-    let models = skeleton.rest_models();
-    let place = |joint: JointIndex| models[joint.index()].translation;
-    let [hip, knee, ankle] = legs.map(place);
+    let [hip, knee, ankle] = legs.map(|joint| skeleton.rest_place(joint));
     let [length, rest_height, rest_z] =
         f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y, ankle.z]);
     let own = soles.of(foot.ankle).unwrap_or_default();
@@ -67,9 +65,9 @@ fn toes(skeleton: &Skeleton, ankle: JointIndex, soles: &Soles) -> (Vec<JointInde
     let forward = |joint: JointIndex| {
         skeleton.soles(joint).iter().map(|point| point[2]).fold(f32::NEG_INFINITY, f32::max)
     };
-    let below = skeleton.joints().filter(|joint| skeleton.is_below(*joint, ankle));
-    let carrying = below.filter_map(|joint| Some((joint, soles.of(joint)?)));
-    let farthest = carrying.max_by(|a, b| forward(a.0).total_cmp(&forward(b.0)));
+    let carrying = skeleton.joints().filter_map(|joint| Some((joint, soles.of(joint)?)));
+    let below = carrying.filter(|(joint, _)| skeleton.is_below(*joint, ankle));
+    let farthest = below.max_by(|a, b| forward(a.0).total_cmp(&forward(b.0)));
     let Some((toe, run)) = farthest else { return (Vec::new(), SoleRun::default()) };
     match path(skeleton, ankle, toe) {
         Ok(joints) => (joints[1..].to_vec(), run),

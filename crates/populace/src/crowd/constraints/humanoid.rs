@@ -7,6 +7,7 @@ use populace_model::{JointIndex, Role, RoleMap, Side, Skeleton};
 use populace_settings::parts::check_weight;
 
 use super::Constraints;
+use super::targets::gaze_of;
 use crate::crowd::base::Base;
 use crate::crowd::{CharacterId, MemberId};
 use crate::{Error, Gaze, Target, Weight};
@@ -41,10 +42,8 @@ impl Constraints {
         weight: Weight,
     ) -> Result<(), Error> {
         let character = base.check(member)?;
-        for gaze in usual_gaze(base, character)? {
-            self.look_at_with(base, member, gaze, target, weight)?;
-        }
-        Ok(())
+        let gazes = usual_gaze(base, character)?.into_iter().map(gaze_of).collect();
+        self.aim(base, member, target, weight, gazes)
     }
 
     pub(crate) fn plant_feet(

@@ -7,6 +7,8 @@ use populace_device::{Constraint, Controls};
 use populace_model::JointIndex;
 use populace_settings::parts::WeightParts;
 
+use crate::Gaze;
+
 /// The most targets between which one constraint eases; the weakest is dropped.
 const TARGETS: usize = LAYERS_PER_MEMBER as usize;
 
@@ -48,6 +50,12 @@ pub(super) fn leaves(target: &layout::Target) -> bool {
 /// Returns whether a target's weight has reached 0 for good.
 pub(super) fn faded(target: &layout::Target, tick: u64) -> bool {
     leaves(target) && target.ramp_at(tick) <= 0.0
+}
+
+/// Returns a gaze without targets.
+pub(super) fn gaze_of(gaze: Gaze) -> Constraint {
+    let Gaze { chain, facing, limits } = gaze;
+    Constraint::Gaze(populace_device::Gaze { chain, facing, limits, targets: Vec::new() })
 }
 
 pub(super) fn goal_of(constraint: &Constraint) -> Goal {

@@ -21,6 +21,14 @@ impl<C: Borrow<State>> MemberView<C> {
         let State { base, player, live, .. } = &self.state();
         player.active_clips(base, live, self.id)
     }
+
+    /// Returns the phase that all clips of the member's blend space share now, 0 to 1; `None` if it
+    /// plays none.
+    #[must_use]
+    pub fn blend_space_phase(&self) -> Option<f32> {
+        let State { base, player, .. } = &self.state();
+        player.space_phase(base, self.id)
+    }
 }
 
 impl MemberMut<'_> {

@@ -15,6 +15,9 @@ use crate::crowd::base::{Base, ClipIndex};
 use crate::crowd::{BlendSpaceId, MemberId, u32_from};
 use crate::{BlendSpace, BlendSpaceFault, Error, IdKind, SpacePoint};
 
+/// A cycle in the unit of phases.
+const CYCLE: f64 = 18_446_744_073_709_551_616.0;
+
 /// A blend space and the durations of its clips.
 #[derive(Clone)]
 pub(crate) struct Space {
@@ -139,6 +142,12 @@ impl Player {
         let action = Action::Move { at, over_secs };
         let start = Start { serial, action, play, follows_after: None };
         self.begin_move(base, member.number(), &start, (at, over_secs), base.clock.tick)
+    }
+
+    /// Returns the phase of the blend space that a member plays, 0 to 1.
+    pub(crate) fn space_phase(&self, base: &Base, member: MemberId) -> Option<f32> {
+        let active_space = self.active_space.get(&member.number())?;
+        Some(single(active_space.phase_at(base.clock.tick) as f64 / CYCLE))
     }
 
     /// Returns whether a slot of the active blend space of the member at an index has weight.
@@ -425,5 +434,5 @@ fn weight_of(weights: &[(usize, f32); MOST], sample: u16) -> f32 {
     reason = "not negative; `as` saturates"
 )]
 fn cycles(part: f64) -> u64 {
-    (part * 18_446_744_073_709_551_616.0) as u64
+    (part * CYCLE) as u64
 }

@@ -1,0 +1,305 @@
+//! A scene in a crowd, and the cameras that film it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::Instant;
+
+use populace::character::{Character, Region};
+use populace::{Crowd, MemberId};
+use populace_locomotion::GaitSpace;
+use populace_render::Camera;
+use populace_scene::plan::CastPlan;
+use populace_scene::{Behaviours, Counts, Person, Stage};
+use populace_variety::{Appearance, Variety};
+
+use super::SceneSource;
+use crate::camera::{Cameras, Pose, Subject, View};
+use crate::failure::Failure;
+use crate::filming::check_hidden;
+use crate::frame_loop::Action;
+use crate::people::gaits;
+use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
+
+/// Longest step in seconds. Feet need several steps in each contact, at any frame rate.
+const STEP_SECS: f32 = 0.041;
+/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
+const EYES: f32 = 0.935;
+
+/// A scene in a crowd.
+pub(super) struct LiveScene {
+    behaviours: Behaviours,
+    stage: Stage,
+    people: Vec<MemberId>,
+    /// Positions, headings and heights of the eyes of people.
+    poses: Vec<Pose>,
+    eyes_m: Vec<f32>,
+}
+
+/// The roles of each cast, by its name.
+type Casts = BTreeMap<String, Vec<CrowdRole>>;
+
+/// Who plays the members of a crowd of the plan.
+struct Players<'a> {
+    cast: &'a CastPlan,
+    /// Indices among the roles of the cast.
+    chosen: Vec<usize>,
+    /// The seed of how they look; `None` if they look like their characters.
+    seed: Option<u64>,
+}
+
+impl LiveScene {
+    /// Brings the props and people of a scene into a crowd.
+    pub(super) fn new(
+        crowd: &mut Crowd,
+        source: &SceneSource<'_>,
+    ) -> Result<(Self, LoadedRoles), Failure> {
+        let (plan, args) = (&source.plan, source.picture);
+        let (casts, files) = casts(crowd, source)?;
+        let mut prepare = |character: Character| {
+            let wanted = !args.full_detail && character.levels().is_empty();
+            let character = if wanted { populace_lod::with_levels(character)? } else { character };
+            Ok(Arc::new(character))
+        };
+        let stage = Stage::new(crowd, plan, &BTreeMap::new(), &mut prepare)?;
+        let mut all_gaits: Vec<GaitSpace> = Vec::new();
+        for roles in casts.values() {
+            all_gaits.extend(gaits(crowd, roles)?);
+        }
+        let players = players(source, &casts);
+        let people: Vec<Vec<Person>> = players.iter().map(|of| of.people(&casts)).collect();
+        let behaviours = Behaviours::new(crowd, plan, &stage, &people, all_gaits)?;
+        let people: Vec<MemberId> = behaviours.people().collect();
+        dress(crowd, &players, &casts, &people)?;
+        let mut eyes_m = Vec::new();
+        for member in &people {
+            let view = crowd.member(*member)?;
+            let height = crowd.character(view.character())?.asset().height_m();
+            eyes_m.push(EYES * height * view.placement().scale());
+        }
+        source.announce(crowd, people.len());
+        let roles = casts.into_values().flatten().collect();
+        let mut scene = Self { behaviours, stage, people, poses: Vec::new(), eyes_m };
+        scene.note_poses(crowd)?;
+        Ok((scene, LoadedRoles { roles, files }))
+    }
+
+    /// Notes where people are.
+    fn note_poses(&mut self, crowd: &Crowd) -> Result<(), Failure> {
+        self.poses.clear();
+        for (member, eye_m) in self.people.iter().zip(&self.eyes_m) {
+            let placement = crowd.member(*member)?.placement();
+            let (position, heading_rad) = (placement.position(), placement.yaw_rad());
+            self.poses.push(Pose { position, heading_rad, eye_m: *eye_m });
+        }
+        Ok(())
+    }
+}
+
+/// Loads the characters of all casts, and names the files that they refer to.
+fn casts(
+    crowd: &mut Crowd,
+    source: &SceneSource<'_>,
+) -> Result<(Casts, Vec<std::path::PathBuf>), Failure> {
+    let args = source.picture;
+    let (mut casts, mut files) = (Casts::new(), Vec::new());
+    for cast in &source.plan.casts {
+        let clips = cast.clips_from.iter().map(|file| source.path(file));
+        let clips: Vec<_> = clips.chain(args.clips.iter().cloned()).collect();
+        let loaded = roles::load(
+            crowd,
+            &args.input,
+            &source.inputs(cast),
+            &clips,
+            ClipChoice::default(),
+            args.height,
+            !args.full_detail,
+            cast.varied && !args.plain,
+        )?;
+        check_hidden(&loaded.roles, &args.hide)?;
+        files.extend(loaded.files);
+        casts.insert(cast.name.clone(), loaded.roles);
+    }
+    Ok((casts, files))
+}
+
+/// Chooses who plays the members of each crowd of the plan: the characters of its cast in turn.
+fn players<'a>(source: &'a SceneSource<'_>, casts: &Casts) -> Vec<Players<'a>> {
+    let plan = &source.plan;
+    let of = |(nth, crowd): (usize, &populace_scene::plan::CrowdPlan)| {
+        let cast = plan.casts.iter().find(|cast| cast.name == crowd.cast)?;
+        let roles = casts.get(&cast.name)?.len().max(1);
+        let seed = plan.seed.wrapping_add(source.picture.seed).wrapping_add(nth as u64);
+        let varied = cast.varied && !source.picture.plain;
+        let chosen = (0..crowd.count).map(|member| member % roles).collect();
+        Some(Players { cast, chosen, seed: varied.then_some(seed) })
+    };
+    plan.crowds.iter().enumerate().filter_map(of).collect()
+}
+
+impl Players<'_> {
+    /// Returns the bodies of members. Their looks follow once it is known who is near whom.
+    fn people(&self, casts: &Casts) -> Vec<Person> {
+        let roles = &casts[&self.cast.name];
+        // Heights depend on the seed alone.
+        let places: Vec<[f32; 3]> =
+            (0..self.chosen.len()).map(|nth| [0.0, 0.0, nth as f32]).collect();
+        let appearances = appearances(roles, &self.chosen, &places, self.seed);
+        let person = |(member, role): (usize, &usize)| Person {
+            character: roles[*role].id,
+            scale: roles[*role].scale * appearances.get(member).map_or(1.0, |of| of.height),
+            look: None,
+        };
+        self.chosen.iter().enumerate().map(person).collect()
+    }
+}
+
+/// Gives members looks that differ from those around them.
+fn dress(
+    crowd: &mut Crowd,
+    players: &[Players<'_>],
+    casts: &Casts,
+    people: &[MemberId],
+) -> Result<(), Failure> {
+    let mut from = 0;
+    for of in players {
+        let members = &people[from..from + of.chosen.len()];
+        from += of.chosen.len();
+        let places = members
+            .iter()
+            .map(|member| Ok(crowd.member(*member)?.placement().position()))
+            .collect::<Result<Vec<_>, populace::Error>>()?;
+        let looks = appearances(&casts[&of.cast.name], &of.chosen, &places, of.seed);
+        for (nth, member) in members.iter().enumerate() {
+            let mut member = crowd.member_mut(*member)?;
+            let mut look = looks.get(nth).map_or_else(|| member.look(), |of| of.look);
+            if let Some(color) = of.cast.top {
+                look = look.tinted(Region::Top, color);
+            }
+            member.set_look(look);
+        }
+    }
+    Ok(())
+}
+
+/// Returns how members look, by their roles and places; nothing without a seed.
+fn appearances(
+    roles: &[CrowdRole],
+    chosen: &[usize],
+    places: &[[f32; 3]],
+    seed: Option<u64>,
+) -> Vec<Appearance> {
+    let Some(seed) = seed else { return Vec::new() };
+    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
+    let members: Vec<_> = chosen.iter().copied().zip(places.iter().copied()).collect();
+    Variety { seed, ..Variety::default() }.appearances(&characters, &members)
+}
+
+impl Subject for LiveScene {
+    fn bounds(&self) -> Vec<[f32; 3]> {
+        let around = |pose: &Pose| {
+            let [x, y, z] = pose.position;
+            [[x, y, z], [x, y + pose.eye_m, z]]
+        };
+        self.poses.iter().flat_map(around).collect()
+    }
+
+    fn elevation_rad(&self) -> Option<f32> {
+        Some(0.5)
+    }
+
+    fn figure_m(&self) -> [f32; 2] {
+        [self.eyes_m.iter().copied().fold(0.0, f32::max) / EYES, 0.4]
+    }
+
+    fn closest(&self) -> Option<u64> {
+        (!self.poses.is_empty()).then_some(0)
+    }
+
+    /// The pose of the last step, whatever the time: nobody knows where people will walk.
+    fn pose(&self, id: u64, _secs: f64) -> Option<Pose> {
+        self.poses.get(usize::try_from(id).ok()?).copied()
+    }
+
+    fn describe_ids(&self) -> String {
+        format!("people have the numbers from 0 to {}", self.poses.len().saturating_sub(1))
+    }
+}
+
+/// A scene and the cameras that film it.
+pub(super) struct FilmedScene {
+    live: LiveScene,
+    view: View,
+    /// `None` before the aspect of pictures is known.
+    cameras: Option<Cameras>,
+    behave_ms: f64,
+    /// The scene before frame 0.
+    #[cfg(feature = "viewer")]
+    first: (Behaviours, Stage),
+}
+
+impl FilmedScene {
+    pub(super) fn new(live: LiveScene, view: View) -> Self {
+        #[cfg(feature = "viewer")]
+        let first = (live.behaviours.clone(), live.stage.clone());
+        Self {
+            live,
+            view,
+            cameras: None,
+            behave_ms: 0.0,
+            #[cfg(feature = "viewer")]
+            first,
+        }
+    }
+
+    /// The things that have happened.
+    pub(super) fn counts(&self) -> Counts {
+        self.live.behaviours.counts()
+    }
+}
+
+impl Action for FilmedScene {
+    fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure> {
+        self.cameras = Some(Cameras::new(&self.view, &self.live, aspect)?);
+        Ok(())
+    }
+
+    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        let steps = (secs / STEP_SECS).ceil().max(1.0);
+        let mut done = 0.0;
+        while done < steps {
+            let secs = secs / steps;
+            let start = Instant::now();
+            self.live.behaviours.advance(crowd, secs)?;
+            self.live.stage.light(crowd, self.live.behaviours.lights())?;
+            self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
+            crowd.update(secs)?;
+            done += 1.0;
+        }
+        self.live.note_poses(crowd)
+    }
+
+    fn take_behave_ms(&mut self) -> f64 {
+        std::mem::take(&mut self.behave_ms)
+    }
+
+    fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+        let cameras = self.cameras.as_ref();
+        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.live, secs)))
+    }
+
+    fn person(&self, member: MemberId) -> Option<u64> {
+        let at = self.live.people.iter().position(|other| *other == member);
+        at.map(|at| at as u64)
+    }
+}
+
+#[cfg(feature = "viewer")]
+impl crate::view::Watched for FilmedScene {
+    fn rewind(&mut self) {
+        (self.live.behaviours, self.live.stage) = self.first.clone();
+    }
+
+    fn leads_members(&self) -> bool {
+        true
+    }
+}
