@@ -1,11 +1,31 @@
 //! Procedural people: dressed bodies of closed surfaces on two kinds of skeleton, with clips for
-//! standing, walking, running and getting up. A crowd of them needs no asset files.
+//! what people do in streets, stands and battles. A crowd of them needs no asset files.
 //!
-//! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0. Each
-//! character has the clips `Idle`, `Idle_Shift`, `Walk` and `Run`. `Walk` and `Run` are in place;
-//! [`ClipStats`](populace_clip::ClipStats) gives their ground speed. `GetUp_Back`, `GetUp_Front`,
-//! `GetUp_Left` and `GetUp_Right` play once: they start lying on that side of the body, and end in
-//! the first pose of `Idle` at the origin.
+//! Spaces and units are those of [`populace_model`]: metres, Y up, facing +Z, soles on y = 0.
+//!
+//! # Clips
+//!
+//! Each character has the same clips, solved for its own body:
+//!
+//! - Standing and gaits, which loop: `Idle`, `Idle_Shift`, `Walk` and `Run`. The gaits are in
+//!   place; [`ClipStats`](populace_clip::ClipStats) gives their ground speed.
+//! - Getting up, played once: `GetUp_Back`, `GetUp_Front`, `GetUp_Left` and `GetUp_Right` start
+//!   lying on that side of the body.
+//! - Loops: `Idle_Look` (looks to both sides), `Look_In` (bends to a shop window), `Lean`
+//!   (against a wall), `Sit`, `Drive`, `Talk`, `Talk_Listen`, `Phone`, `Text`, `Wave`, `Clap`,
+//!   `Cheer`, `Carry` (a box), `Push` (a bar), `Shield` (in the left hand) and `Spear` (in the
+//!   right hand).
+//! - Played once: `Sit_Down`, `Stand_Up`, `Point`, `Open_Door`, `Get_In`, `Get_Out`,
+//!   `Spear_Thrust`, `Hit` (from the front) and `Push_Away`.
+//!
+//! Clips that play once begin in the first pose of `Idle` and end in it, with the feet around the
+//! origin. Those on the ground begin lying. `Sit_Down` ends in the first pose of `Sit`, where
+//! `Stand_Up` begins. `Get_In` ends in that of `Drive`, where `Get_Out` begins. In `Talk`,
+//! `Talk_Listen`, `Phone`, `Text`, `Wave`, `Clap`, `Carry`, `Push` and `Spear` the legs only
+//! stand, so trunk and arms also play alone above a walk.
+//!
+//! Constants such as [`SEAT_HEIGHT_M`], [`CAR_SEAT_M`] and [`DOOR_HANDLE_M`] say where the things
+//! are that the clips use. [`grip`] and [`helmet`] say how props are attached.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -41,8 +61,8 @@ pub use anatomy::Side;
 pub use grip::{grip, helmet};
 pub use look::{Bag, Bottom, Colors, Extra, Face, Glasses, Hair, Hat, Look, Reach, Rig, Top};
 pub use places::{
-    CAR_FLOOR_M, CAR_SEAT_M, CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD, LEAN_WALL_M,
-    PUSH_BAR, SEAT_BACK_M, SEAT_HEIGHT_M, STEERING_WHEEL_M, STEERING_WHEEL_RADIUS_M,
+    CAR_FLOOR_M, CAR_ROOF_M, CAR_SEAT_M, CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD,
+    LEAN_WALL_M, PUSH_BAR, SEAT_BACK_M, SEAT_HEIGHT_M, STEERING_WHEEL_M, STEERING_WHEEL_RADIUS_M,
     STEERING_WHEEL_TILT_RAD,
 };
 

@@ -12,6 +12,9 @@ pub const SEAT_BACK_M: f32 = 0.35;
 /// Middle of the surface of a driver's seat in `Get_In` and `Get_Out`, in metres. The person stands
 /// beside the car, whose forward direction is +X.
 pub const CAR_SEAT_M: [f32; 3] = [0.0, 0.50, 0.95];
+/// Edge of a car's roof above its open door in `Get_In` and `Get_Out`: its height and its +Z, in
+/// metres. People duck under it. The roof above the seat needs 1.47 m.
+pub const CAR_ROOF_M: [f32; 2] = [1.35, 0.60];
 /// Height in metres of a car's floor above the ground.
 pub const CAR_FLOOR_M: f32 = 0.25;
 /// Centre of the steering wheel in `Drive`, in metres. There the seat's surface has its middle at

@@ -115,7 +115,7 @@ impl Figure<'_> {
         let up = 0.5 * smooth(-0.2, 1.0, towards.y) * smooth(0.45, 0.95, reach);
         let forward = 0.3 * towards.z.max(0.0) * far;
         let turn = DQuat::from_rotation_y(-forward) * DQuat::from_rotation_z(up);
-        pose.rotations[clavicle] = pose.rotations[clavicle] * side.mirror_rotation(turn);
+        pose.rotations[clavicle] *= side.mirror_rotation(turn);
     }
 
     /// Returns how far a wrist is from its shoulder, as a fraction of the arm's length.

@@ -271,7 +271,7 @@ impl<'a> Way<'a> {
                 ..stand
             };
             let step = curve::through(&[(0.15, 0.0), (0.72, 1.0)], at);
-            let over = curve::through(&[(2.0, 0.0), (2.95, 1.0)], at);
+            let over = curve::through(&[(1.72, 0.0), (2.8, 1.0)], at);
             let leg = stand.towards(&beside, step).towards(&end, over);
             let rise = bump(step) * 0.05 * h + bump(over) * (0.12 + 0.10 * self.legs);
             return lifted(leg, rise, -0.35 * bump(step) - 0.25 * bump(over));
