@@ -72,6 +72,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
         ],
     ),
     ("populace-cast", &["populace-character", "populace-clip", "populace-model"]),
+    ("populace-props", &["populace-character", "populace-clip", "populace-model"]),
     // The benchmark counts bytes of device tables, and holds its results against the oracle of the
     // testkit.
     (

@@ -14,7 +14,9 @@ use populace_render::Preset;
 
 use shared::{Result, Stage, View};
 
-const VIEWS: [View; 6] = [
+const VIEWS: [View; 8] = [
+    ("van", [38.5, 1.5, 3.4], [34.4, 0.9, 0.0]),
+    ("saloon", [33.6, 1.5, -5.0], [31.4, 0.7, 0.0]),
     ("arms", [0.3, 1.6, 4.4], [0.4, 1.0, 0.0]),
     ("helmets", [-1.0, 1.55, 1.5], [-1.0, 1.45, 0.0]),
     ("hands", [3.1, 1.25, 1.3], [3.1, 1.0, 0.0]),

@@ -160,7 +160,7 @@ impl Finishes {
             0xB8_2F2C, 0x2E_5C8A, 0xD6_D3CB, 0x3B_4046, 0x6E_8C86, 0xD9_A93C, 0x8E_9AA4, 0x2F_6B54,
             0xC9_6B3A, 0x6C_2B3A,
         ]);
-        let paint = Material { roughness: 0.28, ..satin("Top paint", paint) };
+        let paint = Material { roughness: 0.38, ..satin("Top paint", paint) };
         let seat = dice.pick([0x4A_4640, 0x8A_6E52, 0x3E_444C]);
         Self {
             paint: b.finish(paint),

@@ -88,7 +88,7 @@ pub(crate) fn knobs() -> Image {
         // The side towards the light is brighter.
         let lit = -0.7 * (u + v) / f64::from(cell);
         let knob = if radius < 0.27 { 14.0 + 40.0 * lit } else { 0.0 };
-        let edge = if radius >= 0.27 && radius < 0.33 { 60.0 * lit.min(0.0) } else { 0.0 };
+        let edge = if (0.27..0.33).contains(&radius) { 60.0 * lit.min(0.0) } else { 0.0 };
         let joint = if x < 4 || y < 4 { -40.0 } else { 0.0 };
         let value = 212.0 + knob + edge + joint + 8.0 * (hash(x, y, 61) - 0.5);
         [value, value, value]

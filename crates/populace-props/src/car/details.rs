@@ -7,7 +7,7 @@ use super::{Finishes, Hung, Panels};
 use crate::build::{Builder, Finish, Solid, bevelled, block};
 
 /// Distance in metres of flat details from the body.
-const PROUD_M: f64 = 0.006;
+const PROUD_M: f64 = 0.018;
 
 pub(super) fn build(panels: &mut Panels, shape: &Shape, finishes: &Finishes) {
     front(panels, shape, finishes);
@@ -28,7 +28,7 @@ fn patch(
     [l, r]: [f64; 2],
     [d, u]: [f64; 2],
 ) {
-    let steps = 2;
+    let steps = if r - l > 0.5 { 4 } else { 2 };
     let mut solid = Solid::default();
     let at = |k: u32, rise: f64, out: f64| {
         let across = l + (r - l) * f64::from(k) / f64::from(steps);
@@ -40,7 +40,7 @@ fn patch(
         }
         solid.face(&corners);
     };
-    let out = PROUD_M + 0.006;
+    let out = PROUD_M;
     for k in 0..steps {
         let n = k + 1;
         // The body is not straight between its rows, so patches have a row in their middle.
@@ -96,7 +96,7 @@ fn lamp(
     patch(&mut own, shape, finish, sign, across, rise);
     let solid = own.of(Hung::Body, finish);
     for point in &mut solid.points {
-        point.z += sign * 0.006;
+        point.z += sign * 0.008;
     }
     let solid = solid.clone();
     panels.of(Hung::Body, finish).join(&solid);

@@ -63,67 +63,71 @@ pub(super) struct Shape {
 
 impl Shape {
     pub(super) fn new(kind: CarKind) -> Self {
-        let common = Self {
-            kind,
+        match kind {
+            CarKind::Hatchback => Self::hatchback(),
+            CarKind::Saloon => Self::saloon(),
+            CarKind::Van => Self::van(),
+        }
+    }
+
+    fn hatchback() -> Self {
+        let belt =
+            [[2.12, 0.74], [1.7, 0.86], [1.08, 0.95], [-0.3, 0.97], [-1.2, 1.0], [-1.82, 1.02]];
+        Self {
+            kind: CarKind::Hatchback,
             half: 0.875,
             front: 2.12,
             back: -1.82,
             axles: [1.42, -1.14],
             wheel: 0.31,
-            belt: vec![
-                [2.12, 0.74],
-                [1.7, 0.86],
-                [1.08, 0.95],
-                [-0.3, 0.97],
-                [-1.2, 1.0],
-                [-1.82, 1.02],
-            ],
+            belt: belt.to_vec(),
             screen: [1.08, 0.42],
             rear: [-1.3, -1.82],
             roof_edge: 1.42,
             roof_half: 0.6,
             door: [0.93, -0.3],
-        };
-        match kind {
-            CarKind::Hatchback => common,
-            CarKind::Saloon => Self {
-                front: 2.2,
-                back: -2.35,
-                axles: [1.44, -1.3],
-                wheel: 0.32,
-                belt: vec![
-                    [2.2, 0.72],
-                    [1.75, 0.84],
-                    [1.1, 0.93],
-                    [-0.3, 0.95],
-                    [-1.3, 0.985],
-                    [-1.7, 0.98],
-                    [-2.35, 0.93],
-                ],
-                screen: [1.1, 0.38],
-                rear: [-0.98, -1.62],
-                ..common
-            },
-            CarKind::Van => Self {
-                half: 0.92,
-                front: 2.1,
-                back: -2.4,
-                axles: [1.42, -1.45],
-                wheel: 0.33,
-                belt: vec![
-                    [2.1, 0.86],
-                    [1.75, 0.97],
-                    [1.2, 1.06],
-                    [-0.3, 1.08],
-                    [-1.3, 1.08],
-                    [-2.4, 1.08],
-                ],
-                screen: [1.2, 0.52],
-                rear: [-2.25, -2.4],
-                roof_edge: 1.78,
-                roof_half: 0.72,
-                ..common
-            },
+        }
+    }
+
+    fn saloon() -> Self {
+        let belt = [
+            [2.2, 0.72],
+            [1.75, 0.84],
+            [1.1, 0.93],
+            [-0.3, 0.95],
+            [-1.3, 0.985],
+            [-1.7, 0.98],
+            [-2.35, 0.93],
+        ];
+        Self {
+            kind: CarKind::Saloon,
+            front: 2.2,
+            back: -2.35,
+            axles: [1.44, -1.3],
+            wheel: 0.32,
+            belt: belt.to_vec(),
+            screen: [1.1, 0.38],
+            rear: [-0.98, -1.62],
+            ..Self::hatchback()
+        }
+    }
+
+    fn van() -> Self {
+        let belt =
+            [[2.1, 0.86], [1.75, 0.97], [1.2, 1.06], [-0.3, 1.08], [-1.3, 1.08], [-2.4, 1.08]];
+        Self {
+            kind: CarKind::Van,
+            half: 0.92,
+            front: 2.1,
+            back: -2.4,
+            axles: [1.42, -1.45],
+            wheel: 0.33,
+            belt: belt.to_vec(),
+            screen: [1.2, 0.52],
+            rear: [-2.25, -2.4],
+            roof_edge: 1.78,
+            roof_half: 0.72,
+            ..Self::hatchback()
         }
     }
 

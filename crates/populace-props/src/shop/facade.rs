@@ -1,6 +1,6 @@
 //! The front over the shop: wall, windows and what hangs on them.
 
-use super::style::{Finishes, GROUND_M, PIER_M, Style, Wall, rgb};
+use super::style::{Finishes, GROUND_M, PIER_M, ROOM_SIDE_M, Style, Wall, rgb};
 use crate::build::{Builder, along_x, grid, lathe, plate, polygon};
 use crate::dice::Dice;
 use crate::leaves::sprig;
@@ -109,7 +109,7 @@ pub(super) fn front_block(b: &mut Builder, x: [f64; 2], y: [f64; 2], thick: f64)
 
 /// Returns a face from the wall to behind the reveal, which looks along `side` X.
 fn inner_side(x: f64, y: [f64; 2], side: f64) -> [[f64; 3]; 4] {
-    let depth = if y[0] > 0.0 { REVEAL_M } else { super::front::ROOM_SIDE_M };
+    let depth = if y[0] > 0.0 { REVEAL_M } else { ROOM_SIDE_M };
     let face = [[x, y[0], 0.0], [x, y[0], -depth], [x, y[1], -depth], [x, y[1], 0.0]];
     if side > 0.0 { face } else { [face[1], face[0], face[3], face[2]] }
 }

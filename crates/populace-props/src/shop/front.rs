@@ -13,8 +13,6 @@ pub(super) const DOOR: &str = "Door";
 pub(super) const GLASS_Z: f64 = -0.1;
 /// Depth of the shop's room behind the wall, in metres.
 pub(super) const ROOM_M: f64 = 2.6;
-/// Depth up to which the opening's sides are the piers' own, in metres.
-pub(super) const ROOM_SIDE_M: f64 = 0.12;
 /// Height in metres of the floor of the window, and of the bar under its upper lights.
 pub(super) const SILL_M: f64 = 0.5;
 const BAR_M: f64 = 2.32;

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use super::facade::{OPENING_M, dome, nugget};
-use super::front::{GLASS_Z, ROOM_M, ROOM_SIDE_M, SILL_M};
-use super::style::{DOOR_M, Finishes, Style, Trade, rgb};
+use super::front::{GLASS_Z, ROOM_M, SILL_M};
+use super::style::{DOOR_M, Finishes, ROOM_SIDE_M, Style, Trade, rgb};
 use crate::build::{Builder, lathe, plate, tube};
 use crate::dice::Dice;
 use glam::DVec3;
@@ -129,8 +129,8 @@ impl Display<'_> {
                 // Only front, top and sides can be seen.
                 let (f, n) = (x + wide, back + 0.28);
                 let mut solid = crate::build::block([x, y, back], [f, y + high, n]);
-                solid.faces.drain(..3);
-                solid.faces.remove(1);
+                solid.faces.remove(4);
+                solid.faces.remove(2);
                 self.b.flat(&solid);
                 x = f + self.dice.within(0.03, 0.3);
             }

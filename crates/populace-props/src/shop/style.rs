@@ -36,6 +36,8 @@ pub(super) enum Roof {
 
 /// Height in metres of the ground floor.
 pub(super) const GROUND_M: f64 = 3.85;
+/// Depth in metres up to which the sides of a shop's opening are the piers' own.
+pub(super) const ROOM_SIDE_M: f64 = 0.12;
 /// Width in metres of the piers beside a shop.
 pub(super) const PIER_M: f64 = 0.4;
 /// Width in metres of the part of a shopfront that has the door.

@@ -112,7 +112,8 @@ fn skeletons_know_how_far_their_vertices_reach() {
 
 #[test]
 fn equal_seeds_give_equal_data_and_others_differ() {
-    let makers: [(&str, fn(u64) -> Character); 6] = [
+    type Make = fn(u64) -> Character;
+    let makers: [(&str, Make); 6] = [
         ("shopfront", |seed| shopfront(seed, 7.0).unwrap().character),
         ("tree", |seed| tree(seed).unwrap()),
         ("planter", |seed| planter(seed).unwrap()),
