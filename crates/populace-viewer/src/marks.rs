@@ -9,7 +9,7 @@ use populace::interop::Visibility;
 use populace_render::Camera;
 
 use crate::desk::Desk;
-use crate::pick::limbs;
+use crate::pick::all_limbs;
 use crate::stage::Stage;
 use crate::theme::ACCENT;
 
@@ -63,12 +63,12 @@ pub(crate) fn draw(ui: &Ui, stage: &mut Stage, desk: &Desk, sight: &Sight) {
         .filter(|member| member.instance().visibility == Visibility::InView)
         .map(|member| member.id())
         .collect();
+    if desk.layout.skeletons {
+        skeletons(&painter, stage, &visible, sight);
+    }
     for member in visible {
         if desk.layout.bounds {
             bounds(&painter, stage, member, sight);
-        }
-        if desk.layout.skeletons {
-            skeleton(&painter, stage, member, sight);
         }
         if desk.layout.levels {
             level(ui, &painter, stage, member, sight);
@@ -93,8 +93,8 @@ fn ring(painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
     }
 }
 
-fn skeleton(painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
-    for limb in limbs(stage, member).unwrap_or_default() {
+fn skeletons(painter: &Painter, stage: &mut Stage, members: &[MemberId], sight: &Sight) {
+    for limb in all_limbs(stage, members).unwrap_or_default() {
         sight.line(painter, limb, Stroke::new(1.2, SKELETON));
     }
 }
@@ -112,11 +112,14 @@ fn bounds(painter: &Painter, stage: &Stage, member: MemberId, sight: &Sight) {
     }
 }
 
-fn level(ui: &Ui, painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
-    let Some(followed) = stage.followed(member) else { return };
-    let Ok(view) = stage.crowd.member(member) else { return };
+fn level(ui: &Ui, painter: &Painter, stage: &Stage, member: MemberId, sight: &Sight) {
+    let (Some(height_m), Ok(view)) = (stage.height_m(member), stage.crowd.member(member)) else {
+        return;
+    };
     let level = view.instance().level as usize;
-    let over = followed.feet + Vec3::Y * 1.08 * followed.height_m;
+    // The sphere goes along with root motion, without asking the device.
+    let [x, _, z] = view.bounding_sphere().0;
+    let over = Vec3::new(x, view.placement().position()[1] + 1.08 * height_m, z);
     if let Some(at) = sight.point(over) {
         let color = LEVELS[level.min(LEVELS.len() - 1)];
         let font = TextStyle::Body.resolve(ui.style());

@@ -2,7 +2,8 @@
 
 use glam::Vec3;
 use populace::interop::Visibility;
-use populace::{JointIndex, MemberId};
+use populace::model::Skeleton;
+use populace::{Affine, JointIndex, MemberId};
 use populace_render::Camera;
 
 use crate::stage::Stage;
@@ -64,7 +65,35 @@ pub(crate) fn limbs(stage: &mut Stage, member: MemberId) -> Option<Vec<[Vec3; 2]
     let (placement, character) = (view.placement(), view.character());
     let skeleton = stage.crowd.character(character).ok()?.asset().skeleton.clone();
     let joints = stage.crowd.member_mut(member).ok()?.model_from_joints().ok()?;
-    let world = placement.world_from_model();
+    Some(limbs_of(&skeleton, &placement.world_from_model(), &joints))
+}
+
+/// The joints of all members in world space, each with its parent's. Waits once for all.
+pub(crate) fn all_limbs(
+    stage: &mut Stage,
+    members: &[MemberId],
+) -> Result<Vec<[Vec3; 2]>, populace::Error> {
+    let mut wanted = Vec::new();
+    let mut bodies = Vec::new();
+    for member in members {
+        let view = stage.crowd.member(*member)?;
+        let skeleton = stage.crowd.character(view.character())?.asset().skeleton.clone();
+        wanted.extend(skeleton.joints().map(|joint| (*member, joint)));
+        bodies.push((skeleton, view.placement().world_from_model()));
+    }
+    let mut joints = vec![Affine::IDENTITY; wanted.len()];
+    stage.crowd.read_joints(&wanted, &mut joints)?;
+    let mut rest = joints.as_slice();
+    let mut limbs = Vec::with_capacity(wanted.len());
+    for (skeleton, world) in bodies {
+        let (own, others) = rest.split_at(skeleton.joint_count().min(rest.len()));
+        limbs.extend(limbs_of(&skeleton, &world, own));
+        rest = others;
+    }
+    Ok(limbs)
+}
+
+fn limbs_of(skeleton: &Skeleton, world: &Affine, joints: &[Affine]) -> Vec<[Vec3; 2]> {
     let at = |joint: usize| {
         let rows = joints.get(joint)?.rows;
         Some(Vec3::from(world.transform_point([rows[0][3], rows[1][3], rows[2][3]])))
@@ -74,7 +103,7 @@ pub(crate) fn limbs(stage: &mut Stage, member: MemberId) -> Option<Vec<[Vec3; 2]
         let parent = skeleton.parent(joint).and_then(|parent| at(parent.index()));
         Some([parent.unwrap_or(end), end])
     };
-    Some(skeleton.joints().filter_map(limb).collect())
+    skeleton.joints().filter_map(limb).collect()
 }
 
 /// Returns the member nearest to the eye whose limbs a ray meets.
@@ -90,9 +119,7 @@ pub(crate) fn pick(stage: &mut Stage, ray: &Ray) -> Option<MemberId> {
         .collect();
     let mut best: Option<(f32, MemberId)> = None;
     for (member, _) in near {
-        let Some(height_m) = stage.followed(member).map(|followed| followed.height_m) else {
-            continue;
-        };
+        let Some(height_m) = stage.height_m(member) else { continue };
         for [from, to] in limbs(stage, member).unwrap_or_default() {
             let Some([off_m, along_m]) = ray.distances(from, to) else { continue };
             let thick_m = (THICKNESS * height_m).max(LEAST_PX * ray.pixel * along_m);

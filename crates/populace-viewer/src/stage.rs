@@ -270,14 +270,17 @@ impl Stage {
 
     /// Returns where a member is; `None` for one that is gone.
     pub(crate) fn followed(&mut self, member: MemberId) -> Option<Followed> {
-        let character = self.crowd.member(member).ok()?.character();
-        let height_m = self.crowd.character(character).ok()?.asset().height_m();
+        let height_m = self.height_m(member)?;
         let placement = self.placement(member)?;
-        Some(Followed {
-            feet: Vec3::from(placement.position()),
-            yaw_rad: placement.yaw_rad(),
-            height_m: (height_m * placement.scale()).max(0.1),
-        })
+        let feet = Vec3::from(placement.position());
+        Some(Followed { feet, yaw_rad: placement.yaw_rad(), height_m })
+    }
+
+    /// Returns the height of a member in metres; `None` for one that is gone.
+    pub(crate) fn height_m(&self, member: MemberId) -> Option<f32> {
+        let view = self.crowd.member(member).ok()?;
+        let height_m = self.crowd.character(view.character()).ok()?.asset().height_m();
+        Some((height_m * view.placement().scale()).max(0.1))
     }
 
     /// Returns the placement to which a member has moved; `None` for one that is gone.

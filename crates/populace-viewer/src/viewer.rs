@@ -135,7 +135,7 @@ impl<'a> Viewer<'a> {
             || self.context.has_requested_repaint()
     }
 
-    /// Makes a frame. It is shown by [`Renderer::present`].
+    /// Makes a frame. It is shown by [`present`](Self::present).
     pub(crate) fn frame(&mut self, mut input: Input) -> Result<(), Error> {
         let start = Instant::now();
         self.now_secs += input.secs;
@@ -168,6 +168,16 @@ impl<'a> Viewer<'a> {
         let animate = if animated { self.stage.animate_ms() } else { 0.0 };
         let whole = input.wall_ms;
         self.desk.add_times(Times { whole, animate, draw, panels: panels_ms, passes });
+        Ok(())
+    }
+
+    /// Shows the frame.
+    pub(crate) fn present(&mut self) -> Result<(), Error> {
+        let start = Instant::now();
+        self.renderer.present()?;
+        if let Some(times) = self.desk.times.back_mut() {
+            times.draw += start.elapsed().as_secs_f64() * 1e3;
+        }
         Ok(())
     }
 

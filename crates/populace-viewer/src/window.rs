@@ -140,7 +140,7 @@ impl App<'_> {
         viewer.frame(input)?;
         self.run.look(viewer)?;
         window.pre_present_notify();
-        viewer.renderer.present()?;
+        viewer.present()?;
         self.run.shown(viewer, self.last.elapsed().as_secs_f64());
         if self.run.quits() {
             event_loop.exit();

@@ -32,6 +32,10 @@ pub(crate) struct ViewArgs {
     /// File with lines such as \"at 0.5 click 300 200\" that drive the window
     #[arg(long, value_name = "FILE")]
     pub(crate) script: Option<PathBuf>,
+    /// File that remembers the size and the panels of the window [default: viewer.toml in your
+    /// folder of settings; none with --script]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) layout: Option<PathBuf>,
     /// Path of films that are recorded; a number is added to the name
     #[arg(long, value_name = "FILE", default_value = "populace.mp4")]
     pub(crate) film: PathBuf,

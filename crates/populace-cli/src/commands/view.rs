@@ -14,7 +14,8 @@ use crate::view::CommandLine;
 pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     args.refuse_films()?;
     let script = args.script.as_deref().map(read_script).transpose()?;
-    let file = layout_file();
+    let usual = || layout_file().filter(|_| script.is_none());
+    let file = args.layout.clone().or_else(usual);
     let text = file.as_ref().and_then(|file| std::fs::read_to_string(file).ok());
     let settings = WindowSettings {
         layout: Layout::from_toml(&text.unwrap_or_default()),

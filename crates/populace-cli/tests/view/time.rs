@@ -89,15 +89,17 @@ pub(super) fn records(desk: &Desk) -> Result<(), Failed> {
 }
 
 pub(super) fn remembers(desk: &Desk) -> Result<(), Failed> {
-    desk.view(&CROWD, "at 0 key tab\nat 0 key k\nat 0.1 shot first.png\n")?;
-    let file = desk.path("config/populace/viewer.toml");
+    let file = desk.path("config/viewer.toml");
+    let name = file.to_string_lossy().into_owned();
+    let args = [&CROWD[..], &["--layout", &name]].concat();
+    desk.view(&args, "at 0 key tab\nat 0 key k\nat 0.1 shot first.png\n")?;
     let text = std::fs::read_to_string(&file)?;
     ensure(text.contains("panels = false") && text.contains("skeletons = true"), || text)?;
-    desk.view(&CROWD, "at 0.1 shot second.png\nat 0.1 key tab\n")?;
+    desk.view(&args, "at 0.1 shot second.png\nat 0.1 key tab\n")?;
     let corner = desk.image("second.png")?.get_pixel(755, 735).0;
     ensure(corner != [28, 31, 37, 255], || "the panels are shown again".into())?;
     std::fs::write(&file, "width = \"broken")?;
-    desk.view(&CROWD, "at 0.1 shot third.png\n")?;
+    desk.view(&args, "at 0.1 shot third.png\n")?;
     let corner = desk.image("third.png")?.get_pixel(755, 735).0;
     ensure(corner == [28, 31, 37, 255], || "a broken file hides the panels".into())
 }

@@ -6,7 +6,7 @@ use crate::desk::{Desk, GRAPH_FRAMES, Times};
 use crate::stage::Stage;
 use crate::theme::{PANEL, QUIET};
 
-const WIDTH: f32 = 216.0;
+const WIDTH: f32 = 234.0;
 const HEIGHT: f32 = 58.0;
 /// Parts of a frame from the bottom up, with their colours.
 const PARTS: [(&str, Color32); 4] = [
