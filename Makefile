@@ -1,8 +1,8 @@
-# `make demo` sets the machine up, builds, and draws a crowd. `make test` builds and runs all tests.
+# `make demo` sets the machine up, builds, and draws a street. `make test` builds and runs all tests.
 
 demo:
 	@sh scripts/setup.sh --ask
-	cargo run -p populace-cli -- demo
+	cargo run -p populace-cli -- demo --out populace-demo.png
 
 .PHONY: demo test setup lint doc release
 

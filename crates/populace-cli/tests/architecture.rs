@@ -58,7 +58,17 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-lod", &["populace-character", "populace-model"]),
     ("populace-overlay", &[]),
     ("populace-trajectory", &[]),
-    ("populace-scene", &["populace", "populace-locomotion", "populace-trajectory"]),
+    (
+        "populace-scene",
+        &[
+            "populace",
+            "populace-cast",
+            "populace-locomotion",
+            "populace-physics",
+            "populace-props",
+            "populace-trajectory",
+        ],
+    ),
     ("populace-variety", &["populace-character", "populace-device", "populace-model"]),
     ("populace-render", &["populace-character", "populace-device", "populace-model"]),
     (

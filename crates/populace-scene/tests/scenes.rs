@@ -1,0 +1,95 @@
+//! The scenes that come as files: the stand and the battle.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use populace::{Crowd, Device};
+use populace_locomotion::GaitSpace;
+use populace_scene::plan::{BehaviourPlan, ScenePlan};
+use populace_scene::{Behaviours, Counts, Error, Person, Stage};
+
+const SECS: f32 = 1.0 / 30.0;
+
+struct Live {
+    crowd: Crowd,
+    behaviours: Behaviours,
+}
+
+/// Brings a scene with the built-in man and woman as everybody.
+fn live(plan: &ScenePlan) -> Result<Live, Error> {
+    let builder = Crowd::builder().device(Device::native()).capacity(1000).slots_per_member(8);
+    let mut crowd = builder.build()?;
+    let looks = [populace_cast::Look::man(), populace_cast::Look::woman()];
+    let characters: Vec<_> = looks
+        .iter()
+        .map(|look| crowd.add_character(populace_cast::person(look).unwrap()).unwrap())
+        .collect();
+    let gaits = GaitSpace::of_all(&mut crowd, &characters).into_iter().map(Result::unwrap);
+    let gaits = gaits.collect();
+    let person = |nth: usize| Person {
+        character: characters[nth % characters.len()],
+        scale: 1.0,
+        look: None,
+    };
+    let people: Vec<Vec<Person>> =
+        plan.crowds.iter().map(|of| (0..of.count).map(person).collect()).collect();
+    let mut prepare = |character| Ok(Arc::new(character));
+    let stage = Stage::new(&mut crowd, plan, &BTreeMap::new(), &mut prepare)?;
+    let behaviours = Behaviours::new(&mut crowd, plan, &stage, &people, gaits)?;
+    Ok(Live { crowd, behaviours })
+}
+
+impl Live {
+    fn run(&mut self, secs: f32) -> Counts {
+        let mut left = secs;
+        while left > 0.0 {
+            self.behaviours.advance(&mut self.crowd, SECS).unwrap();
+            self.crowd.update(SECS).unwrap();
+            left -= SECS;
+        }
+        self.behaviours.counts()
+    }
+}
+
+#[test]
+fn spectators_clap_cheer_and_rise_for_each_wave() {
+    let mut plan = ScenePlan::parse(include_str!("../../../scenes/stand.toml")).unwrap();
+    plan.crowds[0].count = 300;
+    let mut live = live(&plan).unwrap();
+    let before = live.run(19.0);
+    assert_eq!(before.waved, 0, "the first wave begins after 20 s");
+    assert!(before.clapped > 100 && before.cheered > 20, "{before:?}");
+    let after = live.run(5.0);
+    assert_eq!(after.waved, 300, "everybody rises once");
+}
+
+#[test]
+fn more_spectators_than_seats_are_refused() {
+    let mut plan = ScenePlan::parse(include_str!("../../../scenes/stand.toml")).unwrap();
+    plan.props.truncate(3);
+    plan.crowds[0].count = 600;
+    let error = live(&plan).err().unwrap();
+    assert!(error.to_string().contains("600 people watch from 500 seats"), "{error}");
+}
+
+#[test]
+fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
+    let mut plan = ScenePlan::parse(include_str!("../../../scenes/battle.toml")).unwrap();
+    for of in &mut plan.crowds {
+        of.count = 40;
+        let BehaviourPlan::Fight(fight) = &mut of.does else { panic!("another behaviour") };
+        (fight.rank, fight.hit) = (20, 8.0);
+    }
+    let mut live = live(&plan).unwrap();
+    let first: Vec<_> = live.behaviours.people().collect();
+    let z = |live: &Live, nth: usize| live.crowd.member(first[nth]).unwrap().placement().position()[2];
+    assert!(z(&live, 0) < -12.0, "the line begins far behind");
+    let counts = live.run(40.0);
+    // The front rank of the second crowd is at 1.1 m.
+    assert!((z(&live, 40) - 1.1).abs() < 0.4, "a post is at {}", z(&live, 40));
+    let Counts { thrust, hit, fell, got_up, .. } = counts;
+    assert!(thrust > 50 && hit > 20 && fell > 2 && got_up > 0, "{counts:?}");
+    // A shield, a spear and a helmet for each.
+    let held = live.crowd.members().filter(|member| member.attached_to().is_some()).count();
+    assert_eq!(held, 3 * 80);
+}
