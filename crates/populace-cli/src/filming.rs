@@ -97,13 +97,8 @@ impl<'a> Filming<'a> {
         mut sink: Sink<'_>,
     ) -> Result<Filmed, Failure> {
         let (args, frames) = (self.args, self.frames);
-        let frame_loop = FrameLoop {
-            frames,
-            lead_in,
-            size: args.size(),
-            scene,
-            detail: args.detail_px(),
-        };
+        let frame_loop =
+            FrameLoop { frames, lead_in, size: args.size(), scene, detail: args.detail_px() };
         let skipped = sink.skipped();
         let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
         Ok(Filmed { frames, skipped, times, drawn, out: sink.finish()? })

@@ -86,8 +86,7 @@ impl ReplayJob<'_> {
         filmed.report(&crowd, args.json, action.measures())
     }
 
-    /// Brings people and place into a crowd for a window. Returns what moves them, the light and the
-    /// surroundings, and the length in seconds.
+    /// Brings people and place into a crowd for a window, with room for `slots` clips each.
     #[cfg(feature = "viewer")]
     pub(crate) fn stage(
         &self,
@@ -106,7 +105,14 @@ impl ReplayJob<'_> {
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
         let (action, roles) = (Box::new(action), loaded.roles);
-        Ok(crate::view::Staged { crowd, action, roles, scene, rate, length_secs: Some(until - from) })
+        Ok(crate::view::Staged {
+            crowd,
+            action,
+            roles,
+            scene,
+            rate,
+            length_secs: Some(until - from),
+        })
     }
 
     /// Brings the place into the crowd, and lowers the ground around it.

@@ -6,8 +6,8 @@ use std::rc::Rc;
 use crate::Error;
 use crate::gl::{Gl, Program};
 use crate::layout::{
-    Contact, Corner, Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _, Vertex,
-    VertexStruct as _, glsl_inputs,
+    Contact, Corner, Frame, Influences4, Influences8, InstanceData, Surface, UniformBlock as _,
+    Vertex, VertexStruct as _, glsl_inputs,
 };
 use crate::model::{Alpha, Maps};
 

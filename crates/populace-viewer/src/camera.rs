@@ -118,11 +118,7 @@ impl Rig {
 
     fn forward(&self) -> Vec3 {
         let level = self.pitch_rad.cos();
-        Vec3::new(
-            self.yaw_rad.sin() * level,
-            self.pitch_rad.sin(),
-            self.yaw_rad.cos() * level,
-        )
+        Vec3::new(self.yaw_rad.sin() * level, self.pitch_rad.sin(), self.yaw_rad.cos() * level)
     }
 
     fn right(&self) -> Vec3 {

@@ -24,7 +24,9 @@ pub(crate) enum Command {
     /// Goes to a time in seconds.
     Seek(f64),
     /// Pauses at the next frame, or at the one before.
-    Step { later: bool },
+    Step {
+        later: bool,
+    },
     /// Evaluates the present time again, since a member was changed.
     Refresh,
     /// Looks at a member and goes round it.
@@ -35,7 +37,11 @@ pub(crate) enum Command {
     Fall(MemberId),
     GetUp(MemberId),
     /// Opens the show anew.
-    Reopen { members: Option<u32>, device: Option<String>, schedule: Option<populace::Schedule> },
+    Reopen {
+        members: Option<u32>,
+        device: Option<String>,
+        schedule: Option<populace::Schedule>,
+    },
     /// Begins or ends a film.
     Record,
 }

@@ -54,9 +54,10 @@ impl Falls {
     ) -> Result<(), Error> {
         let character = crowd.member(member).map_err(Error::Crowd)?.character();
         let skeleton = &crowd.character(character).map_err(Error::Crowd)?.asset().skeleton;
-        let plan = self.plans.entry(character).or_insert_with(|| {
-            Arc::new(RagdollPlan::from_skeleton(skeleton))
-        });
+        let plan = self
+            .plans
+            .entry(character)
+            .or_insert_with(|| Arc::new(RagdollPlan::from_skeleton(skeleton)));
         self.ragdolls.go_limp(crowd, member, plan)?;
         if let Some(body) = plan.bodies().iter().max_by(|a, b| a.mass_kg().total_cmp(&b.mass_kg()))
         {
@@ -73,7 +74,8 @@ impl Falls {
     pub(crate) fn get_up(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
         let character = crowd.member(member).map_err(Error::Crowd)?.character();
         let clips = GetUp::find(crowd, character);
-        let has_clips = [clips.back, clips.front, clips.left, clips.right].iter().any(Option::is_some);
+        let has_clips =
+            [clips.back, clips.front, clips.left, clips.right].iter().any(Option::is_some);
         if has_clips {
             self.ragdolls.get_up_with(crowd, member, &clips)
         } else {

@@ -57,7 +57,7 @@ impl Held {
         let mut pressed = Vec::new();
         events.retain(|event| {
             let Event::Key { key, pressed: is_down, modifiers, .. } = event else {
-                return !(matches!(event, Event::Text(_)) && !is_typing);
+                return !matches!(event, Event::Text(_)) || is_typing;
             };
             if !is_down {
                 self.keys.remove(key);
@@ -71,7 +71,8 @@ impl Held {
             if is_taken {
                 pressed.push(*key);
             }
-            !(is_taken || matches!(key, Key::ArrowUp | Key::ArrowDown | Key::ArrowLeft | Key::ArrowRight))
+            !(is_taken
+                || matches!(key, Key::ArrowUp | Key::ArrowDown | Key::ArrowLeft | Key::ArrowRight))
         });
         pressed
     }
@@ -83,11 +84,13 @@ impl Held {
 
     /// Returns true while a key is held that moves something.
     pub(crate) fn moves(&self) -> bool {
-        self.flight() != [0.0; 3] || self.steering() != Steering { runs: self.modifiers.shift, ..Steering::default() }
+        self.flight() != [0.0; 3]
+            || self.steering() != Steering { runs: self.modifiers.shift, ..Steering::default() }
     }
 
     fn axis(&self, more: Key, less: Key) -> f32 {
-        f32::from(u8::from(self.keys.contains(&more))) - f32::from(u8::from(self.keys.contains(&less)))
+        f32::from(u8::from(self.keys.contains(&more)))
+            - f32::from(u8::from(self.keys.contains(&less)))
     }
 
     /// Returns the speed of flying to the right, upwards and forwards in m/s.

@@ -85,7 +85,12 @@ fn triangles(primitive: ClippedPrimitive, scale: f32, window: [u32; 2]) -> Optio
     };
     let corners = mesh.vertices.iter().map(corner).collect();
     let texture = number(mesh.texture_id);
-    (clip[2] > 0 && clip[3] > 0).then_some(Painted { clip, texture, corners, indices: mesh.indices })
+    (clip[2] > 0 && clip[3] > 0).then_some(Painted {
+        clip,
+        texture,
+        corners,
+        indices: mesh.indices,
+    })
 }
 
 /// Returns the rectangle of the picture, which is drawn if there is a texture for it.

@@ -4,8 +4,8 @@ mod crowd;
 mod help;
 mod member;
 mod targets;
-mod times;
 mod timeline;
+mod times;
 
 use egui::{Context, Frame, Margin, Rect, ScrollArea, SidePanel, TopBottomPanel, Ui};
 

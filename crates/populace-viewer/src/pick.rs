@@ -153,7 +153,9 @@ mod tests {
     fn limbs_are_met_between_their_ends() {
         let ray = Ray { eye: Vec3::ZERO, way: Vec3::Z, pixel: 0.001 };
         let met = ray.distances(Vec3::new(-1.0, 0.1, 4.0), Vec3::new(1.0, 0.1, 4.0));
-        assert!(met.is_some_and(|[off, along]| (off - 0.1).abs() < 1e-6 && (along - 4.0).abs() < 1e-6));
+        assert!(
+            met.is_some_and(|[off, along]| (off - 0.1).abs() < 1e-6 && (along - 4.0).abs() < 1e-6)
+        );
         assert_eq!(ray.distances(Vec3::new(0.0, 0.0, -2.0), Vec3::new(0.0, 0.0, -1.0)), None);
     }
 }

@@ -243,7 +243,11 @@ fn batches(viewer: &Viewer, line: &Line) -> Result<Option<Vec<Batch>>, Error> {
         }
         Action::Hold { keys, modifiers, secs } => {
             let rate = viewer.stage.rate().per_sec();
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "saturates"
+            )]
             let frames = (secs * rate).round() as usize;
             held(keys, *modifiers, frames)
         }

@@ -247,8 +247,7 @@ impl Stage {
     /// the member.
     pub(crate) fn drive(&mut self, member: MemberId) -> Result<MemberId, ShowError> {
         self.you = None;
-        let member =
-            if self.show.leads_members() { self.visitor(member)? } else { member };
+        let member = if self.show.leads_members() { self.visitor(member)? } else { member };
         self.you = Some(You::new(&mut self.crowd, member)?);
         Ok(member)
     }

@@ -73,7 +73,8 @@ impl<'a> Viewer<'a> {
     ) -> Result<Self, Error> {
         let context = Context::default();
         theme::apply(&context);
-        context.options_mut(|options| options.max_passes = 1.try_into().unwrap_or(options.max_passes));
+        context
+            .options_mut(|options| options.max_passes = 1.try_into().unwrap_or(options.max_passes));
         let wish = Wish::default();
         let stage = open(&mut *opener, &wish, &mut renderer)?;
         let mut desk = Desk::default();
@@ -517,8 +518,7 @@ impl<'a> Viewer<'a> {
     /// Draws lines and words over the picture.
     fn mark(&mut self, ui: &Ui) {
         let Ok(camera) = self.camera() else { return };
-        let sight =
-            Sight { camera, rect: self.rect, size: self.pixels().1, scale: self.scale };
+        let sight = Sight { camera, rect: self.rect, size: self.pixels().1, scale: self.scale };
         marks::draw(ui, &mut self.stage, &self.desk, &sight);
         if let Some(text) = self.desk.message(self.now_secs) {
             marks::message(ui, self.rect, text);

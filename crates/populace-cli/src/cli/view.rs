@@ -16,7 +16,8 @@ const FILM_OPTIONS: [&str; 6] =
 
 #[derive(Args, Debug)]
 pub(crate) struct ViewArgs {
-    /// Characters, built-in people or a trajectory file, as for `populace render` [default: @people]
+    /// Characters, built-in people or a trajectory file, as for `populace render` [default:
+    /// @people]
     #[arg(value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// More characters: files, folders with glTF files, or built-in people
@@ -67,7 +68,7 @@ impl ViewArgs {
 
 /// Hides the options of films from the help.
 pub(super) fn without_films(command: clap::Command) -> clap::Command {
-    FILM_OPTIONS.into_iter().fold(command, |command, name| {
-        command.mut_arg(name, |arg| arg.hide(true))
-    })
+    FILM_OPTIONS
+        .into_iter()
+        .fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(true)))
 }

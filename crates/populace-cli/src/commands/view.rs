@@ -54,11 +54,7 @@ fn remember(file: &Path, layout: &Layout) {
 /// Says how fast the window was.
 fn describe(args: &ViewArgs, closed: &Closed) -> Result<(), Failure> {
     let times = &closed.report;
-    message!(
-        "{} frames, median: {:.1} ms",
-        times.frame_ms.len(),
-        times.median_ms()
-    );
+    message!("{} frames, median: {:.1} ms", times.frame_ms.len(), times.median_ms());
     if args.script.is_some() {
         message!("input was shown after at most {} frames", times.most_frames());
     }

@@ -196,7 +196,7 @@ fn write_glyph(glyf: &mut Vec<u8>, contours: &[Contour]) -> i16 {
             last = point[axis];
         }
     }
-    while glyf.len() % 4 != 0 {
+    while !glyf.len().is_multiple_of(4) {
         glyf.push(0);
     }
     low[0]

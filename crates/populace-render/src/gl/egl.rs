@@ -65,10 +65,7 @@ impl Context {
     }
 
     /// Returns a context that draws into a window of `size` pixels (width, height).
-    pub(super) fn in_window(
-        target: Arc<dyn WindowTarget>,
-        size: [u32; 2],
-    ) -> Result<Self, Error> {
+    pub(super) fn in_window(target: Arc<dyn WindowTarget>, size: [u32; 2]) -> Result<Self, Error> {
         let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
         Self::on_window(egl, target, size).map_err(|cause| no_gl(format!("the window: {cause}")))
     }
@@ -144,11 +141,7 @@ impl Context {
 }
 
 /// Creates a context of OpenGL 4.3 core.
-fn create(
-    egl: &Egl,
-    display: egl::Display,
-    config: egl::Config,
-) -> Result<egl::Context, String> {
+fn create(egl: &Egl, display: egl::Display, config: egl::Config) -> Result<egl::Context, String> {
     let version = [
         egl::CONTEXT_MAJOR_VERSION,
         4,

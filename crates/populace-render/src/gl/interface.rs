@@ -51,12 +51,7 @@ impl InterfaceTexture {
 
     /// Replaces the texels of a rectangle at `at`. Does nothing if it reaches past the texture or
     /// if `rgba` has another length.
-    pub(crate) fn write(
-        &self,
-        at: [u32; 2],
-        size: [u32; 2],
-        rgba: &[u8],
-    ) -> Result<(), Error> {
+    pub(crate) fn write(&self, at: [u32; 2], size: [u32; 2], rgba: &[u8]) -> Result<(), Error> {
         let [Ok(x), Ok(y)] = at.map(i32::try_from) else { return Ok(()) };
         let [Ok(width), Ok(height)] = size.map(i32::try_from) else { return Ok(()) };
         let ends = [x.saturating_add(width), y.saturating_add(height)];

@@ -6,9 +6,7 @@ use glow::HasContext as _;
 
 use super::{Buffer, Gl};
 use crate::Error;
-use crate::layout::{
-    Attribute, Component, Contact, Corner, InstanceData, Vertex, VertexStruct,
-};
+use crate::layout::{Attribute, Component, Contact, Corner, InstanceData, Vertex, VertexStruct};
 
 /// Vertex buffer binding points.
 const VERTICES: u32 = 0;

@@ -28,7 +28,10 @@ pub(super) struct NativeWindow {
 
 enum Surface {
     /// Number of the window, which EGL takes by its address, and of its visual.
-    X11 { window: Box<c_ulong>, visual: Option<c_ulong> },
+    X11 {
+        window: Box<c_ulong>,
+        visual: Option<c_ulong>,
+    },
     Wayland(WaylandSurface),
 }
 

@@ -63,8 +63,7 @@ fn section(
     is_open: bool,
     content: impl FnOnce(&mut Ui, &mut Desk),
 ) {
-    let shown =
-        CollapsingHeader::new(RichText::new(name).color(QUIET)).default_open(is_open);
+    let shown = CollapsingHeader::new(RichText::new(name).color(QUIET)).default_open(is_open);
     let shown = shown.show_unindented(ui, |ui| content(ui, desk));
     desk.widgets.note(name, shown.header_response);
 }
@@ -193,7 +192,8 @@ fn slot(
 ) -> bool {
     ui.horizontal(|ui| {
         ui.label(name);
-        let text = format!("layer {}, {:.2} of {length_secs:.2} s", playing.layer, playing.time_secs);
+        let text =
+            format!("layer {}, {:.2} of {length_secs:.2} s", playing.layer, playing.time_secs);
         ui.label(RichText::new(text).color(QUIET).small());
     });
     let Some(id) = playing.id else { return false };

@@ -8,8 +8,8 @@ use egui::{Key, Modifiers, PointerButton};
 use crate::Error;
 
 /// What a line may say, for messages.
-const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, picture, \
-                       expect, pace, measure or quit";
+const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, \
+                       picture, expect, pace, measure or quit";
 
 /// A line.
 #[derive(Clone, Debug)]
@@ -33,7 +33,11 @@ pub(super) enum Action {
     Press(String),
     /// Presses the slider of this name at a share of its length.
     Slide(String, f32),
-    Hold { keys: Vec<Key>, modifiers: Modifiers, secs: f64 },
+    Hold {
+        keys: Vec<Key>,
+        modifiers: Modifiers,
+        secs: f64,
+    },
     Drop(PathBuf),
     /// Goes to a time in seconds, as the timeline does.
     Seek(f64),
@@ -42,7 +46,9 @@ pub(super) enum Action {
     /// Writes the picture alone.
     Picture(PathBuf),
     Expect(Expected),
-    Pace { is_real_time: bool },
+    Pace {
+        is_real_time: bool,
+    },
     Measure,
     Quit,
 }
@@ -192,9 +198,11 @@ fn expected(words: &[&str]) -> Result<Expected, String> {
         ["others"] => Expected::You(false),
         ["walked", metres] => Expected::Walked(number(metres)?),
         _ => {
-            return Err("expect picked any|none|NUMBER, time SECONDS, frames MOST, members COUNT, \
+            return Err(
+                "expect picked any|none|NUMBER, time SECONDS, frames MOST, members COUNT, \
                         down, up, you, others or walked METRES"
-                .into());
+                    .into(),
+            );
         }
     })
 }
