@@ -92,7 +92,7 @@ impl ReplayJob<'_> {
         &self,
         builder: populace::CrowdBuilder,
         slots: usize,
-    ) -> Result<crate::view::Staged, Failure> {
+    ) -> Result<crate::watched::Staged, Failure> {
         let recording = self.read.load(self.file)?;
         describe(&recording);
         let motions = Motions::new(&recording);
@@ -105,7 +105,7 @@ impl ReplayJob<'_> {
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
         let (action, roles) = (Box::new(action), loaded.roles);
-        Ok(crate::view::Staged {
+        Ok(crate::watched::Staged {
             crowd,
             action,
             roles,
@@ -321,7 +321,7 @@ impl Action for ReplayAction {
 }
 
 #[cfg(feature = "viewer")]
-impl crate::view::Watched for ReplayAction {
+impl crate::watched::Watched for ReplayAction {
     fn rewind(&mut self) {
         self.replay = self.first.clone();
         self.place.forget();
