@@ -4,7 +4,7 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test setup lint doc release
+.PHONY: demo test setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail.
 test:
@@ -14,6 +14,10 @@ test:
 # An OpenCL driver for the CPU, EGL and Mesa's software driver, as root or with sudo.
 setup:
 	sh scripts/setup.sh
+
+# What the tests need besides: a display without a screen, for those of the window.
+setup-tests: setup
+	sh scripts/setup.sh --tests
 
 lint:
 	cargo fmt --all --check

@@ -5,6 +5,7 @@
 #   setup.sh           installs what is missing, as root or with sudo
 #   setup.sh --ask     the same, but asks before it uses sudo
 #   setup.sh --check   installs nothing: lists what is missing and exits with 1
+#   setup.sh --tests   installs what only tests need: Xvfb, a display without a screen; never fails
 #
 # It installs on Debian and Ubuntu only. On other systems it names the packages.
 set -eu
@@ -16,13 +17,22 @@ say() { printf 'setup: %s\n' "$*" >&2; }
 
 case "$mode" in
 install | --ask | --check) ;;
+--tests)
+    packages="xvfb"
+    trap 'exit 0' EXIT
+    mode=install
+    ;;
 *)
-    say "unknown argument $mode; --ask and --check are known"
+    say "unknown argument $mode; --ask, --check and --tests are known"
     exit 2
     ;;
 esac
 
 consequence() {
+    if [ "$packages" = xvfb ]; then
+        say "without it the tests of the window show as ignored"
+        return
+    fi
     say "without them Populace evaluates crowds on the native device, and draws nothing"
     say "tests that need them fail; POPULACE_SKIP=opencl,gl shows those tests as ignored"
 }
@@ -48,6 +58,10 @@ agreed() {
 }
 
 if ! command -v apt-get >/dev/null 2>&1 || ! command -v dpkg-query >/dev/null 2>&1; then
+    if [ "$packages" = xvfb ]; then
+        command -v Xvfb >/dev/null 2>&1 || say "install Xvfb for the tests of the window"
+        exit 0
+    fi
     if library libOpenCL.so && library libEGL.so; then
         exit 0
     fi

@@ -193,7 +193,7 @@ impl Action for FilmedCrowd {
 }
 
 #[cfg(feature = "viewer")]
-impl crate::view::Watched for FilmedCrowd {
+impl crate::watched::Watched for FilmedCrowd {
     fn rewind(&mut self) {}
 
     fn leads_members(&self) -> bool {

@@ -39,6 +39,8 @@ mod trajectory;
 mod unfinished;
 #[cfg(feature = "viewer")]
 mod view;
+#[cfg(feature = "viewer")]
+mod watched;
 
 use std::process::ExitCode;
 

@@ -86,14 +86,13 @@ impl ReplayJob<'_> {
         filmed.report(&crowd, args.json, action.measures())
     }
 
-    /// Brings people and place into a crowd for a window. Returns what moves them, the light and the
-    /// surroundings, and the length in seconds.
+    /// Brings people and place into a crowd for a window, with room for `slots` clips each.
     #[cfg(feature = "viewer")]
     pub(crate) fn stage(
         &self,
         builder: populace::CrowdBuilder,
         slots: usize,
-    ) -> Result<crate::view::Staged, Failure> {
+    ) -> Result<crate::watched::Staged, Failure> {
         let recording = self.read.load(self.file)?;
         describe(&recording);
         let motions = Motions::new(&recording);
@@ -106,7 +105,7 @@ impl ReplayJob<'_> {
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
         let (action, roles) = (Box::new(action), loaded.roles);
-        Ok(crate::view::Staged {
+        Ok(crate::watched::Staged {
             crowd,
             action,
             roles,
@@ -330,7 +329,7 @@ impl Action for ReplayAction {
 }
 
 #[cfg(feature = "viewer")]
-impl crate::view::Watched for ReplayAction {
+impl crate::watched::Watched for ReplayAction {
     fn rewind(&mut self) {
         self.replay = self.first.clone();
         self.place.forget();

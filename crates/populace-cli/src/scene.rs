@@ -121,7 +121,7 @@ impl SceneSource<'_> {
     pub(crate) fn stage(
         &self,
         builder: populace::CrowdBuilder,
-    ) -> Result<crate::view::Staged, Failure> {
+    ) -> Result<crate::watched::Staged, Failure> {
         let [capacity, slots] = self.sizes();
         let builder = builder.capacity(capacity).slots_per_member(slots);
         let mut crowd = crate::filming::build_crowd(builder)?;
@@ -134,7 +134,7 @@ impl SceneSource<'_> {
             None => FrameRate::new(self.plan.output.fps, 1)?,
         };
         let roles = loaded.roles;
-        Ok(crate::view::Staged { crowd, action, roles, scene, rate, length_secs: None })
+        Ok(crate::watched::Staged { crowd, action, roles, scene, rate, length_secs: None })
     }
 
     /// The members that the crowd has room for, and the slots of each.

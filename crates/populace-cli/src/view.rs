@@ -13,12 +13,11 @@ use crate::crowd_renderer::{connect, devices_and_shares};
 use crate::draw::CrowdPlan;
 use crate::failure::Failure;
 use crate::filming::{self, build_crowd};
-use crate::frame_loop::Action;
 use crate::replay::ReplayJob;
 use crate::report::{counted, message};
-use crate::roles::CrowdRole;
 use crate::scene::{self, SceneSource};
 use crate::trajectory;
+use crate::watched::{Staged, Watched};
 
 /// Members of a crowd unless set.
 const MEMBERS: u32 = 200;
@@ -26,31 +25,6 @@ const MEMBERS: u32 = 200;
 const FPS: u32 = 30;
 /// Clips that a member can play at the same time.
 const SLOTS: usize = 6;
-
-/// An action that can be watched in a window.
-pub(crate) trait Watched: Action {
-    /// Returns to the time before frame 0. The crowd has been brought back to it.
-    fn rewind(&mut self);
-
-    /// Returns true if it places its members in each frame.
-    fn leads_members(&self) -> bool;
-
-    /// Returns true if it draws over pictures.
-    fn has_overlay(&self) -> bool {
-        false
-    }
-}
-
-/// A crowd that is ready to be watched.
-pub(crate) struct Staged {
-    pub(crate) crowd: Crowd,
-    pub(crate) action: Box<dyn Watched>,
-    pub(crate) roles: Vec<CrowdRole>,
-    pub(crate) scene: Scene,
-    pub(crate) rate: FrameRate,
-    /// `None` if it goes on for ever.
-    pub(crate) length_secs: Option<f64>,
-}
 
 /// Opens what the command line names, and files that are dropped on the window.
 pub(crate) struct CommandLine<'a>(pub(crate) &'a ViewArgs);

@@ -83,6 +83,18 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ),
     ("populace-cast", &["populace-character", "populace-clip", "populace-model"]),
     ("populace-props", &["populace-character", "populace-clip", "populace-model"]),
+    // The panels are written in the font of the overlays.
+    (
+        "populace-viewer",
+        &[
+            "populace",
+            "populace-film",
+            "populace-locomotion",
+            "populace-overlay",
+            "populace-physics",
+            "populace-render",
+        ],
+    ),
     // The benchmark counts bytes of device tables, and holds its results against the oracle of the
     // testkit.
     (
@@ -113,6 +125,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-testkit",
             "populace-trajectory",
             "populace-variety",
+            "populace-viewer",
         ],
     ),
 ];
@@ -150,12 +163,14 @@ fn crates_use_only_what_lies_below_them() {
 
 /// Crates of others that only one of ours may use outside tests and examples.
 const SOLE_USERS: &[(&str, &str)] = &[
+    ("egui", "populace-viewer"),
     ("gif", "populace-film"),
     ("glow", "populace-render"),
     ("khronos-egl", "populace-render"),
     ("opencl3", "populace-opencl"),
     ("openh264", "populace-film"),
     ("rapier3d", "populace-physics"),
+    ("winit", "populace-viewer"),
 ];
 
 #[test]

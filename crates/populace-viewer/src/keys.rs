@@ -57,7 +57,7 @@ impl Held {
         let mut pressed = Vec::new();
         events.retain(|event| {
             let Event::Key { key, pressed: is_down, modifiers, .. } = event else {
-                return !(matches!(event, Event::Text(_)) && !is_typing);
+                return !matches!(event, Event::Text(_)) || is_typing;
             };
             if !is_down {
                 self.keys.remove(key);

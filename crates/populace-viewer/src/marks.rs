@@ -84,7 +84,6 @@ fn ring(painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
     let radius_m = RING * followed.height_m;
     let corner = |nth: u8| {
         let angle = TAU * f32::from(nth) / f32::from(RING_CORNERS);
-        #[expect(clippy::disallowed_methods, reason = "a ring on the screen alone")]
         let (sine, cosine) = angle.sin_cos();
         followed.feet + radius_m * Vec3::new(sine, 0.0, cosine)
     };

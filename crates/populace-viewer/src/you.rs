@@ -1,5 +1,4 @@
 //! The member that the keyboard drives, by the calls that drive all walkers.
-#![expect(clippy::disallowed_methods, reason = "angles of the host alone; no device computes them")]
 
 use std::f32::consts::TAU;
 

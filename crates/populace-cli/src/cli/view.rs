@@ -16,7 +16,8 @@ const FILM_OPTIONS: [&str; 6] =
 
 #[derive(Args, Debug)]
 pub(crate) struct ViewArgs {
-    /// Characters, built-in people or a trajectory file, as for `populace render` [default: @people]
+    /// Characters, built-in people or a trajectory file, as for `populace render` [default:
+    /// @people]
     #[arg(value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// More characters: files, folders with glTF files, or built-in people

@@ -294,7 +294,7 @@ impl Action for FilmedScene {
 }
 
 #[cfg(feature = "viewer")]
-impl crate::view::Watched for FilmedScene {
+impl crate::watched::Watched for FilmedScene {
     fn rewind(&mut self) {
         (self.live.behaviours, self.live.stage) = self.first.clone();
     }

@@ -38,6 +38,7 @@ fn main() -> ExitCode {
         trial("seeking in a recording lands on the picture of render --at", time::seeks_recordings),
         trial("the timeline pauses, steps and is dragged", time::steps),
         trial("a dropped file is opened", time::drops),
+        trial("another schedule shows the same moment", time::reopens),
         trial("a film is recorded", time::records),
         trial("the layout is remembered", time::remembers),
         trial("input is shown by the next picture", time::shows_input_at_once),

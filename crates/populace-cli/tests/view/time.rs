@@ -56,7 +56,8 @@ pub(super) fn steps(desk: &Desk) -> Result<(), Failed> {
                   at 0.8 key .\nat 1 expect time 1.033333\nat 1 key ,\nat 1 key ,\n\
                   at 1.2 expect time 0.966667\nat 1.2 picture still.png\nat 2 picture later.png\n\
                   at 2 key home\nat 2.1 expect time 0\nat 2.1 slide Time 0.5\n\
-                  at 2.2 picture half.png\nat 2.3 key ]\nat 2.3 press Play\nat 2.8 picture on.png\n";
+                  at 2.2 picture half.png\nat 2.3 key ]\nat 2.3 press Play\n\
+                  at 2.8 picture on.png\n";
     desk.view(&CROWD, script)?;
     let still = differing(&desk.image("still.png")?, &desk.image("later.png")?).len();
     ensure(still == 0, || format!("{still} pixels change in a pause"))?;
@@ -74,6 +75,16 @@ pub(super) fn drops(desk: &Desk) -> Result<(), Failed> {
          at 0.4 drop no-such-file.glb\nat 0.6 expect members 6\nat 0.6 shot error.png\n"
     );
     desk.view(&CROWD, &script).map(|_| ())
+}
+
+/// Size, schedule and the moment stay what they are when one of them changes.
+pub(super) fn reopens(desk: &Desk) -> Result<(), Failed> {
+    let script = "at 0 key space\nat 0.2 seek 1.2\nat 0.2 picture before.png\n\
+                  at 0.3 press Schedule\nat 0.5 press staged\nat 0.8 expect time 1.2\n\
+                  at 0.8 expect members 40\nat 0.8 picture after.png\nat 0.8 shot staged.png\n";
+    desk.view(&CROWD, script)?;
+    let off = differing(&desk.image("before.png")?, &desk.image("after.png")?).len();
+    ensure(off < 2000, || format!("{off} pixels differ with another schedule"))
 }
 
 pub(super) fn records(desk: &Desk) -> Result<(), Failed> {

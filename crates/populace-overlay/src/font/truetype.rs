@@ -196,7 +196,7 @@ fn write_glyph(glyf: &mut Vec<u8>, contours: &[Contour]) -> i16 {
             last = point[axis];
         }
     }
-    while glyf.len() % 4 != 0 {
+    while !glyf.len().is_multiple_of(4) {
         glyf.push(0);
     }
     low[0]
@@ -298,4 +298,70 @@ fn rounded(units: f64) -> i16 {
     #[expect(clippy::cast_possible_truncation, reason = "glyphs are below 3,000 units")]
     let rounded = (units * FINE).round() as i16;
     rounded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::font::text_width;
+
+    fn u16_at(bytes: &[u8], at: usize) -> usize {
+        usize::from(u16::from_be_bytes([bytes[at], bytes[at + 1]]))
+    }
+
+    fn u32_at(bytes: &[u8], at: usize) -> usize {
+        u16_at(bytes, at) << 16 | u16_at(bytes, at + 2)
+    }
+
+    fn table<'a>(file: &'a [u8], tag: &[u8]) -> &'a [u8] {
+        let entries = file[12..].chunks(16).take(u16_at(file, 4));
+        let entry = entries.into_iter().find(|entry| &entry[..4] == tag).expect("a table");
+        &file[u32_at(entry, 8)..][..u32_at(entry, 12)]
+    }
+
+    /// Returns the glyph of a character by the map of format 4.
+    fn glyph_of(cmap: &[u8], letter: char) -> usize {
+        let map = &cmap[12..];
+        let segments = u16_at(map, 6) / 2;
+        let code = letter as usize;
+        let segment =
+            (0..segments).find(|nth| u16_at(map, 14 + 2 * nth) >= code).expect("a segment");
+        let start = u16_at(map, 16 + 2 * segments + 2 * segment);
+        let delta = u16_at(map, 16 + 4 * segments + 2 * segment);
+        if start > code { 0 } else { (code + delta) & 0xffff }
+    }
+
+    #[test]
+    fn characters_are_found_and_as_wide_as_text() {
+        let file = truetype();
+        let (cmap, hmtx, loca) =
+            (table(&file, b"cmap"), table(&file, b"hmtx"), table(&file, b"loca"));
+        for letter in (' '..='~').chain("äÅç×…".chars()) {
+            let glyph = glyph_of(cmap, letter);
+            let width = text_width(&letter.to_string(), f64::from(EM));
+            #[expect(clippy::cast_precision_loss, reason = "below 65,536")]
+            let advance = u16_at(hmtx, 4 * glyph) as f64;
+            assert!(glyph > 0 && (advance - width).abs() <= 0.5, "{letter}: {advance}, {width}");
+            let has_outline = u32_at(loca, 4 * glyph + 4) > u32_at(loca, 4 * glyph);
+            assert_eq!(has_outline, letter != ' ', "{letter}");
+        }
+        assert_eq!(glyph_of(cmap, '語'), 0);
+    }
+
+    /// What is to the right of its way is inside: contours that turn right have a negative area.
+    #[test]
+    fn outlines_enclose_their_strokes() {
+        for (letter, counts) in [('l', 1), ('O', 2), ('i', 2), ('T', 2)] {
+            let contours = contours(&Glyph::of(letter));
+            assert_eq!(contours.len(), counts, "{letter}");
+            let area: f64 = contours
+                .iter()
+                .map(|c| {
+                    let next = c.iter().cycle().skip(1);
+                    c.iter().zip(next).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>() / 2.0
+                })
+                .sum();
+            assert!(area < -10_000.0, "{letter}: {area}");
+        }
+    }
 }

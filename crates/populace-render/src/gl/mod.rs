@@ -118,9 +118,9 @@ impl Gl {
     /// Loads the functions of a context that is current.
     fn of(context: egl::Context) -> Result<Rc<Self>, Error> {
         let context = Arc::new(context);
-        // SAFETY: the functions of `egl::Context` that create one made the context current on this thread. The loader
-        // returns addresses of that context's functions, or null, which glow checks before each
-        // call.
+        // SAFETY: the functions of `egl::Context` that create one made the context current on this
+        // thread. The loader returns addresses of that context's functions, or null, which glow
+        // checks before each call.
         let functions =
             unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
         let limits = Limits::of(&functions)?;

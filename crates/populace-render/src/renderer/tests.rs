@@ -166,3 +166,25 @@ fn marks_say_what_each_pixel_shows() {
     assert!(marks.depths_m.iter().all(|depth| depth.is_infinite()));
     assert!(marks.coverage.iter().all(|share| *share == 0));
 }
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn pictures_change_their_size_and_windows_are_asked_for() {
+    let mut renderer = Renderer::headless([16, 8]).unwrap();
+    let camera = Camera::default();
+    for size in [[16, 8], [40, 24], [5, 9]] {
+        renderer.resize(size).unwrap();
+        renderer.draw_instances(&[], &camera, &Scene::default()).unwrap();
+        let image = renderer.read_image().unwrap();
+        assert_eq!(([image.width, image.height], renderer.size()), (size, size));
+    }
+    assert!(matches!(renderer.resize([0, 4]), Err(Error::EmptyPicture { .. })));
+    assert_eq!(renderer.size(), [5, 9]);
+    for error in [
+        renderer.compose([4, 4], [0, 0], [0.0; 3], &[]).err(),
+        renderer.read_window([4, 4]).err(),
+        renderer.present().err(),
+    ] {
+        assert!(matches!(error, Some(Error::NoWindow)), "{error:?}");
+    }
+}

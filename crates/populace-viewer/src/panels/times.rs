@@ -6,7 +6,7 @@ use crate::desk::{Desk, GRAPH_FRAMES, Times};
 use crate::stage::Stage;
 use crate::theme::{PANEL, QUIET};
 
-const WIDTH: f32 = 234.0;
+const WIDTH: f32 = 244.0;
 const HEIGHT: f32 = 58.0;
 /// Parts of a frame from the bottom up, with their colours.
 const PARTS: [(&str, Color32); 4] = [
@@ -78,7 +78,8 @@ fn numbers(ui: &mut Ui, stage: &mut Stage, desk: &Desk) {
     let mean = |of: &dyn Fn(&Times) -> f64| last.iter().map(|times| of(times)).sum::<f64>() / count;
     let whole = mean(&|times| times.whole);
     ui.label(format!("{whole:.1} ms, {:.0} frames a second", 1e3 / whole.max(1e-3)));
-    ui.horizontal_wrapped(|ui| {
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 8.0;
         for (nth, (name, color)) in PARTS.into_iter().enumerate() {
             let ms = mean(&|times| parts(times)[nth]);
             ui.label(RichText::new(format!("{name} {ms:.1}")).color(color).small());

@@ -8,8 +8,8 @@ use egui::{Key, Modifiers, PointerButton};
 use crate::Error;
 
 /// What a line may say, for messages.
-const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, picture, \
-                       expect, pace, measure or quit";
+const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, \
+                       picture, expect, pace, measure or quit";
 
 /// A line.
 #[derive(Clone, Debug)]
