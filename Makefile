@@ -26,6 +26,7 @@ lint:
 	cargo clippy --workspace --all-targets -- -D warnings
 	cargo clippy -p populace --no-default-features -- -D warnings
 	cargo clippy -p populace-cli --no-default-features -- -D warnings
+	cargo clippy -p populace-trajectory --no-default-features --all-targets -- -D warnings
 
 doc:
 	RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

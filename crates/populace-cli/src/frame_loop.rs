@@ -38,8 +38,19 @@ pub(crate) trait Action {
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
-    /// Draws over the picture of a frame that was taken by a camera.
-    fn overlay(&self, _picture: &mut Image, _camera: &Camera) -> Result<(), Failure> {
+    /// Returns true if [`overlay`](Self::overlay) needs the depths of pixels.
+    fn needs_depths(&self) -> bool {
+        false
+    }
+
+    /// Draws over the picture of a frame that was taken by a camera. `depths_m` are the distances of
+    /// its pixels along the view direction in metres; empty if they are not needed.
+    fn overlay(
+        &self,
+        _picture: &mut Image,
+        _camera: &Camera,
+        _depths_m: &[f32],
+    ) -> Result<(), Failure> {
         Ok(())
     }
 
@@ -107,7 +118,7 @@ impl FrameLoop<'_> {
         let mut progress = Progress::new("frames", last as usize + 1);
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
-        let (mut now_secs, mut facts) = (0.0, None);
+        let (mut now_secs, mut facts): (f64, Option<PixelFacts>) = (0.0, None);
         let (mut frame, mut is_drawn) = (None, false);
         while let Some(moment) = moments.next() {
             // The lead-in ends at the first moment.
@@ -127,7 +138,7 @@ impl FrameLoop<'_> {
                 let camera = action.camera(moment.secs)?;
                 exposure.add(renderer.picture(crowd, &camera, self.scene)?);
                 times.passes.push(renderer.pass_times()?);
-                if sample == 0 && sink.needs_facts() {
+                if sample == 0 && (sink.needs_facts() || action.needs_depths()) {
                     let person = |member| action.person(member);
                     facts = Some(renderer.pixel_facts(crowd, &camera, self.scene, &person)?);
                 }
@@ -141,9 +152,11 @@ impl FrameLoop<'_> {
             times.behave.push(spent.behave);
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
-                action.overlay(&mut picture, &action.camera(moment.secs)?)?;
+                let depths_m = facts.as_ref().map_or(&[][..], |facts| &facts.marks.depths_m[..]);
+                action.overlay(&mut picture, &action.camera(moment.secs)?, depths_m)?;
                 times.draw.push(spent.draw + ms_since(start));
-                sink.take(moment.frame, Shot { picture, facts: facts.take() })?;
+                let facts = facts.take().filter(|_| sink.needs_facts());
+                sink.take(moment.frame, Shot { picture, facts })?;
                 times.total.push(spent.behave + spent.animate + spent.draw + ms_since(start));
             }
             progress.step();

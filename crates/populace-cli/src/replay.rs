@@ -313,8 +313,17 @@ impl Action for ReplayAction {
         Ok(())
     }
 
-    fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), Failure> {
-        self.overlays.draw(picture, camera, &self.recording, &self.replay)
+    fn needs_depths(&self) -> bool {
+        self.overlays.needs_depths()
+    }
+
+    fn overlay(
+        &self,
+        picture: &mut Image,
+        camera: &Camera,
+        depths_m: &[f32],
+    ) -> Result<(), Failure> {
+        self.overlays.draw(picture, (camera, depths_m), &self.recording, &self.replay)
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {

@@ -187,7 +187,7 @@ impl Show for ActionShow {
     }
 
     fn overlay(&self, picture: &mut Image, camera: &Camera) -> Result<(), ShowError> {
-        Ok(self.action.overlay(picture, camera)?)
+        Ok(self.action.overlay(picture, camera, &[])?)
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {

@@ -25,11 +25,12 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         .map(|trail| Trail {
             points: (0..=40).map(|i| point(trail, i)).collect(),
             colors: (0..40).map(|i| scale.color(f64::from(i) / 22.0).srgb()).collect(),
+            depths_m: Vec::new(),
             opacity: 0.9,
             width_px: height / 180.0,
         })
         .collect();
-    canvas.trails(&trails);
+    canvas.trails(&trails, &[]);
     let labels: Vec<_> = (0..8)
         .map(|trail| Label { at: point(trail, 40), text: format!("{}", 101 + trail) })
         .collect();

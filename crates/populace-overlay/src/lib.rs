@@ -8,12 +8,14 @@
 //! let mut rgba = vec![255; 4 * 640 * 360];
 //! let mut canvas = Canvas::new(&mut rgba, [640, 360])?;
 //! let scale = Scale::number(0.0, 2.0);
-//! canvas.trails(&[Trail {
+//! let trail = Trail {
 //!     points: vec![[100.0, 100.0], [200.0, 120.0], [300.0, 180.0]],
 //!     colors: vec![scale.color(0.4).srgb(), scale.color(1.3).srgb()],
+//!     depths_m: Vec::new(),
 //!     opacity: 0.8,
 //!     width_px: 3.0,
-//! }]);
+//! };
+//! canvas.trails(&[trail], &[]);
 //! canvas.clock(12.4, Corner::TopLeft);
 //! let (title, unit) = ("Speed".to_owned(), "m/s".to_owned());
 //! canvas.legend(&Legend { title, unit, scale, words: Vec::new() }, Corner::BottomRight);

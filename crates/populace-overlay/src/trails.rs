@@ -10,6 +10,9 @@ pub struct Trail {
     pub points: Vec<[f64; 2]>,
     /// Colour in sRGB of each part between two points; the last one repeats. White without any.
     pub colors: Vec<[u8; 3]>,
+    /// Distances of the points along the view direction in metres, by which surfaces before them
+    /// hide them. Without any, nothing does.
+    pub depths_m: Vec<f64>,
     /// Opacity at the newest point, 0 to 1; it falls to 0 along the line.
     pub opacity: f64,
     /// Width in pixels.
@@ -21,17 +24,29 @@ struct Part {
     stroke: Segment,
     opacity: [f64; 2],
     color: [u8; 3],
+    /// Inverse distances of the ends, which lie on a line in a picture; `None` if nothing hides it.
+    nearness: Option<[f64; 2]>,
 }
 
+/// The part of the opacity that a hidden trail keeps, so that the eye can follow it.
+const HIDDEN: f64 = 0.12;
+/// How far before a trail surfaces hide it, in metres and as a part of its distance: shoes that
+/// stand on it, and the width of its line, do not.
+const BEFORE_M: f64 = 0.06;
+const BEFORE: f64 = 0.006;
+
 impl Canvas<'_> {
-    /// Draws trails in the order given. A trail that crosses itself is not darker there.
-    pub fn trails(&mut self, trails: &[Trail]) {
+    /// Draws trails in the order given. A trail that crosses itself is not darker there. It is faint
+    /// behind surfaces, by `depths_m`: the distance along the view direction of the nearest surface
+    /// of each pixel in metres, top row first; empty if that is not known.
+    pub fn trails(&mut self, trails: &[Trail], depths_m: &[f32]) {
         for trail in trails {
-            self.trail(trail);
+            self.trail(trail, depths_m);
         }
     }
 
-    fn trail(&mut self, trail: &Trail) {
+    fn trail(&mut self, trail: &Trail, depths_m: &[f32]) {
+        let width_px = self.size()[0] as usize;
         let parts = trail.parts();
         let windows: Vec<_> =
             parts.iter().map(|part| part.stroke.pixels(1.0, self.size())).collect();
@@ -46,7 +61,11 @@ impl Canvas<'_> {
                     let at = [f64::from(x) + 0.5, f64::from(y) + 0.5];
                     let (distance, along) = part.stroke.distance(at);
                     let [from, to] = part.opacity;
-                    let strength = coverage(distance) * (from + along * (to - from));
+                    let mut strength = coverage(distance) * (from + along * (to - from));
+                    let surface = depths_m.get(y as usize * width_px + x as usize);
+                    if surface.is_some_and(|depth_m| part.is_hidden(along, *depth_m)) {
+                        strength *= HIDDEN;
+                    }
                     let pixel = &mut ink[all.index([x, y])];
                     if strength > pixel.1 {
                         *pixel = (part.color, strength);
@@ -58,6 +77,16 @@ impl Canvas<'_> {
             let ([red, green, blue], strength) = ink[all.index(pixel)];
             ([red, green, blue, 255], strength)
         });
+    }
+}
+
+impl Part {
+    /// Returns whether a surface at a distance in metres hides the part, a share of the way along.
+    fn is_hidden(&self, along: f64, depth_m: f32) -> bool {
+        self.nearness.is_some_and(|[from, to]| {
+            let own_m = 1.0 / (from + along * (to - from));
+            f64::from(depth_m) < own_m * (1.0 - BEFORE) - BEFORE_M
+        })
     }
 }
 
@@ -79,7 +108,9 @@ impl Trail {
             let ends = [gone, gone + length];
             gone += length;
             let color = self.colors.get(index).or(self.colors.last()).copied();
+            let depths = self.depths_m.get(index).zip(self.depths_m.get(index + 1));
             parts.push(Part {
+                nearness: depths.map(|(from, to)| [1.0 / from, 1.0 / to]),
                 stroke: Segment::new(pair[0], pair[1], 0.5 * self.width_px.max(1.0)),
                 opacity: ends.map(|v| self.opacity.clamp(0.0, 1.0) * v / all),
                 color: color.unwrap_or([255; 3]),

@@ -39,7 +39,8 @@ fn legend(scale: Scale, words: &[&str]) -> Legend {
 }
 
 fn trail(points: Vec<[f64; 2]>) -> Trail {
-    Trail { points, colors: vec![[255, 0, 0], [0, 0, 255]], opacity: 1.0, width_px: 3.0 }
+    let colors = vec![[255, 0, 0], [0, 0, 255]];
+    Trail { points, colors, depths_m: Vec::new(), opacity: 1.0, width_px: 3.0 }
 }
 
 /// Rows of the letters as characters: the lighter, the denser.
@@ -109,7 +110,7 @@ fn labels_do_not_overlap() {
 #[test]
 fn trails_fade_and_change_colour() {
     let points = vec![[10.0, 10.5], [50.0, 10.5], [90.0, 10.5]];
-    let rgba = drawn([100, 20], |canvas| canvas.trails(&[trail(points)]));
+    let rgba = drawn([100, 20], |canvas| canvas.trails(&[trail(points)], &[]));
     let [old, middle, new] = [12, 45, 88].map(|x| pixel(&rgba, 100, [x, 10]));
     assert!(old[0].abs_diff(120) < 12, "{old:?}");
     assert!(middle[0] > 170 && middle[2] < 80, "{middle:?}");
@@ -118,10 +119,26 @@ fn trails_fade_and_change_colour() {
 }
 
 #[test]
+fn trails_are_faint_behind_surfaces() {
+    // From 4 m away to 2 m, behind a wall 2.2 m away in the right half of the picture.
+    let points = vec![[10.0, 10.5], [90.0, 10.5]];
+    let trail = Trail { colors: vec![[255, 0, 0]], depths_m: vec![4.0, 2.0], ..trail(points) };
+    let depths: Vec<f32> =
+        (0..2000).map(|pixel| if pixel % 100 < 50 { f32::INFINITY } else { 2.2 }).collect();
+    let open = drawn([100, 20], |canvas| canvas.trails(std::slice::from_ref(&trail), &[]));
+    let walled = drawn([100, 20], |canvas| canvas.trails(&[trail], &depths));
+    let at = |rgba: &[u8], x| pixel(rgba, 100, [x, 10]);
+    assert_eq!(at(&walled, 45), at(&open, 45));
+    // There the trail is 2.56 m away, and then 2.13 m.
+    assert!(at(&walled, 55)[0] < 150 && at(&open, 55)[0] > 180, "{:?}", at(&walled, 55));
+    assert_eq!(at(&walled, 80), at(&open, 80));
+}
+
+#[test]
 fn trail_is_even_where_its_parts_meet() {
     let bent = drawn([100, 20], |canvas| {
         let points = (0..=80).map(|i| [10.0 + f64::from(i), 10.5]).collect();
-        canvas.trails(&[Trail { colors: vec![[255; 3]], ..trail(points) }]);
+        canvas.trails(&[Trail { colors: vec![[255; 3]], ..trail(points) }], &[]);
     });
     let row: Vec<_> = (11..90).map(|x| pixel(&bent, 100, [x, 10])[0]).collect();
     assert!(row.windows(2).all(|p| p[0] <= p[1] && p[1] - p[0] < 6), "{row:?}");
@@ -186,9 +203,9 @@ fn tiny_pictures_and_odd_input_are_drawn_without_harm() {
             canvas.legend(&legend(Scale::words(3), &["", "b"]), Corner::TopRight);
             canvas.legend(&legend(Scale::words(0), &[]), Corner::TopRight);
             canvas.labels(&[], &TextStyle::new(12.0));
-            canvas.trails(&[trail(vec![]), trail(vec![[0.0; 2]]), trail(vec![[1e300; 2]; 3])]);
+            canvas.trails(&[trail(vec![]), trail(vec![[0.0; 2]]), trail(vec![[1e300; 2]; 3])], &[]);
             let far = trail(vec![[-1e9, 0.0], [1e9, 1.0], [f64::NAN, 0.0], [f64::INFINITY, 2.0]]);
-            canvas.trails(&[far]);
+            canvas.trails(&[far], &[]);
             for size_px in [0.0, -3.0, f64::NAN, f64::INFINITY, 1e-9, 1e5] {
                 canvas.text("Az漢\u{0}", [0.0, 1.0], Anchor::Middle, &TextStyle::new(size_px));
             }

@@ -118,6 +118,14 @@ impl Camera {
         (clip.w > self.near).then_some([0.5 * (1.0 + x) * width, 0.5 * (1.0 - y) * height])
     }
 
+    /// Returns the distance of a point of the world along the view direction, in metres; less than
+    /// 0 behind the camera.
+    #[must_use]
+    pub fn depth_m(&self, point: [f32; 3]) -> f32 {
+        let [eye, target] = [self.eye, self.target].map(Vec3::from);
+        (Vec3::from(point) - eye).dot((target - eye).normalize_or_zero())
+    }
+
     /// Returns the view-projection matrix for a picture of width over height `aspect`.
     pub(crate) fn clip_from_world(&self, aspect: f32) -> Result<Mat4, Error> {
         let [eye, target, up] = [self.eye, self.target, self.up].map(Vec3::from);

@@ -103,11 +103,17 @@ impl Overlays {
         Ok(())
     }
 
-    /// Draws over a picture of the replay's present time.
+    /// Returns true if drawings need the depths of pixels.
+    pub(super) fn needs_depths(&self) -> bool {
+        self.trail_secs.is_some()
+    }
+
+    /// Draws over a picture of the replay's present time, which was taken by a camera and whose
+    /// pixels have depths in metres.
     pub(super) fn draw(
         &self,
         picture: &mut Image,
-        camera: &Camera,
+        (camera, depths_m): (&Camera, &[f32]),
         recording: &Recording,
         replay: &Replay,
     ) -> Result<(), Failure> {
@@ -115,7 +121,7 @@ impl Overlays {
         let failed = |error: populace_overlay::Error| Failure::Run(error.into());
         let mut canvas = Canvas::new(&mut picture.rgba, size).map_err(failed)?;
         if let Some(secs) = self.trail_secs {
-            canvas.trails(&self.trails(secs, camera, size, replay));
+            canvas.trails(&self.trails(secs, camera, size, replay), depths_m);
         }
         if self.ids {
             let style = TextStyle::new(0.8 * canvas.text_size());
@@ -141,15 +147,17 @@ impl Overlays {
                 .map(|nth| replay.secs() - secs + f64::from(nth) * TRAIL_STEP_SECS)
                 .take_while(|at| *at < replay.secs())
                 .chain([replay.secs()]);
-            let (mut points, mut colors) = (Vec::new(), Vec::new());
+            let (mut points, mut depths_m, mut colors) = (Vec::new(), Vec::new(), Vec::new());
             for moment in times.filter_map(|at| motion.at(at)) {
                 let [x, y] = moment.position;
-                let at = camera.project([x, moment.elevation_m + TRAIL_M, -y], size);
+                let place = [x, moment.elevation_m + TRAIL_M, -y];
+                let at = camera.project(place, size);
+                depths_m.push(f64::from(camera.depth_m(place)));
                 points.push(at.map_or([f64::NAN; 2], |at| at.map(f64::from)));
                 let speed = f64::from(moment.velocity[0].hypot(moment.velocity[1]));
                 colors.extend(by_speed.map(|of| of.legend.scale.color(speed).srgb()));
             }
-            Trail { points, colors, opacity: 0.9, width_px }
+            Trail { points, colors, depths_m, opacity: 0.9, width_px }
         };
         let mut present: Vec<_> = replay.present().collect();
         present.sort_unstable_by_key(|(agent, _)| *agent);

@@ -7,6 +7,7 @@ mod ground;
 mod limb;
 mod ranges;
 mod stages;
+mod targets;
 
 use std::collections::BTreeSet;
 use std::ops::Range;

@@ -93,7 +93,6 @@ impl Walked {
             "{steps} steps: median {median:.3} m off, 95 % below {most:.3}, {} missed, {:?}",
             self.missed, self.skate
         );
-        println!("{found}");
         let few = self.missed as f32 <= missed * steps as f32;
         let holds = self.skate.mean_m_per_sec < 0.02 && self.skate.p95_m_per_sec < 0.08;
         let near = median < most_m[0] && most < most_m[1];

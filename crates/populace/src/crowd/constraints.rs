@@ -346,7 +346,10 @@ impl Constraints {
         let mut controls = state.controls.clone();
         change(&mut controls)?;
         forget_faded(&mut controls, base.clock.tick);
-        base.tables.set_controls(member.number(), skeleton, &controls)?;
+        // A gaze that follows somebody has a new target in each frame.
+        if !base.tables.set_targets(member.number(), &state.controls, &controls)? {
+            base.tables.set_controls(member.number(), skeleton, &controls)?;
+        }
         state.controls = controls;
         base.upload_placement(member)?;
         self.unwatch_unused(base, member);

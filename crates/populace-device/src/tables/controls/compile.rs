@@ -52,6 +52,18 @@ fn check_bounded(part: ConstraintPart, values: &[f32]) -> Result<(), Error> {
     }
 }
 
+/// Refuses targets with numbers that are not finite or too large.
+pub(super) fn check_targets(targets: &[Target]) -> Result<(), Error> {
+    for target in targets {
+        check_bounded(ConstraintPart::Target, &target.point.0)?;
+        check_finite(
+            ConstraintPart::TargetWeight,
+            &[target.start_weight, target.weight_rate, target.end_weight],
+        )?;
+    }
+    Ok(())
+}
+
 /// Returns the vector with length 1, or unchanged if its length is 0.
 #[expect(clippy::cast_possible_truncation, reason = "to the nearest")]
 fn direction(of: [f32; 3]) -> [f32; 3] {
@@ -149,13 +161,7 @@ impl Program {
         links: &[Link],
         targets: &[Target],
     ) -> Result<u32, Error> {
-        for target in targets {
-            check_bounded(ConstraintPart::Target, &target.point.0)?;
-            check_finite(
-                ConstraintPart::TargetWeight,
-                &[target.start_weight, target.weight_rate, target.end_weight],
-            )?;
-        }
+        check_targets(targets)?;
         let (link_first, target_first) = (u32_from(self.links.len()), u32_from(self.targets.len()));
         self.links.extend(links);
         self.targets.extend(targets);
