@@ -142,8 +142,8 @@ impl Look {
         worn
     }
 
-    /// Returns the look that stands for all that have its joints and clips: the same build, in plain
-    /// clothes, with a skirt or without, and in the thickest hair that it has.
+    /// Returns the look that stands for all that have its joints and clips: the same build, in
+    /// plain clothes, with a skirt or without, and in the thickest hair that it has.
     pub(crate) fn build(&self) -> Self {
         let extras = self.worn().into_iter().chain(self.spare.iter().copied());
         let cuts = extras.filter_map(|e| if let Extra::Hair(cut) = e { Some(cut) } else { None });
