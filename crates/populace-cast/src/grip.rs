@@ -56,7 +56,7 @@ pub fn helmet(character: &Character) -> Option<(JointIndex, Trs)> {
     let models = character.skeleton.rest_models();
     let at = |joint: JointIndex| models[joint.index()].translation;
     let body = at(elbow).distance(at(wrist)) / (WRIST - ELBOW);
-    // The chin is 0.016 of the body's height above the neck, and the joint 0.2 heads above the chin.
+    // The chin is 0.016 of the body's height above the neck, and 0.2 heads beneath the joint.
     let size = (at(head).y - at(neck).y - 0.016 * body) / 0.2;
     let middle = at(head) + DVec3::new(0.0, 0.38 * size, 0.004 * body);
     place(character, head, middle, DQuat::IDENTITY, size / ADULT_HEAD_M)

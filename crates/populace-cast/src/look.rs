@@ -142,8 +142,8 @@ impl Look {
         worn
     }
 
-    /// Returns the look that stands for all that have its joints and clips: the same build, in plain
-    /// clothes and in the thickest hair that it has.
+    /// Returns the look that stands for all that have its joints and clips: the same build, in
+    /// plain clothes, with a skirt or without, and in the thickest hair that it has.
     pub(crate) fn build(&self) -> Self {
         let extras = self.worn().into_iter().chain(self.spare.iter().copied());
         let cuts = extras.filter_map(|e| if let Extra::Hair(cut) = e { Some(cut) } else { None });
@@ -157,7 +157,11 @@ impl Look {
             spare: Vec::new(),
             top: Top::Sweater,
             sleeves: Reach::Long,
-            bottom: Bottom::Trousers,
+            // Hands lie on skirts, which spread over the thighs.
+            bottom: match self.bottom {
+                Bottom::Skirt | Bottom::Dress => Bottom::Skirt,
+                Bottom::Trousers | Bottom::Shorts => Bottom::Trousers,
+            },
             colors: Colors::plain(),
             ..self.clone()
         }

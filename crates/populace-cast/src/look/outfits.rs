@@ -85,7 +85,8 @@ impl Colors {
 }
 
 impl Look {
-    /// Returns the same build with other clothes, colours, hair and face. Hair, hat, glasses and bag are among those that the look wears or has to spare.
+    /// Returns the same build with other clothes, colours, hair and face. Hair, hat, glasses and
+    /// bag are among those that the look wears or has to spare.
     /// Number 0 is `self` unchanged. The same number gives builds of different names different
     /// outfits.
     #[must_use]

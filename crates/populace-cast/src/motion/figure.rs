@@ -5,7 +5,7 @@ use glam::{DQuat, DVec3};
 use crate::anatomy::{Body, Limb, NECK, PELVIS, SEGMENTS, SPINE, Segment, Side};
 use crate::motion::Pose;
 use crate::rig::Joints;
-use crate::surface::Surface;
+use crate::surface::{Surface, Wardrobe};
 
 /// Directions in which the outermost points of each part are kept: cosines of faces, edges and
 /// corners of a cube.
@@ -33,7 +33,9 @@ pub(super) struct Figure<'a> {
     /// Points of each hand and of each foot, which move with the wrist or the ankle.
     hands: [Vec<Point>; 2],
     feet: [Vec<Point>; 2],
-    /// Distances in metres before the model's origin at rest: of the belly, and of the breast.
+    /// Distances in metres before the model's origin at rest: of a skirt above the thighs, of the
+    /// belly, and of the breast.
+    pub(super) lap: f64,
     pub(super) belly: f64,
     pub(super) front: f64,
     /// Distances of the surface from the joints of elbow and knee in metres.
@@ -57,6 +59,8 @@ impl<'a> Figure<'a> {
         let mut rump =
             outermost(&[PELVIS, Limb::Thigh.of(Side::Left), Limb::Thigh.of(Side::Right)]);
         rump.retain(|point| point.rest.y > body.hip_y - RUMP * body.height);
+        let [hip, knee] = [Limb::Thigh, Limb::Shin].map(|limb| body.joint(limb, Side::Left));
+        let lap_y = hip.lerp(knee, 0.65).y;
         Self {
             body,
             joints,
@@ -65,6 +69,7 @@ impl<'a> Figure<'a> {
             back: outermost(&trunk[..=SPINE.len()]),
             hands: Side::BOTH.map(hand),
             feet: Side::BOTH.map(foot),
+            lap: Wardrobe::lap(body, lap_y),
             belly: foremost(body, surface, [0.05, 0.5]),
             front: foremost(body, surface, [0.3, 0.9]),
             elbow: girth(body, surface, [Limb::UpperArm, Limb::Forearm]),

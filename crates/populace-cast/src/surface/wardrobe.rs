@@ -1,10 +1,12 @@
 //! The dressed body: which cloth covers which part of it, and the options on its joints.
 
+use glam::DVec3;
+
 use super::covers::Covers;
 use super::{Region, Surface};
 use super::{arm, collar, extras, hair, head, layers, leg, skirt, skull::Skull, trunk};
 use crate::Extra;
-use crate::anatomy::{Body, Side};
+use crate::anatomy::{Body, Limb, Side};
 
 /// A part that can be hidden or swapped: hair, hats, glasses and bags.
 #[derive(Clone, Debug)]
@@ -38,6 +40,18 @@ impl Wardrobe {
         collar::build(&mut dressed, body, &Covers::of(look, body.height));
         skirt::build(&mut dressed, body);
         Self { body: dressed, items }
+    }
+
+    /// Returns how far a skirt is before the model's origin above a thigh at a height, all in
+    /// metres. 0 without a skirt.
+    pub(crate) fn lap(body: &Body, y: f64) -> f64 {
+        let mut cloth = Surface::default();
+        skirt::build(&mut cloth, body);
+        let hip = body.joint(Limb::Thigh, Side::Left);
+        let near = |p: &&DVec3| {
+            (p.x - hip.x).abs() < 0.04 * body.height && (p.y - y).abs() < 0.09 * body.height
+        };
+        cloth.points.iter().filter(near).map(|p| p.z).fold(0.0, f64::max)
     }
 
     /// Returns the surface with which a person touches the ground or a seat: body and hair, without

@@ -91,10 +91,13 @@ impl<'a> Seated<'a> {
 fn on_thigh(figure: &Figure, pose: &Pose, side: Side, curl: f64) -> Reach {
     let body = figure.body;
     let [hip, knee] = [Limb::Thigh, Limb::Shin].map(|limb| body.joint(limb, Side::Left));
-    let along = if side == Side::Left { 0.62 } else { 0.68 };
+    let cover = if figure.lap > 0.0 { 0.05 } else { 0.0 };
+    let along = if side == Side::Left { 0.62 } else { 0.68 } + cover;
+    let bone = hip.lerp(knee, along);
+    let cloth = (figure.lap - bone.z + 0.006 * body.height).max(1.22 * figure.knee);
     Reach {
         frame: figure.frame(pose, Limb::Thigh.of(side)),
-        at: hip.lerp(knee, along) + DVec3::new(0.0, 0.0, 1.22 * figure.knee),
+        at: bone + DVec3::new(0.0, 0.0, cloth),
         spot: PALM_SPOT,
         fingers: DVec3::new(-0.32, -1.0, 0.0),
         palm: DVec3::new(-0.1, 0.0, -1.0),
@@ -170,10 +173,10 @@ pub(super) fn down_and_up(figure: &Figure) -> [Motion; 2] {
                 feet: curve::through(&[(0.25, 1.0), (0.85, 0.0)], at),
                 turn: curve::through(&[(0.3, 1.0), (1.2, 0.0)], at),
                 hands: [
-                    curve::through(&[(0.45, 1.0), (0.85, 0.85), (1.55, 0.0)], at),
-                    curve::through(&[(0.4, 1.0), (0.8, 0.85), (1.65, 0.0)], at),
+                    curve::through(&[(0.38, 1.0), (0.8, 0.75), (1.55, 0.0)], at),
+                    curve::through(&[(0.32, 1.0), (0.75, 0.75), (1.65, 0.0)], at),
                 ],
-                bend: [0.5 * lean, 0.82 * lean, 0.35 * lean],
+                bend: [0.5 * lean, 0.68 * lean, 0.32 * lean],
             },
         )
     });
