@@ -248,9 +248,8 @@ impl Finishes {
             leaves: b.finish(white("Leaves")),
             goods: b.finish(white("Goods")),
             side: b.finish(side),
-            // Brighter than white, in place of a light that would need a draw of its own.
-            lamp: b.finish(Material { base_color: [2.2, 2.0, 1.6, 1.0], ..white("Lamp") }),
-            room: b.finish(Material { base_color: [1.3, 1.25, 1.15, 1.0], ..white("Room") }),
+            lamp: b.finish(white("Lamp")),
+            room: b.finish(white("Room")),
             wall: match style.wall {
                 Wall::Plaster => b.finish(wall),
                 Wall::Brick => b.tiled(lighter(wall), images::bricks(), 1.2),
@@ -267,10 +266,13 @@ impl Finishes {
     }
 }
 
+/// Factors of the colours of lamps, in place of light that would need a draw of its own.
+pub(super) const LIT: [f64; 3] = [2.2, 2.0, 1.6];
+
 /// Returns a material for a texture whose mean is darker than white.
 pub(super) fn lighter(mut material: Material) -> Material {
     for channel in &mut material.base_color[..3] {
-        *channel *= 1.4;
+        *channel = (*channel * 1.4).min(1.0);
     }
     material
 }
