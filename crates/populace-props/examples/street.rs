@@ -17,15 +17,15 @@ use shared::{Result, Stage, View};
 
 const VIEWS: [View; 14] = [
     ("street", [-23.0, 2.2, 2.6], [10.0, 2.8, -2.5]),
-    ("shops", [-14.0, 1.65, -1.0], [-17.0, 2.0, -7.6]),
+    ("shops", [-21.0, 1.7, -0.6], [-17.0, 2.2, -7.6]),
     ("window", [-18.0, 1.6, -5.6], [-21.0, 1.3, -8.2]),
     ("across", [-10.0, 1.7, 6.4], [-6.0, 3.6, -8.0]),
     ("crossing", [-6.5, 2.1, 3.0], [1.0, 0.8, -3.5]),
-    ("bench", [7.5, 1.6, -1.2], [11.5, 0.9, -5.0]),
+    ("bench", [9.8, 1.6, -0.9], [11.6, 0.9, -5.0]),
     ("tree", [-3.0, 1.7, 0.4], [-8.0, 3.2, -4.2]),
     ("lights", [-0.5, 1.9, -1.0], [2.6, 2.2, -4.2]),
     ("top", [-18.0, 12.0, 6.0], [4.0, 0.0, -2.0]),
-    ("side", [16.0, 1.8, 2.0], [4.0, 2.4, 7.5]),
+    ("side", [12.0, 1.8, 3.6], [2.0, 2.0, 7.5]),
     ("car", [-5.0, 1.5, 3.2], [-8.6, 0.7, 1.5]),
     ("rear", [-15.0, 1.8, 5.2], [-9.4, 0.5, 1.7]),
     ("door", [-17.5, 1.7, 2.2], [-16.0, 0.6, -2.3]),
@@ -69,7 +69,7 @@ fn cars(stage: &mut Stage) -> Result<()> {
     use props::CarKind::{Hatchback, Saloon, Van};
     let places = [
         (Hatchback, 0, -9.0, 1.7, FRAC_PI_2),
-        (Saloon, 1, 9.0, -1.7, -FRAC_PI_2),
+        (Saloon, 1, 7.0, -1.7, -FRAC_PI_2),
         (Van, 2, 16.0, 1.7, FRAC_PI_2),
         (Saloon, 3, -16.0, -2.3, -FRAC_PI_2),
     ];
@@ -104,11 +104,12 @@ fn main() -> Result<()> {
         ..RoadPlan::default()
     };
     let road = props::road(&plan)?;
-    houses(&mut stage, road.front_m())?;
-    stage.put(road.character, &[([0.0; 3], 0.0)])?;
+    let front = road.front_m();
+    cars(&mut stage)?;
     furniture(&mut stage)?;
     lights(&mut stage)?;
-    cars(&mut stage)?;
+    stage.put(road.character, &[([0.0; 3], 0.0)])?;
+    houses(&mut stage, front)?;
     let (idle, walk, low) = ("Idle", "Walk", -props::KERB_M);
     stage.people(&[
         (([-16.9, 0.0, -6.55], PI), idle),

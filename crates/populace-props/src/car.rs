@@ -163,20 +163,21 @@ impl Finishes {
         let paint = Material { roughness: 0.38, ..satin("Top paint", paint) };
         let seat = dice.pick([0x4A_4640, 0x8A_6E52, 0x3E_444C]);
         Self {
+            // In the order in which they are drawn: outside first.
             paint: b.finish(paint),
             plastic: b.finish(satin("Plastic", 0x24_2628)),
-            trim: b.finish(satin("Black trim", 0x12_1314)),
-            lining: b.finish(matt("Lining", 0x4A_4845)),
-            roof_lining: b.finish(matt("Roof lining", 0xA8_A49C)),
-            seat: b.finish(matt("Seats", seat)),
+            plate: b.finish(satin("Number plate", 0xE8_E6DC)),
+            turn: b.finish(satin("Turn lamps", 0xD9_7A1C)),
             chrome: b.finish(metal("Chrome", 0xD8_DADC, 0.25)),
+            trim: b.finish(satin("Black trim", 0x12_1314)),
+            mirror: b.finish(pane("Mirror", 0xA8_BAC6)),
             rim: b.finish(metal("Rims", 0xB4_B8BC, 0.4)),
             tyre: b.finish(matt("Tyres", 0x1C_1C1D)),
+            roof_lining: b.finish(matt("Roof lining", 0xA8_A49C)),
+            seat: b.finish(matt("Seats", seat)),
+            lining: b.finish(matt("Lining", 0x4A_4845)),
             head: b.finish(glow("Head lamps", 0xE8_EEF2, 0.25)),
             tail: b.finish(glow("Tail lamps", 0xB0_1A18, 0.35)),
-            turn: b.finish(satin("Turn lamps", 0xD9_7A1C)),
-            plate: b.finish(satin("Number plate", 0xE8_E6DC)),
-            mirror: b.finish(pane("Mirror", 0xA8_BAC6)),
             shadow: b.finish(alpha("Shadow", 0)),
             glass: b.finish(glass("Car glass", 0x2A_363A, 0.25)),
         }

@@ -7,8 +7,8 @@ use populace_character::{Character, Error};
 use populace_model::convert::single;
 
 use crate::build::{
-    Builder, Finish, Solid, along_x, bevelled, block, glow, lathe, linear, lump, matt, metal,
-    satin, spun, tube,
+    Builder, Finish, Solid, along_x, bevelled, block, glow, lathe, linear, matt, metal, satin,
+    spun, tube,
 };
 use crate::dice::Dice;
 use crate::leaves::sprig;
@@ -217,24 +217,39 @@ pub fn planter(seed: u64) -> Result<Character, Error> {
     b.block([-0.57, 0.5, -0.22], [0.57, 0.535, 0.22]);
     let bloom = linear(dice.pick([0xD9_4A4A, 0xE5_B43C, 0xC4_5A9A, 0xF0_EDE2, 0xE0_7A3A]));
     for nth in 0..6 {
-        let x = -0.47 + 0.188 * f64::from(nth);
-        let middle = DVec3::new(x, dice.within(0.6, 0.7), dice.within(-0.08, 0.08));
-        let radii = DVec3::new(0.15, dice.within(0.13, 0.2), 0.16);
-        let green = linear(dice.pick([0x4F_7F38, 0x5E_8F40, 0x41_6E36]));
-        b.on(plants).tinted(green).faded([0.5, 0.85], [0.6, 1.15]);
-        b.add(&lump(middle, radii, || dice.within(-0.16, 0.16)), 60.0);
-        for leaf in 0..12 {
-            let (turn, rise) = (2.4 * f64::from(leaf) + x, dice.within(-0.2, 0.95));
-            let flat = (1.0 - rise * rise).max(0.0).sqrt();
-            let out = DVec3::new(flat * turn.cos(), rise, flat * turn.sin());
-            let is_bloom = leaf % 3 == 0 && rise > 0.1;
-            let tint = if is_bloom { bloom } else { green.map(|c| c * dice.within(0.9, 1.4)) };
-            b.tinted(tint);
-            let size = if is_bloom { 0.06 } else { 0.09 };
-            b.flat(&sprig(middle + out * radii, out, size, dice.within(0.0, TAU)));
-        }
+        let foot = DVec3::new(-0.47 + 0.188 * f64::from(nth), 0.52, dice.within(-0.06, 0.06));
+        b.on(plants);
+        bush(&mut b, &mut dice, foot, bloom);
     }
     b.build(Vec::new())
+}
+
+/// Adds a plant: a dark body, and leaves and flowers that stand out of it.
+fn bush(b: &mut Builder, dice: &mut Dice, foot: DVec3, bloom: [f64; 3]) {
+    let green = linear(dice.pick([0x4F_7F38, 0x5E_8F40, 0x41_6E36]));
+    let radii = DVec3::new(0.15, dice.within(0.2, 0.3), 0.17);
+    let mut body = lathe(&[[0.6, 0.0], [0.8, 0.35], [0.5, 0.8], [0.0, 0.9]], 7);
+    for point in &mut body.points {
+        *point = foot + *point * radii;
+    }
+    b.tinted(green.map(|c| 0.4 * c)).add(&body, 60.0);
+    b.faded([foot.y, foot.y + radii.y], [0.6, 1.15]);
+    let count = 30;
+    for nth in 0..count {
+        let rise = (f64::from(nth) + 0.5) / f64::from(count);
+        let (sin, cos) = (2.4 * f64::from(nth) + foot.x).sin_cos();
+        let flat = (1.0 - rise * rise).max(0.0).sqrt();
+        let out = DVec3::new(flat * cos, rise, flat * sin);
+        let is_bloom = nth % 3 == 2 && rise > 0.3;
+        let tone = dice.within(0.9, 1.5);
+        let color = if is_bloom { bloom } else { green.map(|c| c * tone) };
+        b.tint = [color[0], color[1], color[2], 1.0];
+        let near = if is_bloom { 1.05 } else { dice.within(0.7, 0.95) };
+        let at = foot + out * radii * near;
+        let up = if is_bloom { out + DVec3::Y } else { out };
+        let size = if is_bloom { 0.085 } else { 0.13 };
+        b.flat(&sprig(at, up, size, dice.within(0.0, TAU)));
+    }
 }
 
 /// Returns a round table with two chairs, whose seats face each other along X.

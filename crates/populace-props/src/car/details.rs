@@ -69,7 +69,6 @@ fn front(panels: &mut Panels, shape: &Shape, finishes: &Finishes) {
     let mut piece = |finish, across, rise| patch(panels, shape, finish, 1.0, across, rise);
     piece(finishes.trim, [-0.52, 0.52], [0.16, 0.36]);
     piece(finishes.trim, [-0.4, 0.4], [0.66, 0.82]);
-    piece(finishes.chrome, [-0.4, 0.4], [0.735, 0.755]);
     piece(finishes.plate, [-0.27, 0.27], [0.44, 0.58]);
     for side in [-1.0, 1.0] {
         let span = |near: f64, far: f64| span(side, [near, far]);
@@ -81,9 +80,10 @@ fn front(panels: &mut Panels, shape: &Shape, finishes: &Finishes) {
         lamp(panels, shape, finishes.head, 1.0, span(0.54, 0.88), [0.65, 0.83]);
         lamp(panels, shape, finishes.head, 1.0, span(0.66, 0.8), [0.2, 0.32]);
     }
+    lamp(panels, shape, finishes.chrome, 1.0, [-0.4, 0.4], [0.73, 0.76]);
 }
 
-/// Adds a lamp over its frame.
+/// Adds a piece that stands out farther than others, such as a lamp over its frame.
 fn lamp(
     panels: &mut Panels,
     shape: &Shape,

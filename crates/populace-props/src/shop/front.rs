@@ -2,7 +2,7 @@
 
 use super::facade::{OPENING_M, front_block};
 use super::signs;
-use super::style::{DOOR_M, Finishes, GROUND_M, Style, rgb};
+use super::style::{DOOR_M, Finishes, GROUND_M, LIT, Style, rgb};
 use crate::build::{Builder, along_x, grid, plate, spun};
 use crate::dice::Dice;
 use glam::{DAffine3, DVec3};
@@ -203,7 +203,7 @@ fn lamps(b: &mut Builder, style: &Style, finishes: &Finishes) {
         b.on(finishes.iron);
         b.block([x - 0.015, GROUND_M - 0.24, 0.05], [x + 0.015, GROUND_M - 0.21, 0.5]);
         b.block([x - 0.06, GROUND_M - 0.3, 0.42], [x + 0.06, GROUND_M - 0.22, 0.56]);
-        b.on(finishes.lamp);
+        b.on(finishes.lamp).tinted(LIT);
         b.block([x - 0.05, GROUND_M - 0.32, 0.43], [x + 0.05, GROUND_M - 0.29, 0.55]);
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::facade::{OPENING_M, dome, nugget};
 use super::front::{GLASS_Z, ROOM_M, SILL_M};
-use super::style::{DOOR_M, Finishes, ROOM_SIDE_M, Style, Trade, rgb};
+use super::style::{DOOR_M, Finishes, LIT, ROOM_SIDE_M, Style, Trade, rgb};
 use crate::build::{Builder, lathe, plate, tube};
 use crate::dice::Dice;
 use glam::DVec3;
@@ -48,7 +48,8 @@ fn room(b: &mut Builder, style: &Style, finishes: &Finishes) {
     let near = -ROOM_SIDE_M;
     let mut dice = Dice::new(style.seed, 7);
     let walls = rgb(dice.pick([0xE8CE9A, 0xBFD0B4, 0xE0B698, 0xE6DCC4, 0xD9B88A]));
-    let dim = |factor: f64| walls.map(|c| c * factor);
+    // Lamps light the room.
+    let dim = |factor: f64| [0, 1, 2].map(|i| walls[i] * factor * [1.3, 1.25, 1.15][i]);
     b.on(finishes.room).tinted(dim(0.78)).faded([0.0, top], [0.7, 1.0]);
     b.flat(&plate(&[[l, 0.0, back], [r, 0.0, back], [r, top, back], [l, top, back]]));
     b.tinted(dim(0.6));
@@ -61,7 +62,7 @@ fn room(b: &mut Builder, style: &Style, finishes: &Finishes) {
     let [from, to] = style.shop_window();
     b.on(finishes.room).tinted(rgb(0xB8_9468));
     b.block([from, 0.0, GLASS_Z - DISPLAY_M], [to, SILL_M + 0.01, GLASS_Z - 0.05]);
-    b.on(finishes.lamp);
+    b.on(finishes.lamp).tinted(LIT);
     let mut x = l + 0.6;
     while x < r - 0.3 {
         for z in [SHOWN_Z, back + 0.7] {

@@ -2,7 +2,7 @@
 
 use populace_character::Material;
 
-use crate::build::{Builder, Finish, glass, glow, linear, matt, metal, pane, satin};
+use crate::build::{Builder, Finish, glass, linear, matt, metal, pane, satin};
 use crate::dice::Dice;
 use crate::images;
 
@@ -235,40 +235,44 @@ impl Finishes {
         let side = matt("Top side wall", style.wall_color);
         let white = |name: &str| matt(name, 0xFF_FFFF);
         Self {
+            // Materials are drawn in this order: what hides others comes first, and saves the work
+            // of shading them.
+            cloth: b.finish(matt("Accessory awning", 0xFF_FFFF)),
+            wood: b.finish(satin("Trousers joinery", style.wood_color)),
+            gold: b.finish(metal("Gilding", 0xD9_B45A, 0.4)),
+            iron: b.finish(satin("Iron", 0x22_2426)),
+            frame: b.finish(satin("Window frame", style.frame_color)),
+            trim: b.finish(matt("Stone trim", style.trim_color)),
+            curtain: b.finish(pane("Curtain", 0xFF_FFFF)),
+            pane: b.finish(pane("Pane", 0x6B_8296)),
+            leaves: b.finish(white("Leaves")),
+            goods: b.finish(white("Goods")),
+            side: b.finish(side),
+            lamp: b.finish(white("Lamp")),
+            room: b.finish(white("Room")),
             wall: match style.wall {
                 Wall::Plaster => b.finish(wall),
                 Wall::Brick => b.tiled(lighter(wall), images::bricks(), 1.2),
                 Wall::Stone => b.tiled(lighter(wall), images::ashlar(), 1.6),
             },
-            side: b.finish(side),
-            trim: b.finish(matt("Stone trim", style.trim_color)),
-            wood: b.finish(satin("Trousers joinery", style.wood_color)),
-            frame: b.finish(satin("Window frame", style.frame_color)),
-            pane: b.finish(pane("Pane", 0x6B_8296)),
-            curtain: b.finish(pane("Curtain", 0xFF_FFFF)),
-            cloth: b.finish(matt("Accessory awning", 0xFF_FFFF)),
-            gold: b.finish(metal("Gilding", 0xD9_B45A, 0.4)),
-            iron: b.finish(satin("Iron", 0x22_2426)),
             roof: if style.roof == Roof::Parapet {
                 b.finish(matt("Roof", style.roof_color))
             } else {
                 b.tiled(lighter(matt("Roof", style.roof_color)), images::tiles(), 2.0)
             },
-            // Lamps light the room.
-            room: b.finish(Material { emissive: [0.07, 0.05, 0.03], ..white("Room") }),
-            goods: b.finish(white("Goods")),
-            lamp: b.finish(glow("Lamp", 0xFF_E2B0, 0.9)),
-            leaves: b.finish(white("Leaves")),
             // Last, so that it is drawn over what is behind it.
             glass: b.finish(glass("Shop glass", 0x9A_B0BC, 0.1)),
         }
     }
 }
 
+/// Factors of the colours of lamps, in place of light that would need a draw of its own.
+pub(super) const LIT: [f64; 3] = [2.2, 2.0, 1.6];
+
 /// Returns a material for a texture whose mean is darker than white.
 pub(super) fn lighter(mut material: Material) -> Material {
     for channel in &mut material.base_color[..3] {
-        *channel *= 1.4;
+        *channel = (*channel * 1.4).min(1.0);
     }
     material
 }
@@ -276,4 +280,34 @@ pub(super) fn lighter(mut material: Material) -> Material {
 /// Returns an sRGB colour as linear factors.
 pub(super) fn rgb(srgb: u32) -> [f64; 3] {
     linear(srgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seeds_give_all_trades_walls_and_roofs() {
+        let styles: Vec<Style> = (0..84).map(|seed| Style::new(seed, 7.0)).collect();
+        let count = |is: &dyn Fn(&Style) -> bool| styles.iter().filter(|s| is(s)).count();
+        let trades = [
+            Trade::Cafe,
+            Trade::Clothes,
+            Trade::Books,
+            Trade::Flowers,
+            Trade::Fruit,
+            Trade::Gifts,
+            Trade::Bread,
+        ];
+        for trade in trades {
+            let found = count(&|style| style.trade == trade);
+            assert!((5..=22).contains(&found), "{found} of {trade:?}");
+        }
+        for wall in [Wall::Plaster, Wall::Brick, Wall::Stone] {
+            assert!(count(&|style| style.wall == wall) >= 7, "{wall:?}");
+        }
+        for roof in [Roof::Pitched, Roof::Mansard, Roof::Parapet] {
+            assert!(count(&|style| style.roof == roof) >= 10, "{roof:?}");
+        }
+    }
 }

@@ -51,7 +51,7 @@ fn all() -> Vec<(String, Character, usize)> {
         let house = shopfront(seed, width).unwrap();
         all.push((format!("shopfront {seed}"), house.character, most));
         all.push((format!("tree {seed}"), tree(seed).unwrap(), 3000));
-        all.push((format!("planter {seed}"), planter(seed).unwrap(), 800));
+        all.push((format!("planter {seed}"), planter(seed).unwrap(), 900));
         all.push((format!("shield {seed}"), shield(seed).unwrap(), 600));
         all.push((format!("helmet {seed}"), helmet(seed).unwrap(), 600));
         for kind in [CarKind::Hatchback, CarKind::Saloon, CarKind::Van] {

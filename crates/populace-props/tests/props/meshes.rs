@@ -142,3 +142,14 @@ fn seeds_near_each_other_give_houses_of_all_kinds() {
     assert!(signs.len() >= 12, "only {} walls", signs.len());
     assert!(signs.values().all(|count| *count <= 8), "{signs:?}");
 }
+
+#[test]
+fn materials_are_those_of_files_too() {
+    for (name, character, _) in all() {
+        for material in &character.materials {
+            let in_range = material.base_color.iter().all(|c| (0.0..=1.0).contains(c));
+            assert!(in_range, "{name}: {} is {:?}", material.name, material.base_color);
+            assert!(!material.name.is_empty());
+        }
+    }
+}
