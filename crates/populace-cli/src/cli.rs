@@ -62,10 +62,11 @@ fn command() -> clap::Command {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
-    /// Draw a street full of people; needs no file.
+    /// Show a street full of people; needs no file.
     ///
-    /// The picture shows the street 20 s after its beginning. Everything else works as in `populace
-    /// render`.
+    /// Where there is a display, a window opens, as by `populace view @street`. With --out, or without
+    /// a display, a picture shows the street 20 s after its beginning, and everything else works as
+    /// in `populace render`.
     Demo(DemoArgs),
     /// Draw a crowd of characters from files into pictures or a film, without a window.
     ///
@@ -206,22 +207,21 @@ pub(crate) struct RenderArgs {
 
 #[derive(Args, Debug)]
 pub(crate) struct DemoArgs {
-    /// Number of members of the crowd
+    /// Number of people [default: 500; in a window, as many as this machine draws well]
     #[arg(
         long,
         value_name = "N",
-        default_value_t = 500,
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
-    pub(crate) members: u32,
+    pub(crate) members: Option<u32>,
     /// Characters of the crowd: files, folders with glTF files, or built-in people [default:
     /// @people]
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
     /// File to write: .png, .mp4 or .gif. With --frames, a number is added to the name of each PNG
-    /// file, and films need it
-    #[arg(long, value_name = "FILE", default_value = "populace-demo.png")]
-    pub(crate) out: PathBuf,
+    /// file [default: none where there is a display; populace-demo.png elsewhere]
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
     /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) write_scene: Option<PathBuf>,

@@ -61,7 +61,7 @@ fn run(command: Command) -> Result<(), Failure> {
         unfinished::exit_on_signals()?;
     }
     match command {
-        Command::Demo(args) => commands::demo::run(&args),
+        Command::Demo(args) => commands::demo::run(args),
         Command::Render(args) => commands::render::run(&args),
         #[cfg(feature = "viewer")]
         Command::View(args) => commands::view::run(&args),

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use populace::Crowd;
 use populace_film::FrameRate;
 use populace_render::{Preset, Scene};
+use populace_scene::StreetSettings;
 use populace_scene::plan::{CastPlan, ScenePlan};
 use serde_json::json;
 
@@ -27,6 +28,8 @@ use live::{FilmedScene, LiveScene};
 const BESIDES: usize = 4096;
 /// Clips that a member plays at the same time: three of a gait and two on each layer above.
 const SLOTS: usize = 8;
+/// Seconds before the first picture of the street: people have met, sat down and crossed by then.
+const LEAD_IN_SECS: f32 = 20.0;
 /// How far the plain ground is drawn below that of the scene, in metres: roads cover it.
 const GROUND_BELOW_M: f32 = 0.4;
 
@@ -44,6 +47,13 @@ pub(crate) struct SceneSource<'a> {
 pub(crate) struct SceneJob<'a> {
     pub(crate) source: SceneSource<'a>,
     pub(crate) out: &'a Path,
+}
+
+/// Returns the street of `populace demo`.
+pub(crate) fn street(members: u32, seed: u64) -> ScenePlan {
+    let mut plan = populace_scene::street(StreetSettings { members: members as usize, seed });
+    plan.output.lead_in_s = LEAD_IN_SECS;
+    plan
 }
 
 /// Reads a scene file.

@@ -21,17 +21,61 @@ use crate::watched::{Staged, Watched};
 
 /// Members of a crowd unless set.
 const MEMBERS: u32 = 200;
+/// The input that names the street.
+const STREET: &str = "@street";
+/// People in the frames that are measured, and the longest pleasant frame in milliseconds.
+const TRIED: u32 = 100;
+const PLEASANT_MS: f64 = 50.0;
 /// Frames per second of a crowd unless set.
 const FPS: u32 = 30;
 /// Clips that a member can play at the same time.
 const SLOTS: usize = 6;
 
 /// Opens what the command line names, and files that are dropped on the window.
-pub(crate) struct CommandLine<'a>(pub(crate) &'a ViewArgs);
+pub(crate) struct CommandLine<'a> {
+    args: &'a ViewArgs,
+    /// The number of people that this machine draws well, once it has been measured.
+    pleasant: u32,
+}
 
-impl CommandLine<'_> {
+impl<'a> CommandLine<'a> {
+    pub(crate) fn new(args: &'a ViewArgs) -> Self {
+        Self { args, pleasant: 0 }
+    }
+
+    /// Measures the number of people in the street that this machine draws well: at 20 frames a
+    /// second. Frames of a few people say how long one of more takes.
+    fn measure(&mut self, renderer: &mut Renderer) -> Result<(), Failure> {
+        let is_street = |input: &PathBuf| input.as_os_str() == STREET;
+        let is_asked = self.args.members.is_none() && self.args.inputs.iter().any(is_street);
+        if !is_asked || self.pleasant > 0 {
+            return Ok(());
+        }
+        self.pleasant = TRIED;
+        let (staged, _) = self.stage(&Wish::default(), renderer)?;
+        let Staged { mut crowd, mut action, roles, scene, .. } = staged;
+        connect(renderer, &mut crowd, &roles, &self.args.picture.hide)?;
+        action.set_aspect(16.0 / 9.0)?;
+        let camera = action.camera(0.0)?;
+        let mut least_ms = f64::INFINITY;
+        for _ in 0..3 {
+            action.advance(&mut crowd, 1.0 / 30.0)?;
+            let start = std::time::Instant::now();
+            renderer.draw(&mut crowd, &camera, &scene)?;
+            renderer.read_image()?;
+            least_ms = least_ms.min(start.elapsed().as_secs_f64() * 1e3);
+        }
+        // Half the time of such a frame is that of the street.
+        let share = (2.0 * PLEASANT_MS / least_ms - 1.0) * f64::from(TRIED);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "40 to 2000")]
+        let pleasant = share.clamp(40.0, 2000.0) as u32;
+        self.pleasant = pleasant;
+        message!("{TRIED} people take {least_ms:.0} ms a frame here: {pleasant} people");
+        Ok(())
+    }
+
     fn stage(&self, wish: &Wish, renderer: &Renderer) -> Result<(Staged, String), Failure> {
-        let args = self.0;
+        let args = self.args;
         let people = || vec![PathBuf::from("@people")];
         let mut inputs = match &wish.dropped {
             Some(file) => vec![file.clone()],
@@ -46,6 +90,12 @@ impl CommandLine<'_> {
             .for_gl(renderer.gl_context());
         let builder = devices.into_iter().fold(builder, CrowdBuilder::devices);
         let is_dropped = wish.dropped.is_some();
+        if inputs.iter().any(|input| input.as_os_str() == STREET) {
+            let members = wish.members.or(args.members).unwrap_or(self.pleasant);
+            let (plan, cast) = (scene::street(members, args.picture.seed), args.cast.as_slice());
+            let source = SceneSource { plan, file: None, cast, picture: &args.picture };
+            return Ok((source.stage(builder)?, "street".into()));
+        }
         if let Some(file) = inputs.iter().find(|input| scene::is_scene(input)) {
             let (plan, cast) = (scene::read(file)?, args.cast.as_slice());
             let source = SceneSource { plan, file: Some(file), cast, picture: &args.picture };
@@ -73,7 +123,7 @@ impl CommandLine<'_> {
         mut cast: Vec<PathBuf>,
         builder: CrowdBuilder,
     ) -> Result<Staged, Failure> {
-        let args = self.0;
+        let args = self.args;
         if let Some(other) = cast.iter().find(|input| trajectory::is_trajectory(input)) {
             return Err(Failure::usage(format!(
                 "{} and {} are both trajectory files; give one",
@@ -99,7 +149,7 @@ impl CommandLine<'_> {
         members: u32,
         builder: CrowdBuilder,
     ) -> Result<Staged, Failure> {
-        let args = &self.0.picture;
+        let args = &self.args.picture;
         let mut crowd = build_crowd(builder.capacity(members as usize).slots_per_member(SLOTS))?;
         let plan = CrowdPlan { inputs, members, args };
         let (loaded, action) = plan.stage(&mut crowd, (0.0, true))?;
@@ -120,11 +170,12 @@ impl CommandLine<'_> {
 
 impl Opener for CommandLine<'_> {
     fn open(&mut self, wish: &Wish, renderer: &mut Renderer) -> Result<Opened, ShowError> {
+        self.measure(renderer)?;
         let (staged, title) = self.stage(wish, renderer)?;
         let Staged { mut crowd, action, roles, scene, rate, length_secs } = staged;
-        let hide = &self.0.picture.hide;
+        let hide = &self.args.picture.hide;
         connect(renderer, &mut crowd, &roles, hide)?;
-        let detail_px = self.0.picture.detail_px();
+        let detail_px = self.args.picture.detail_px();
         let show = ActionShow { action, title, scene, rate, length_secs, detail_px };
         Ok(Opened { crowd, show: Box::new(show) })
     }

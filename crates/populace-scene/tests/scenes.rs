@@ -82,7 +82,8 @@ fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
     }
     let mut live = live(&plan).unwrap();
     let first: Vec<_> = live.behaviours.people().collect();
-    let z = |live: &Live, nth: usize| live.crowd.member(first[nth]).unwrap().placement().position()[2];
+    let z =
+        |live: &Live, nth: usize| live.crowd.member(first[nth]).unwrap().placement().position()[2];
     assert!(z(&live, 0) < -12.0, "the line begins far behind");
     let counts = live.run(40.0);
     // The front rank of the second crowd is at 1.1 m.

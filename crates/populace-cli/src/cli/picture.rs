@@ -84,6 +84,11 @@ pub(crate) struct PictureArgs {
 }
 
 impl PictureArgs {
+    /// Returns true if no film and no document is asked for.
+    pub(crate) fn is_still(&self) -> bool {
+        self.film.frames.is_none() && self.film.at.is_none() && !self.json
+    }
+
     /// Returns width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size.map_or(SIZE, |size| size.0)

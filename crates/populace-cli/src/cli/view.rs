@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, FromArgMatches};
 
 use super::film::FilmArgs;
 use super::picture::PictureArgs;
@@ -16,8 +16,8 @@ const FILM_OPTIONS: [&str; 6] =
 
 #[derive(Args, Debug)]
 pub(crate) struct ViewArgs {
-    /// Characters, built-in people or a trajectory file, as for `populace render` [default:
-    /// @people]
+    /// Characters, built-in people, a trajectory file or a scene file, as for `populace render`, or
+    /// @street for the street of `populace demo` [default: @people]
     #[arg(value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// More characters: files, folders with glTF files, or built-in people
@@ -47,6 +47,19 @@ pub(crate) struct ViewArgs {
 }
 
 impl ViewArgs {
+    /// The arguments that open the street of `populace demo`.
+    pub(crate) fn of_street(
+        picture: PictureArgs,
+        cast: Vec<PathBuf>,
+        members: Option<u32>,
+    ) -> Result<Self, Failure> {
+        let command = Self::augment_args(clap::Command::new("view"));
+        let matches = command.try_get_matches_from(["view", "@street"]);
+        let defaults = matches.and_then(|matches| Self::from_arg_matches(&matches));
+        let defaults = defaults.map_err(|error| Failure::Run(error.into()))?;
+        Ok(Self { picture, cast, members, ..defaults })
+    }
+
     /// Refuses options that mean nothing in a window.
     pub(crate) fn refuse_films(&self) -> Result<(), Failure> {
         let FilmArgs { frames, skip_existing, encoder, shutter, images, .. } = &self.picture.film;

@@ -24,7 +24,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
         script,
         film: args.film.clone(),
     };
-    let closed = populace_viewer::run(Box::new(CommandLine(args)), settings)?;
+    let closed = populace_viewer::run(Box::new(CommandLine::new(args)), settings)?;
     if let Some(file) = &file {
         remember(file, &closed.layout);
     }
