@@ -75,6 +75,12 @@ impl SceneJob<'_> {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let source = &self.source;
         let args = source.picture;
+        if args.clip.is_some() || args.root_motion {
+            return Err(Failure::usage(
+                "--clip and --root-motion have no meaning for a scene: what its people do says what \
+                 they play; `does.stand` of a scene file names a clip",
+            ));
+        }
         let frames = self.frames()?;
         let given = source.given();
         let given: Vec<&Path> = given.iter().map(PathBuf::as_path).collect();
@@ -176,7 +182,8 @@ impl SceneSource<'_> {
     fn given(&self) -> Vec<PathBuf> {
         let casts = self.plan.casts.iter().flat_map(|cast| self.inputs(cast));
         let files = casts.filter(|file| roles::built_in_name(file).is_none());
-        files.chain(self.file.map(Path::to_owned)).collect()
+        let clips = self.picture.clips.iter().cloned();
+        files.chain(clips).chain(self.file.map(Path::to_owned)).collect()
     }
 
     /// The inputs of a cast.

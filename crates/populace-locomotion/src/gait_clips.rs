@@ -77,7 +77,8 @@ impl GaitClips {
     ///   walk by 30 %. One of the two is enough.
     ///
     /// A clip that carries the body along is returned in place: its root motion is taken out. Clips
-    /// that do not fit the body are passed over.
+    /// that do not fit the body are passed over. Of characters with clips named `Idle` and `Walk`,
+    /// only these and `Run` are measured if they fit.
     #[must_use]
     pub fn among(character: &Arc<Character>, clips: &[Arc<Clip>]) -> Option<Self> {
         Self::among_on(&mut Treadmill::new(character, 1).ok()??, clips)
@@ -85,6 +86,19 @@ impl GaitClips {
 
     /// As [`among`](Self::among), on a treadmill.
     pub(crate) fn among_on(treadmill: &mut Treadmill, clips: &[Arc<Clip>]) -> Option<Self> {
+        let named = |names: &[&str]| -> Vec<Arc<Clip>> {
+            clips.iter().filter(|clip| names.contains(&clip.name())).cloned().collect()
+        };
+        if named(&["Idle", "Walk"]).len() == 2
+            && let Some(chosen) = Self::choose(treadmill, &named(&["Idle", "Walk", "Run"]))
+        {
+            return Some(chosen);
+        }
+        Self::choose(treadmill, clips)
+    }
+
+    /// Chooses among clips that are all measured.
+    fn choose(treadmill: &mut Treadmill, clips: &[Arc<Clip>]) -> Option<Self> {
         let height_m = treadmill.character().height_m();
         let all: Vec<_> = clips.iter().filter_map(|clip| Candidate::new(treadmill, clip)).collect();
         let idle = all.iter().filter(|one| one.stands(height_m)).min_by_key(|one| {

@@ -14,6 +14,7 @@ mod pictures;
 mod plan;
 mod post;
 mod recordings;
+mod scenes;
 #[cfg(unix)]
 mod signals;
 mod skate;
@@ -270,13 +271,16 @@ fn demo_draws_people_without_files() {
     let folder = Folder::new();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_populace"))
         .args(["demo", "--members", "12", "--size", "64x36", "--device", "native"])
+        // A display would open a window.
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
         .current_dir(folder.path(""))
         .output()
         .expect("the program starts");
     let stderr = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{stderr}");
     let lines = [
-        "12 members on native, fused",
+        "12 people on native, fused",
         "drawn by ",
         "palettes written straight into OpenGL's memory",
     ];

@@ -1,0 +1,55 @@
+//! Scenes: the street of `demo`, scene files, and what is wrong in them.
+
+use crate::post::Folder;
+use crate::{json_of, populace, refused};
+
+const SMALL: [&str; 6] = ["--size", "64x36", "--device", "native", "--members", "8"];
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn the_street_says_what_happened() {
+    let folder = Folder::new();
+    let out = folder.text("street.png");
+    let d = json_of(&[&["demo", "--json", "--out", &out][..], &SMALL].concat());
+    assert!(d["members"].as_u64() > Some(40), "people, props and vehicles: {d}");
+    assert!(d["counts"]["crossed"].is_u64() && d["counts"]["sat"].is_u64(), "{d}");
+    assert!(d["ms_median"]["behave"].as_f64() > Some(0.0), "{d}");
+}
+
+/// The demo writes its scene, and the scene draws the same picture.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_written_scene_draws_the_same_picture() {
+    let folder = Folder::new();
+    let [scene, a, b] = ["street.toml", "a.png", "b.png"].map(|name| folder.text(name));
+    let written = populace(&["demo", "--members", "8", "--write-scene", &scene]);
+    assert!(written.status.success(), "{}", String::from_utf8_lossy(&written.stderr));
+    let of_demo = populace(&[&["demo", "--out", &a][..], &SMALL].concat());
+    assert!(of_demo.status.success(), "{}", String::from_utf8_lossy(&of_demo.stderr));
+    let of_file = populace(&[&["render", &scene, "--out", &b][..], &SMALL[..4]].concat());
+    assert!(of_file.status.success(), "{}", String::from_utf8_lossy(&of_file.stderr));
+    assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
+}
+
+#[test]
+fn wrong_scenes_are_refused_with_line_and_key() {
+    let folder = Folder::new();
+    let scene = folder.text("scene.toml");
+    let good = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n";
+    for (text, words) in [
+        ("sceme = 1\n", "line 1: there is no key `sceme` here; did you mean \"schema\""),
+        ("schema = 7\n", "line 1: `schema` must be 1"),
+        ("schema = 1\n[[prop]]\nkind = \"benhc\"\nat = [0, 0, 0]\n", "did you mean \"bench\""),
+        ("schema = 1\n[light]\nsky = \"dya\"\n", "`sky` of [light]"),
+    ] {
+        std::fs::write(&scene, text).unwrap();
+        refused(&["render", &scene, "--out", "x.png"], 1, &[words]);
+    }
+    std::fs::write(&scene, good).unwrap();
+    refused(&["render", &scene, "--members", "5", "--out", "x.png"], 2, &["the scene file says"]);
+    refused(&["render", &scene, "--camera", "pitch", "--out", "x.png"], 2, &["no camera \"pitch\""]);
+    refused(&["render", &scene, "--clip", "Run", "--out", "x.png"], 2, &["no meaning for a scene"]);
+    refused(&["render", "@man", "--camera", "pitch", "--out", "x.png"], 2, &["only scene files"]);
+    let missing = folder.text("none.toml");
+    refused(&["render", &missing, "--out", "x.png"], 1, &["none.toml"]);
+}
