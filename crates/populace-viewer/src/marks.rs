@@ -9,7 +9,7 @@ use populace::interop::Visibility;
 use populace_render::Camera;
 
 use crate::desk::Desk;
-use crate::pick::all_limbs;
+use crate::pick::limbs;
 use crate::stage::Stage;
 use crate::theme::ACCENT;
 
@@ -17,6 +17,8 @@ use crate::theme::ACCENT;
 const RING_CORNERS: u8 = 28;
 /// Radius of the ring as a share of the height.
 const RING: f32 = 0.25;
+/// Skeletons that are drawn, at most.
+const MOST_SKELETONS: usize = 48;
 const SKELETON: Color32 = Color32::from_rgb(120, 235, 255);
 const BOUNDS: Color32 = Color32::from_rgb(150, 220, 120);
 /// Colours of levels of detail, from full detail on.
@@ -92,9 +94,22 @@ fn ring(painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
     }
 }
 
+/// Draws the skeletons of the nearest members. Each is evaluated anew, since the fused schedules
+/// store no joints.
 fn skeletons(painter: &Painter, stage: &mut Stage, members: &[MemberId], sight: &Sight) {
-    for limb in all_limbs(stage, members).unwrap_or_default() {
-        sight.line(painter, limb, Stroke::new(1.2, SKELETON));
+    let eye = Vec3::from(sight.camera.eye);
+    let mut near: Vec<(f32, MemberId)> = members
+        .iter()
+        .filter_map(|member| {
+            let (center, _) = stage.crowd.member(*member).ok()?.bounding_sphere();
+            Some((eye.distance(Vec3::from(center)), *member))
+        })
+        .collect();
+    near.sort_by(|a, b| a.0.total_cmp(&b.0));
+    for (_, member) in near.into_iter().take(MOST_SKELETONS) {
+        for limb in limbs(stage, member).unwrap_or_default() {
+            sight.line(painter, limb, Stroke::new(1.2, SKELETON));
+        }
     }
 }
 

@@ -68,31 +68,6 @@ pub(crate) fn limbs(stage: &mut Stage, member: MemberId) -> Option<Vec<[Vec3; 2]
     Some(limbs_of(&skeleton, &placement.world_from_model(), &joints))
 }
 
-/// The joints of all members in world space, each with its parent's. Waits once for all.
-pub(crate) fn all_limbs(
-    stage: &mut Stage,
-    members: &[MemberId],
-) -> Result<Vec<[Vec3; 2]>, populace::Error> {
-    let mut wanted = Vec::new();
-    let mut bodies = Vec::new();
-    for member in members {
-        let view = stage.crowd.member(*member)?;
-        let skeleton = stage.crowd.character(view.character())?.asset().skeleton.clone();
-        wanted.extend(skeleton.joints().map(|joint| (*member, joint)));
-        bodies.push((skeleton, view.placement().world_from_model()));
-    }
-    let mut joints = vec![Affine::IDENTITY; wanted.len()];
-    stage.crowd.read_joints(&wanted, &mut joints)?;
-    let mut rest = joints.as_slice();
-    let mut limbs = Vec::with_capacity(wanted.len());
-    for (skeleton, world) in bodies {
-        let (own, others) = rest.split_at(skeleton.joint_count().min(rest.len()));
-        limbs.extend(limbs_of(&skeleton, &world, own));
-        rest = others;
-    }
-    Ok(limbs)
-}
-
 fn limbs_of(skeleton: &Skeleton, world: &Affine, joints: &[Affine]) -> Vec<[Vec3; 2]> {
     let at = |joint: usize| {
         let rows = joints.get(joint)?.rows;

@@ -5,12 +5,12 @@ use std::time::Instant;
 use glam::Vec3;
 use populace::{Crowd, MemberId, Placement, Snapshot};
 use populace_film::FrameRate;
-use populace_render::{Camera, Scene};
+use populace_render::{Camera, Renderer, Scene};
 
 use crate::Error;
 use crate::camera::Followed;
 use crate::falls::Falls;
-use crate::show::{Opened, Show, ShowError};
+use crate::show::{Opened, Opener, Show, ShowError, Wish};
 use crate::you::{Steering, You};
 
 /// Longest time that a replay may take before a picture is drawn, in milliseconds.
@@ -47,8 +47,22 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
+    /// Opens a show and evaluates its beginning.
+    pub(crate) fn open(
+        opener: &mut dyn Opener,
+        wish: &Wish,
+        renderer: &mut Renderer,
+    ) -> Result<Self, Error> {
+        let mut opened = opener.open(wish, renderer).map_err(Error::Show)?;
+        let size = renderer.size();
+        #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
+        let [width, height] = size.map(|side| side as f32);
+        opened.show.set_aspect(width / height).map_err(Error::Show)?;
+        Self::new(opened, &Seen { camera: &|shown| *shown, size })
+    }
+
     /// Evaluates the beginning of a show.
-    pub(crate) fn new(opened: Opened, seen: &Seen<'_>) -> Result<Self, Error> {
+    fn new(opened: Opened, seen: &Seen<'_>) -> Result<Self, Error> {
         let Opened { mut crowd, show } = opened;
         let start = crowd.snapshot()?;
         let scene = show.scene();

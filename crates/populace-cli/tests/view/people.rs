@@ -10,7 +10,12 @@ use super::{Desk, SIZE, differing, ensure};
 const CROWD: [&str; 3] = ["@people", "--members", "12"];
 
 pub(super) fn opens(desk: &Desk) -> Result<(), Failed> {
-    desk.view(&CROWD, "at 0.2 shot window.png\nat 0.2 key ?\nat 0.4 shot help.png\n")?;
+    desk.view(
+        &CROWD,
+        "at 0.2 shot window.png\nat 0.2 key ?\nat 0.4 shot help.png\n\
+                       at 0.4 key ?\nat 0.5 key space\nat 0.6 shot plain.png\nat 0.6 key k\n\
+                       at 0.7 shot skeletons.png\n",
+    )?;
     let window = desk.image("window.png")?;
     let picture: HashSet<_> = (0..500)
         .step_by(5)
@@ -21,7 +26,10 @@ pub(super) fn opens(desk: &Desk) -> Result<(), Failed> {
     let panel = window.get_pixel(755, 730).0;
     ensure(panel == [28, 31, 37, 255], || format!("the panel has the colour {panel:?}"))?;
     let help = differing(&window, &desk.image("help.png")?);
-    ensure(help.len() > 50_000, || format!("help covers {} pixels", help.len()))
+    ensure(help.len() > 50_000, || format!("help covers {} pixels", help.len()))?;
+    let lines = differing(&desk.image("plain.png")?, &desk.image("skeletons.png")?);
+    let lines = lines.iter().filter(|[x, y]| *x < 500 && *y > 60).count();
+    ensure(lines > 500, || format!("skeletons cover {lines} pixels"))
 }
 
 /// Returns the pixels of each person at 0.5 s by their numbers, in a picture of a size.
