@@ -43,8 +43,8 @@ pub(crate) trait Action {
         false
     }
 
-    /// Draws over the picture of a frame that was taken by a camera. `depths_m` are the distances of
-    /// its pixels along the view direction in metres; empty if they are not needed.
+    /// Draws over the picture of a frame that was taken by a camera. `depths_m` are the distances
+    /// of its pixels along the view direction in metres; empty if they are not needed.
     fn overlay(
         &self,
         _picture: &mut Image,

@@ -282,8 +282,8 @@ impl Measured {
         Ok(Self { mixed, given, samples, rows, on_the_spot })
     }
 
-    /// Tells the crowd the contacts of the clips, whose ids are in the order given, and adds a blend
-    /// space of them.
+    /// Tells the crowd the contacts of the clips, whose ids are in the order given, and adds a
+    /// blend space of them.
     fn tell(
         &self,
         crowd: &mut Crowd,

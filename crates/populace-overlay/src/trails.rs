@@ -36,9 +36,9 @@ const BEFORE_M: f64 = 0.06;
 const BEFORE: f64 = 0.006;
 
 impl Canvas<'_> {
-    /// Draws trails in the order given. A trail that crosses itself is not darker there. It is faint
-    /// behind surfaces, by `depths_m`: the distance along the view direction of the nearest surface
-    /// of each pixel in metres, top row first; empty if that is not known.
+    /// Draws trails in the order given. A trail that crosses itself is not darker there. It is
+    /// faint behind surfaces, by `depths_m`: the distance along the view direction of the nearest
+    /// surface of each pixel in metres, top row first; empty if that is not known.
     pub fn trails(&mut self, trails: &[Trail], depths_m: &[f32]) {
         for trail in trails {
             self.trail(trail, depths_m);
