@@ -26,7 +26,7 @@ const FOOTWAY_WIDTH_M: f32 = 4.8;
 const KERB_HEIGHT_M: f32 = 0.12;
 /// Middles of parked vehicles along a block, and vehicles that drive in each lane of it.
 const BAYS_M: [f32; 4] = [6.0, 17.0, 31.0, 42.0];
-const DRIVING_PER_BLOCK: f32 = 1.3;
+const DRIVING_PER_BLOCK: f32 = 1.9;
 /// Where the crossing of a block is, and its width in metres.
 const CROSSING_M: f32 = 24.0;
 const CROSSING_WIDTH_M: f32 = 4.0;

@@ -24,7 +24,7 @@ does.stroll = { speed = 1.2 }
 
 #[track_caller]
 fn refused(text: &str, line: usize, words: &str) {
-    let error = ScenePlan::parse(text).unwrap_err();
+    let error = ScenePlan::parse(text).expect_err("a refusal");
     assert_eq!(error.line, line, "{error}");
     assert!(error.message.contains(words), "no {words:?} in: {error}");
 }

@@ -47,7 +47,11 @@ fn wrong_scenes_are_refused_with_line_and_key() {
     }
     std::fs::write(&scene, good).unwrap();
     refused(&["render", &scene, "--members", "5", "--out", "x.png"], 2, &["the scene file says"]);
-    refused(&["render", &scene, "--camera", "pitch", "--out", "x.png"], 2, &["no camera \"pitch\""]);
+    refused(
+        &["render", &scene, "--camera", "pitch", "--out", "x.png"],
+        2,
+        &["no camera \"pitch\""],
+    );
     refused(&["render", &scene, "--clip", "Run", "--out", "x.png"], 2, &["no meaning for a scene"]);
     refused(&["render", "@man", "--camera", "pitch", "--out", "x.png"], 2, &["only scene files"]);
     let missing = folder.text("none.toml");

@@ -9,6 +9,7 @@ use populace::{
 };
 
 use super::body::{Body, Use};
+use super::falls::direction;
 use super::footways::Place;
 use super::person::{Doing, Kind, Person};
 use super::random::Random;
@@ -147,11 +148,10 @@ impl Arrival<'_> {
             let (people, seats) = (people.len(), free.len());
             return Err(Error::TooFewSeats { people, seats });
         }
-        let direction = |facing_deg: f32| Vec2::from_angle(-facing_deg.to_radians());
         let stand = free.first().map(|seat| &world.seats[*seat].0).map(|seat| Stand {
             plan: plan.clone(),
             first: Vec2::new(seat.at[0], seat.at[2]),
-            along: direction(seat.facing_deg),
+            along: Vec2::from_angle(-seat.facing_deg.to_radians()),
         });
         world.stands.extend(stand);
         let kind = Kind::Spectates(world.stands.len().saturating_sub(1));
@@ -185,7 +185,7 @@ impl Arrival<'_> {
         world.armies.push(plan.clone());
         let kind = Kind::Fights(world.armies.len() - 1);
         let yaw_rad = plan.facing_deg.to_radians();
-        let ahead = Vec2::new(yaw_rad.sin(), yaw_rad.cos());
+        let ahead = direction(plan.facing_deg);
         let left = Vec2::new(ahead.y, -ahead.x);
         let rank = plan.rank.max(1);
         for (nth, of) in people.iter().enumerate() {
@@ -221,7 +221,7 @@ impl Arrival<'_> {
         people: &[CastPerson],
     ) -> Result<(), Error> {
         let yaw_rad = plan.facing_deg.to_radians();
-        let ahead = Vec2::new(yaw_rad.sin(), yaw_rad.cos());
+        let ahead = direction(plan.facing_deg);
         let left = Vec2::new(ahead.y, -ahead.x);
         let row = plan.row.max(1);
         for (nth, of) in people.iter().enumerate() {

@@ -22,8 +22,10 @@ const FADE_SECS: f32 = 0.25;
 /// Seconds after which the hand has the handle, and after which the door begins to open.
 const HANDLE_SECS: f32 = 0.35;
 const OPENS_AFTER_SECS: f32 = 0.55;
+/// Seconds before the end of opening at which the hand lets the handle go.
+const LETS_GO_SECS: f64 = 0.5;
 /// The least time in seconds that a driver drives, and that a vehicle stands between two drivers.
-const LEAST_DRIVE_SECS: f64 = 6.0;
+const LEAST_DRIVE_SECS: f64 = 4.0;
 const LEAST_STAND_SECS: f64 = 5.0;
 /// Seconds from a stop to an open door, and from a closed door to setting off.
 const BEFORE_OUT_SECS: f64 = 1.4;
@@ -98,7 +100,6 @@ fn go(world: &mut World, who: usize, way: &[Vec2]) -> Result<(), Error> {
 /// Goes on with it.
 pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
     let now = world.now;
-    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
     match world.people[who].doing {
         Doing::NearsCar { car, until } => {
             if world.has_arrived(who) {
@@ -112,33 +113,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
                 world.go_on(who)?;
             }
         }
-        Doing::FacesCar { car, until } => {
-            if world.faces(crowd, who, world.traffic.entry_yaw_rad(car))? || now > until {
-                let member = world.member(who);
-                world.walkers.set_heedless(member, true)?;
-                let playing = world.play(crowd, who, Use::OpenDoor, (WHOLE, once))?;
-                let secs = playing.map_or(0.0, |(_, secs)| secs);
-                reach_for_handle(world, crowd, who, car)?;
-                move_door(world, crowd, (car, 0), OPENS_AFTER_SECS)?;
-                world.people[who].doing = Doing::OpensDoor { car, until: now + secs };
-            }
-        }
-        Doing::OpensDoor { car, until } => {
-            let member = world.member(who);
-            if let Some(hand) = world.body(who).right_hand
-                && until - now < 0.5
-            {
-                crowd.member_mut(member)?.clear_reach(hand, 0.3)?;
-            }
-            if now > until {
-                let playing = world.play(crowd, who, Use::GetIn, (WHOLE, once))?;
-                let secs = playing.map_or(0.0, |(_, secs)| secs);
-                crowd.member_mut(member)?.plant_feet(0.0)?;
-                let at = world.position(who);
-                world.walkers.rest(member, at.to_array(), 0.4)?;
-                world.people[who].doing = Doing::GetsIn { car, until: now + secs };
-            }
-        }
+        Doing::FacesCar { car, until } => open_door(world, crowd, who, (car, until))?,
+        Doing::OpensDoor { car, until } => get_in(world, crowd, who, (car, until))?,
         Doing::GetsIn { car, until } if now > until => {
             let member = world.member(who);
             world.walkers.remove(member)?;
@@ -148,22 +124,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             world.counts.drove_off += 1;
         }
         Doing::Drives { car, since } => drive(world, crowd, who, (car, since))?,
-        Doing::GetsOut { car, until } if now > until => {
-            world.end(crowd, who, WHOLE, 0.35)?;
-            let member = world.member(who);
-            world.walkers.add(crowd, member)?;
-            world.set_layers(crowd, who)?;
-            move_door(world, crowd, (car, 1), 0.2)?;
-            let vehicle = &mut world.traffic.vehicles[car];
-            (vehicle.driver, vehicle.claimed, vehicle.is_open) = (None, None, false);
-            vehicle.drive = match vehicle.drive {
-                Drive::Stands { bay, .. } => Drive::Stands { bay, since: now },
-                other => other,
-            };
-            world.counts.got_out += 1;
-            world.people[who].doing = Doing::WalksFromCar { until: now + PATIENCE_SECS };
-            walk_home(world, who, car)?;
-        }
+        Doing::GetsOut { car, until } if now > until => leave_car(world, crowd, who, car)?,
         Doing::WalksFromCar { until } => {
             let is_there = world.position(who).distance(world.people[who].goal) < 0.5;
             if is_there || now > until {
@@ -173,6 +134,72 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         _ => {}
     }
     Ok(())
+}
+
+/// Opens the door once somebody faces it.
+fn open_door(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    (car, until): (usize, f64),
+) -> Result<(), Error> {
+    let now = world.now;
+    if !world.faces(crowd, who, world.traffic.entry_yaw_rad(car))? && now <= until {
+        return Ok(());
+    }
+    let member = world.member(who);
+    world.walkers.set_heedless(member, true)?;
+    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
+    let playing = world.play(crowd, who, Use::OpenDoor, (WHOLE, once))?;
+    let secs = playing.map_or(0.0, |(_, secs)| secs);
+    reach_for_handle(world, crowd, who, car)?;
+    move_door(world, crowd, (car, 0), OPENS_AFTER_SECS)?;
+    world.people[who].doing = Doing::OpensDoor { car, until: now + secs };
+    Ok(())
+}
+
+/// Lets the handle go, and gets in once the door is open.
+fn get_in(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    (car, until): (usize, f64),
+) -> Result<(), Error> {
+    let (now, member) = (world.now, world.member(who));
+    if let Some(hand) = world.body(who).right_hand
+        && until - now < LETS_GO_SECS
+    {
+        crowd.member_mut(member)?.clear_reach(hand, 0.3)?;
+    }
+    if now <= until {
+        return Ok(());
+    }
+    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
+    let playing = world.play(crowd, who, Use::GetIn, (WHOLE, once))?;
+    let secs = playing.map_or(0.0, |(_, secs)| secs);
+    crowd.member_mut(member)?.plant_feet(0.0)?;
+    let at = world.position(who);
+    world.walkers.rest(member, at.to_array(), 0.4)?;
+    world.people[who].doing = Doing::GetsIn { car, until: now + secs };
+    Ok(())
+}
+
+/// Lets somebody who has got out walk away, and closes the door.
+fn leave_car(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Result<(), Error> {
+    let now = world.now;
+    world.end(crowd, who, WHOLE, 0.35)?;
+    let member = world.member(who);
+    world.walkers.add(crowd, member)?;
+    world.set_layers(crowd, who)?;
+    move_door(world, crowd, (car, 1), 0.2)?;
+    let vehicle = &mut world.traffic.vehicles[car];
+    (vehicle.driver, vehicle.claimed, vehicle.is_open) = (None, None, false);
+    if let Drive::Stands { since, .. } = &mut vehicle.drive {
+        *since = now;
+    }
+    world.counts.got_out += 1;
+    world.people[who].doing = Doing::WalksFromCar { until: now + PATIENCE_SECS };
+    walk_home(world, who, car)
 }
 
 /// Sends somebody who has just got out around the vehicle to the footway.
@@ -221,7 +248,8 @@ fn drive(
         }
         Drive::Cruises if now - since > LEAST_DRIVE_SECS && world.is_turn(who) => {
             // As often as others get in, or the bays would fill.
-            if rate > 0.0 && world.people[who].random.chance(0.5) {
+            let parks = rate > 0.0 && world.people[who].random.chance(0.5);
+            if parks {
                 world.traffic.park(car);
             }
         }

@@ -3,6 +3,7 @@
 //! The acceleration is that of the intelligent driver model (M. Treiber, A. Hennecke and D. Helbing,
 //! "Congested traffic states in empirical observations and microscopic simulations", Physical
 //! Review E 62 (2000), 1805-1824).
+#![expect(clippy::disallowed_methods, reason = "roots of the host alone; no device computes them")]
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -388,10 +389,7 @@ impl Traffic {
             let gap = along_m - vehicle.along_m - 0.5 * self.models[vehicle.model].length_m;
             let stands = vehicle.speed < 0.4 || matches!(vehicle.drive, Drive::Stands { .. });
             let has_passed = gap < -self.models[vehicle.model].length_m - 1.5;
-            stands && gap > 0.3
-                || stands && has_passed
-                || has_passed
-                || gap > vehicle.speed * secs + 2.0
+            has_passed || stands && gap > 0.3 || gap > vehicle.speed * secs + 2.0
         })
     }
 
