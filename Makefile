@@ -1,4 +1,5 @@
-# `make demo` sets the machine up, builds, and draws a street. `make test` builds and runs all tests.
+# `make demo` sets the machine up, builds, and draws a street. `make test` builds and runs all
+# tests.
 
 demo:
 	@sh scripts/setup.sh --ask

@@ -64,9 +64,9 @@ fn command() -> clap::Command {
 pub(crate) enum Command {
     /// Show a street full of people; needs no file.
     ///
-    /// Where there is a display, a window opens, as by `populace view @street`. With --out, or without
-    /// a display, a picture shows the street 20 s after its beginning, and everything else works as
-    /// in `populace render`.
+    /// Where there is a display, a window opens, as by `populace view @street`. With --out, or
+    /// without a display, a picture shows the street 20 s after its beginning, and everything else
+    /// works as in `populace render`.
     Demo(DemoArgs),
     /// Draw a crowd of characters from files into pictures or a film, without a window.
     ///

@@ -77,8 +77,8 @@ impl SceneJob<'_> {
         let args = source.picture;
         if args.clip.is_some() || args.root_motion {
             return Err(Failure::usage(
-                "--clip and --root-motion have no meaning for a scene: what its people do says what \
-                 they play; `does.stand` of a scene file names a clip",
+                "--clip and --root-motion have no meaning for a scene: what its people do says \
+                 what they play; `does.stand` of a scene file names a clip",
             ));
         }
         let frames = self.frames()?;

@@ -51,7 +51,8 @@ pub struct Behaviours {
 
 impl Behaviours {
     /// Brings the people and vehicles of a plan into a crowd. `people` has a list for each crowd of
-    /// the plan, with as many people as the crowd counts. `gaits` are those of all their characters.
+    /// the plan, with as many people as the crowd counts. `gaits` are those of all their
+    /// characters.
     ///
     /// # Errors
     ///

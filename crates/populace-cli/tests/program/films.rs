@@ -124,8 +124,8 @@ fn a_shutter_blurs_what_moves() {
     let draw = |shutter: &str| {
         let out = folder.text("f.png");
         let film = ["--frames", "5..5", "--fps", "10", "--shutter", shutter, "--out", &out];
-        let child = ["render", "@child", "--members", "1", "--clip", "Run"];
-        run(&[&child[..], &film, &SMALL].concat());
+        let man = ["render", "@man", "--members", "1", "--clip", "Run"];
+        run(&[&man[..], &film, &SMALL].concat());
         image::open(folder.path("f_0005.png")).expect("a PNG").to_rgb8()
     };
     let [sharp, blurred] = ["0", "360"].map(draw);

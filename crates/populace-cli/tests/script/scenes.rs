@@ -33,18 +33,18 @@ pub(crate) struct Scene {
 }
 
 pub(crate) const ALL: [Scene; 12] = [
-    Scene { name: "clips", start: clips, hash: 0x60b5_a3a0_45f6_7211 },
-    Scene { name: "layers", start: layers, hash: 0x4457_6ebf_8ed4_12fb },
-    Scene { name: "inertialization", start: inertialization, hash: 0xc711_e0d6_a709_60ab },
-    Scene { name: "retargeting", start: retargeting, hash: 0x2cf7_a7a2_4535_0234 },
-    Scene { name: "blend spaces", start: blend_spaces, hash: 0x511c_6dc5_e3c0_4c01 },
-    Scene { name: "state machines", start: state_machines, hash: 0xd145_1044_dcd5_3446 },
-    Scene { name: "live clips", start: live_clips, hash: 0x5abb_a4ad_90c0_415c },
-    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x5998_e81d_18fe_cf72 },
-    Scene { name: "feet", start: feet, hash: 0x2390_7e1e_4ff1_9745 },
-    Scene { name: "overrides and proportions", start: overrides, hash: 0x85eb_6d30_f8bf_1350 },
-    Scene { name: "attachments and root motion", start: attachments, hash: 0x571f_741e_b882_11c1 },
-    Scene { name: "user stages", start: user_stages, hash: 0xe7db_9c60_dfde_89cb },
+    Scene { name: "clips", start: clips, hash: 0xc820_7bd8_a2e9_36a1 },
+    Scene { name: "layers", start: layers, hash: 0xb4df_046a_79b2_4181 },
+    Scene { name: "inertialization", start: inertialization, hash: 0x7b63_1673_533f_8222 },
+    Scene { name: "retargeting", start: retargeting, hash: 0x1138_3700_a19b_1f97 },
+    Scene { name: "blend spaces", start: blend_spaces, hash: 0xc3b1_a969_b52f_6374 },
+    Scene { name: "state machines", start: state_machines, hash: 0xe7ca_27cd_5f7e_f902 },
+    Scene { name: "live clips", start: live_clips, hash: 0x4d87_b57e_a08a_3908 },
+    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0xd2ce_e71d_ed9f_6a2f },
+    Scene { name: "feet", start: feet, hash: 0xa9fa_97bc_049d_3a54 },
+    Scene { name: "overrides and proportions", start: overrides, hash: 0x8ccb_dd0f_ed80_7ad6 },
+    Scene { name: "attachments and root motion", start: attachments, hash: 0x5917_d1cb_cead_a343 },
+    Scene { name: "user stages", start: user_stages, hash: 0x7928_05b4_5a76_7924 },
 ];
 
 fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {

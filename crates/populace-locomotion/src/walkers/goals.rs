@@ -177,8 +177,9 @@ impl Walkers {
         Ok(())
     }
 
-    /// Lets a walker go straight to its goal, like somebody who reads a message: others steer around
-    /// it, and it steers around nobody. Walls stop it all the same. `false` ends that, and a rest.
+    /// Lets a walker go straight to its goal, like somebody who reads a message: others steer
+    /// around it, and it steers around nobody. Walls stop it all the same. `false` ends that, and a
+    /// rest.
     ///
     /// # Errors
     ///

@@ -7,7 +7,7 @@ use populace::{ClipPlayback, Crowd};
 use populace_physics::State;
 
 use super::body::Use;
-use super::person::Doing;
+use super::person::{Doing, Person};
 use super::world::{UPPER, World};
 use crate::Error;
 
@@ -39,7 +39,10 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
         .filter(|(m, _)| (3.0..CHOSEN_M).contains(m))
         .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let Some((_, victim)) = victim else { return Ok(false) };
-    let is_chosen = |person: &super::person::Person| matches!(person.doing, Doing::Hurries { victim: other, .. } if other == victim);
+    let is_chosen = |person: &Person| match person.doing {
+        Doing::Hurries { victim: other, .. } => other == victim,
+        _ => false,
+    };
     if world.people.iter().any(is_chosen) {
         return Ok(false);
     }

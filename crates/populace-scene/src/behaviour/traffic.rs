@@ -99,7 +99,7 @@ impl Lane {
         Self { from, direction, length_m, speed, yaw_rad, height_m }
     }
 
-    /// Returns the length along the lane of the point nearest to another, and that one's distance to
+    /// Returns the length along the lane of the point nearest to another, and its distance to
     /// the left.
     pub(crate) fn place(&self, point: Vec2) -> [f32; 2] {
         let off = point - self.from;
