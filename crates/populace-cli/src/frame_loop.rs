@@ -107,8 +107,8 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        let mut spent = Spent::default();
-        spent.animate = self.lead_in(crowd, action, &mut times)?;
+        let animate_ms = self.lead_in(crowd, action, &mut times)?;
+        let mut spent = Spent { animate: animate_ms, ..Spent::default() };
         let mut renderer = renderer.inspect_err(|_| {
             let ms = median(&times.animate).unwrap_or(spent.animate);
             message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");

@@ -227,7 +227,8 @@ impl SceneSource<'_> {
         if let Some(height_deg) = light.sun_height_deg {
             let (up, level) = height_deg.to_radians().sin_cos();
             let facing = light.sun_facing_deg.unwrap_or(0.0).to_radians();
-            scene.sun.to_sun = [level * facing.sin(), up, level * facing.cos()];
+            let (sin, cos) = facing.sin_cos();
+            scene.sun.to_sun = [level * sin, up, level * cos];
         }
         if !self.plan.ground.shown {
             scene.ground = None;

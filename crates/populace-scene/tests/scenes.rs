@@ -1,4 +1,5 @@
 //! The scenes that come as files: the stand and the battle.
+#![allow(clippy::unwrap_used, reason = "a scene that cannot be made fails the test")]
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -85,6 +85,7 @@ pub(crate) struct PictureArgs {
 
 impl PictureArgs {
     /// Returns true if no film and no document is asked for.
+    #[cfg(feature = "viewer")]
     pub(crate) fn is_still(&self) -> bool {
         self.film.frames.is_none() && self.film.at.is_none() && !self.json
     }
