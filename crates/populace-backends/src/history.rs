@@ -98,8 +98,20 @@ impl DeviceHistory {
         }
     }
 
+    /// Begins anew what the tables hold and the history does not, also on a device that has run
+    /// before.
+    pub fn begin_rest(&mut self, tables: &Tables) {
+        for (all, count) in [
+            (&mut self.states, tables.state_elements()),
+            (&mut self.watched, tables.watched_elements()),
+            (&mut self.running, tables.running_elements()),
+        ] {
+            all.resize(all.len().max(count), Float4::default());
+        }
+    }
+
     /// Writes the history to a device that has these tables. States that the tables no longer hold
-    /// are dropped.
+    /// are dropped; those that the history does not hold stay as the device has them.
     ///
     /// # Errors
     ///
@@ -110,10 +122,7 @@ impl DeviceHistory {
             (StageBuffer::Watched, &self.watched, tables.watched_elements()),
             (StageBuffer::Running, &self.running, tables.running_elements()),
         ] {
-            // What the history does not hold begins anew, also where the device has run before.
-            let mut all = all.clone();
-            all.resize(count, Float4::default());
-            backend.write(buffer, 0, &all)?;
+            backend.write(buffer, 0, &all[..all.len().min(count)])?;
         }
         Ok(())
     }

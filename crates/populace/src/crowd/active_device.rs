@@ -45,6 +45,7 @@ impl ActiveDevice {
         self.is_readable = false;
         if let Some(history) = &mut self.history {
             history.forget_new_watched(tables);
+            history.begin_rest(tables);
         }
         self.opened.backend_mut().update(tables)?;
         tables.mark_clean();
