@@ -98,8 +98,8 @@ impl DeviceHistory {
         }
     }
 
-    /// Begins anew what the tables hold and the history does not, also on a device that has run
-    /// before.
+    /// Adds cleared states for all elements of the tables that the history lacks. A device that has
+    /// run before then loses its own.
     pub fn begin_rest(&mut self, tables: &Tables) {
         for (all, count) in [
             (&mut self.states, tables.state_elements()),

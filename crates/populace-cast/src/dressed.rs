@@ -103,7 +103,7 @@ impl Dressed {
     }
 }
 
-/// What people of one build share.
+/// Data that people of one build share.
 struct Build {
     body: Body,
     joints: Joints,

@@ -1,4 +1,4 @@
-//! What people of any scene need: gaits.
+//! Gaits of the people of any scene.
 
 use populace::Crowd;
 use populace_locomotion::GaitSpace;

@@ -1,4 +1,4 @@
-//! What `populace view` shows: the crowds of `populace render`, for the window to play.
+//! Shows of `populace view`: the crowds of `populace render`, for the window to play.
 
 use std::path::PathBuf;
 

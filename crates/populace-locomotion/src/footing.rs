@@ -25,7 +25,7 @@ pub(crate) struct Landing {
     /// How far ahead of the body the middle of the sole is at touch-down, once it lies flat, in
     /// metres.
     pub(crate) ahead_m: f32,
-    /// What the ankle has stepped then, in metres. Strides scale it.
+    /// The way of the ankle until then, in metres. Strides scale it.
     pub(crate) stepped_m: f32,
 }
 

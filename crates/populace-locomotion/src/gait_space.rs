@@ -235,7 +235,7 @@ impl GaitClips {
     }
 }
 
-/// What was measured of clips on a body.
+/// Measurements of clips on a body.
 struct Measured {
     /// The clips, idle first and the others by their speeds, each with its gait.
     mixed: Vec<(MixedClip, Gait)>,

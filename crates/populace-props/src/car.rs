@@ -184,7 +184,7 @@ impl Finishes {
     }
 }
 
-/// What moves a panel.
+/// The joint that moves a panel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Hung {
     Body,

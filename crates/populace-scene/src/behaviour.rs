@@ -1,4 +1,4 @@
-//! What the people of a scene do: a layer over walkers, ragdolls, clips and gazes.
+//! Behaviours of the people of a scene: a layer over walkers, ragdolls, clips and gazes.
 
 mod armies;
 mod arrival;

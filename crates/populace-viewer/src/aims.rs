@@ -1,4 +1,4 @@
-//! What members look at and reach for, on people's wish.
+//! Targets of gaze and hands that people set.
 
 use populace::model::{Role, Side};
 use populace::{Crowd, Error, JointIndex, MemberId, Placement, Reach, Target, Weight};

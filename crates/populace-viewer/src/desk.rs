@@ -1,4 +1,4 @@
-//! What is on the desk beside the picture: what is picked, chosen and wished for.
+//! State beside the picture: the picked member, choices and wishes.
 
 use std::collections::{HashMap, VecDeque};
 
@@ -83,7 +83,7 @@ impl Default for LayerEdit {
     }
 }
 
-/// What was set for a member here.
+/// Settings of a member that were made here.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Edits {
     pub(crate) aims: Aims,

@@ -1,4 +1,4 @@
-//! What a window remembers from one day to the next.
+//! Layout of a window, remembered from one day to the next.
 
 use serde::{Deserialize, Serialize};
 

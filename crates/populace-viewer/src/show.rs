@@ -1,4 +1,4 @@
-//! What a window shows, as the program that opens it provides it.
+//! The show of a window, provided by the program that opens it.
 
 use std::path::PathBuf;
 
@@ -82,7 +82,7 @@ pub struct Opened {
     pub show: Box<dyn Show>,
 }
 
-/// What a window asks for.
+/// The wishes of a window.
 #[derive(Clone, Debug, Default)]
 pub struct Wish {
     /// A file that was dropped on the window, to show in place of the inputs; `None` for what was

@@ -24,7 +24,7 @@ use crate::show::{Opener, Wish};
 use crate::stage::{Seen, Stage};
 use crate::theme::{self, PANEL};
 
-/// What happened since the last frame.
+/// Input since the last frame.
 #[derive(Default)]
 pub(crate) struct Input {
     pub(crate) events: Vec<Event>,

@@ -38,7 +38,7 @@ pub struct WindowSettings {
     pub film: PathBuf,
 }
 
-/// What is left of a window that was closed.
+/// Report and layout of a window that was closed.
 #[derive(Clone, Debug, Default)]
 pub struct Closed {
     /// Size and panels when it was closed.

@@ -1,4 +1,4 @@
-//! What people do in streets, stands and battles: clips of stances and of hands that reach.
+//! Motions for streets, stands and battles: stances, and hands that reach.
 
 mod battle;
 mod car;

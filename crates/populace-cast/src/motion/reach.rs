@@ -83,7 +83,7 @@ impl Figure<'_> {
         self.frame(pose, HEAD)
     }
 
-    /// Lets a hand reach, with a weight from 0 (the arm stays as it is) to 1. Returns where the
+    /// Moves a hand to a reach, by a weight from 0 (the arm stays as it is) to 1. Returns where the
     /// wrist should be.
     pub(super) fn reach(&self, pose: &mut Pose, side: Side, reach: &Reach, weight: f64) -> DVec3 {
         let before = pose.rotations;

@@ -38,7 +38,7 @@ pub(super) struct LiveScene {
 /// The roles of each cast, by its name.
 type Casts = BTreeMap<String, Vec<CrowdRole>>;
 
-/// Who plays the members of a crowd of the plan.
+/// The characters of the members of a crowd of the plan.
 struct Players<'a> {
     cast: &'a CastPlan,
     /// Indices among the roles of the cast.

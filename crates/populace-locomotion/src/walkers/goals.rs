@@ -177,9 +177,8 @@ impl Walkers {
         Ok(())
     }
 
-    /// Lets a walker go straight to its goal, like somebody who reads a message: others steer
-    /// around it, and it steers around nobody. Walls stop it all the same. `false` ends that, and a
-    /// rest.
+    /// Makes a walker go straight to its goal, like somebody who reads a message. It steers around
+    /// nobody, and others steer around it. Walls still stop it. `false` ends this and any rest.
     ///
     /// # Errors
     ///

@@ -6,7 +6,7 @@ use crate::build::{Builder, Finish, glass, linear, matt, metal, pane, satin};
 use crate::dice::Dice;
 use crate::images;
 
-/// What a shop sells.
+/// The goods of a shop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trade {
     Cafe,

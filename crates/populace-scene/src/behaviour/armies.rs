@@ -6,7 +6,7 @@ use populace_locomotion::Goal;
 use super::body::Use;
 use super::falls;
 use super::person::{Doing, Kind};
-use super::world::{DECIDES_SECS, UPPER, World};
+use super::world::{UPPER, World, per_turn};
 use crate::Error;
 
 const FADE_SECS: f32 = 0.25;
@@ -51,13 +51,6 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         _ => {}
     }
     Ok(())
-}
-
-/// Returns the chance of something in one turn that happens a number of times in a minute.
-fn per_turn(rate: f32) -> f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "a half")]
-    let part = DECIDES_SECS as f32 / 60.0;
-    rate * part
 }
 
 /// Plays a motion once, and returns when it ends.

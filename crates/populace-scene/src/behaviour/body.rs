@@ -1,4 +1,4 @@
-//! What a character brings for behaviours: clips by their use, masks, and its ragdoll.
+//! A character as behaviours see it: clips by their use, masks, and its ragdoll.
 
 use std::sync::Arc;
 
@@ -20,7 +20,6 @@ pub(crate) enum Use {
     Phone,
     Text,
     Wave,
-    Point,
     Clap,
     Cheer,
     OpenDoor,
@@ -34,7 +33,7 @@ pub(crate) enum Use {
 }
 
 /// Each use with the key by which scene files name it and the name of its clip.
-const USES: [(Use, &str, &str); 20] = [
+const USES: [(Use, &str, &str); 19] = [
     (Use::SitDown, "sit_down", "Sit_Down"),
     (Use::Sit, "sit", "Sit"),
     (Use::StandUp, "stand_up", "Stand_Up"),
@@ -44,7 +43,6 @@ const USES: [(Use, &str, &str); 20] = [
     (Use::Phone, "phone", "Phone"),
     (Use::Text, "text", "Text"),
     (Use::Wave, "wave", "Wave"),
-    (Use::Point, "point", "Point"),
     (Use::Clap, "clap", "Clap"),
     (Use::Cheer, "cheer", "Cheer"),
     (Use::OpenDoor, "open_door", "Open_Door"),
@@ -64,7 +62,7 @@ pub(crate) struct UsedClip {
     pub(crate) secs: f32,
 }
 
-/// What a character brings.
+/// A character as behaviours see it.
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) character: CharacterId,

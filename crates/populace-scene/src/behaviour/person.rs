@@ -5,7 +5,7 @@ use populace::MemberId;
 
 use super::random::Random;
 
-/// What a person does. Times are seconds of the scene.
+/// The activity of a person. Times are seconds of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Doing {
     /// It walks along its footway.

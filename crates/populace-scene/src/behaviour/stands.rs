@@ -5,7 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::{Doing, Kind};
-use super::world::{DECIDES_SECS, Stand, UPPER, WHOLE, World};
+use super::world::{Stand, UPPER, WHOLE, World, per_turn};
 use crate::Error;
 
 const FADE_SECS: f32 = 0.3;
@@ -60,13 +60,6 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         _ => {}
     }
     Ok(())
-}
-
-/// Returns the chance of something in one turn that happens a number of times in a minute.
-fn per_turn(rate: f32) -> f32 {
-    #[expect(clippy::cast_possible_truncation, reason = "a half")]
-    let part = DECIDES_SECS as f32 / 60.0;
-    rate * part
 }
 
 /// Plays a motion of the upper body, and returns when it ends.

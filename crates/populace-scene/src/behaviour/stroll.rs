@@ -3,11 +3,11 @@
 use populace::Crowd;
 
 use super::person::{Doing, Kind};
-use super::world::{DECIDES_SECS, World};
+use super::world::{World, per_turn};
 use super::{armies, crossings, driving, falls, phones, seats, stands, talks, windows};
 use crate::Error;
 
-/// What somebody may decide to do.
+/// Things that somebody may decide to do.
 const CHOICES: [Choice; 8] = [
     |world, _, who| windows::begin(world, who),
     |world, _, who| crossings::begin(world, who),
@@ -84,10 +84,8 @@ fn decide(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<bool, Erro
         habits.drive,
         habits.hurry,
     ];
-    #[expect(clippy::cast_possible_truncation, reason = "a half")]
-    let per_turn = DECIDES_SECS as f32 / 60.0;
     for (rate, choice) in rates.into_iter().zip(CHOICES) {
-        if world.people[who].random.chance(rate * per_turn) && choice(world, crowd, who)? {
+        if world.people[who].random.chance(per_turn(rate)) && choice(world, crowd, who)? {
             return Ok(true);
         }
     }

@@ -32,7 +32,7 @@ const MERGE_M: [f32; 2] = [16.0, 7.0];
 /// Nothing ahead.
 const FREE_M: f32 = 1e4;
 
-/// What a vehicle does.
+/// The activity of a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drive {
     /// It drives on.

@@ -29,7 +29,7 @@ const EYES: f32 = 0.93;
 const FACES: f32 = 0.9982;
 
 /// Seconds between two decisions of a person.
-pub(crate) const DECIDES_SECS: f64 = 0.5;
+const DECIDES_SECS: f64 = 0.5;
 
 /// Things of a scene that have happened, by kind.
 #[non_exhaustive]
@@ -76,7 +76,7 @@ pub(crate) struct Talk {
     pub(crate) middle: Vec2,
     /// When it ends.
     pub(crate) until: f64,
-    /// Who talks, as an index among the people, and until when.
+    /// The index among the people of the one who talks, and the end of its turn.
     pub(crate) speaker: usize,
     pub(crate) turn_until: f64,
     pub(crate) has_begun: bool,
@@ -285,4 +285,11 @@ impl World {
         member.set_layer(WHOLE, LayerSettings::default(), whole)?;
         Ok(member.set_layer(UPPER, LayerSettings::default(), arms)?)
     }
+}
+
+/// Returns the chance of something in one turn that happens a number of times in a minute.
+pub(crate) fn per_turn(rate: f32) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "a half")]
+    let part = DECIDES_SECS as f32 / 60.0;
+    rate * part
 }

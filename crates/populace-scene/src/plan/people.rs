@@ -53,7 +53,7 @@ pub struct CrowdPlan {
     pub gaze: Option<GazePlan>,
 }
 
-/// What members do.
+/// The activity of members.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 #[non_exhaustive]

@@ -118,7 +118,8 @@ pub struct WallPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PropPlan {
-    /// Its kind, or the path of a glTF file relative to the scene file.
+    /// Its kind: one of [`PROP_KINDS`](crate::PROP_KINDS), or a name that the caller of
+    /// [`Stage::new`](crate::Stage::new) gives to a character.
     pub kind: String,
     /// Where it stands.
     pub at: [f32; 3],

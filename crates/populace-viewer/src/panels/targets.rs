@@ -1,4 +1,4 @@
-//! What the picked member looks at and reaches for.
+//! Targets of the picked member's gaze and hands.
 
 use egui::{RichText, Ui};
 use populace::model::Role;

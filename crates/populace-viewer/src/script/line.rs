@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, PointerButton};
 
 use crate::Error;
 
-/// What a line may say, for messages.
+/// Forms of a line, for messages.
 const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, \
                        picture, expect, pace, measure or quit";
 
@@ -22,7 +22,7 @@ pub(super) struct Line {
     pub(super) action: Action,
 }
 
-/// What a line does. Points are in pixels from the upper left corner of the window.
+/// The action of a line. Points are in pixels from the upper left corner of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Action {
     Click([f32; 2], PointerButton),
@@ -69,7 +69,7 @@ impl Action {
     }
 }
 
-/// What a line expects.
+/// The state that a line expects.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Expected {
     /// This person is picked, or nobody.
@@ -80,7 +80,7 @@ pub(super) enum Expected {
     /// All input until now was shown within this number of frames.
     Frames(u32),
     Members(usize),
-    /// Who is picked has fallen.
+    /// The picked member has fallen.
     Down(bool),
     /// The keyboard drives who is picked.
     You(bool),
@@ -260,13 +260,13 @@ mod tests {
     fn lines_are_read() {
         let text = "# moves\n\nat 0 press \"left hand\" # now\nat 0.5 drag 1 2 3 4 middle\n\
                     at 0.5 hold shift+up 0.25\nat 1 shot a.png\nat 1 expect picked none\n";
-        let lines = parse(text, Path::new("/tmp")).expect("a script");
+        let lines = parse(text, Path::new("shots")).expect("a script");
         let actions: Vec<_> = lines.iter().map(|line| &line.action).collect();
         assert_eq!(actions[0], &Action::Press("left hand".into()));
         assert_eq!(actions[1], &Action::Drag([1.0, 2.0], [3.0, 4.0], PointerButton::Middle));
         let modifiers = Modifiers { shift: true, ..Modifiers::NONE };
         assert_eq!(actions[2], &Action::Hold { keys: vec![Key::ArrowUp], modifiers, secs: 0.25 });
-        assert_eq!(actions[3], &Action::Shot("/tmp/a.png".into()));
+        assert_eq!(actions[3], &Action::Shot("shots/a.png".into()));
         assert_eq!(actions[4], &Action::Expect(Expected::Picked(None)));
         assert_eq!((lines[3].number, lines[3].at_secs), (6, 1.0));
     }

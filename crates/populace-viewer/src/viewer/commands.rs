@@ -1,4 +1,4 @@
-//! What keys and panels wish for.
+//! Commands of keys and panels.
 
 use egui::Key;
 use populace::Devices;
