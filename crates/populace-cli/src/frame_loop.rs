@@ -19,6 +19,23 @@ use crate::report::message;
 /// Length of each frame before the first picture.
 pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
 
+/// Longest step of feet in seconds: they need several in each contact, at any frame rate.
+const FOOT_STEP_SECS: f32 = 0.041;
+
+/// Divides a frame into equal steps that are short enough for feet, and carries out each.
+pub(crate) fn in_foot_steps(
+    secs: f32,
+    mut step: impl FnMut(f32) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let steps = (secs / FOOT_STEP_SECS).ceil().max(1.0);
+    let mut done = 0.0;
+    while done < steps {
+        step(secs / steps)?;
+        done += 1.0;
+    }
+    Ok(())
+}
+
 /// Moves a crowd through time, and places the camera.
 pub(crate) trait Action {
     /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called

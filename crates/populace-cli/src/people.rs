@@ -1,10 +1,15 @@
-//! Gaits of the people of any scene.
+//! Gaits and looks of the people of any scene.
 
 use populace::Crowd;
+use populace::character::Character;
 use populace_locomotion::GaitSpace;
+use populace_variety::{Appearance, Variety};
 
 use crate::failure::Failure;
 use crate::roles::{self, CrowdRole};
+
+/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
+pub(crate) const EYES: f32 = 0.935;
 
 /// Returns the gaits of each role. A humanoid without clips that walk gets those of the built-in
 /// people.
@@ -26,4 +31,17 @@ pub(crate) fn gaits(crowd: &mut Crowd, roles: &[CrowdRole]) -> Result<Vec<GaitSp
         GaitSpace::of(crowd, role.id).map_err(cannot)
     };
     roles.iter().zip(own).map(or_built_in).collect()
+}
+
+/// Returns how members look, by their roles and places; nothing without a seed.
+pub(crate) fn appearances(
+    roles: &[CrowdRole],
+    chosen: &[usize],
+    places: &[[f32; 3]],
+    seed: Option<u64>,
+) -> Vec<Appearance> {
+    let Some(seed) = seed else { return Vec::new() };
+    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
+    let members: Vec<_> = chosen.iter().copied().zip(places.iter().copied()).collect();
+    Variety { seed, ..Variety::default() }.appearances(&characters, &members)
 }

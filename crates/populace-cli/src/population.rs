@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use populace::character::Character;
 use populace::clip::RootMotion;
 use populace::{ClipPlayback, Crowd, MemberId, Placement};
 use populace_testkit::Rng;
-use populace_variety::{Appearance, Variety};
+use populace_variety::Appearance;
 
 use crate::camera::Pose;
 use crate::failure::Failure;
+use crate::people::{EYES, appearances};
 use crate::placement::{Place, places};
 use crate::progress::Progress;
 use crate::roles::{CrowdRole, RoleClip};
@@ -17,9 +17,6 @@ use crate::skin::skinned;
 
 /// Distance between members in units of their width.
 const SPACING_FACTOR: f32 = 1.3;
-
-/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
-const EYES: f32 = 0.935;
 
 /// A member's placement and motion.
 struct PlacedMember {
@@ -87,7 +84,9 @@ impl Population {
         };
         let chosen: Vec<usize> =
             (0..places.len()).map(|index| chosen(index, &mut random)).collect();
-        let appearances = appearances(roles, &chosen, &places, settings);
+        let seed = (!settings.plain).then_some(settings.seed);
+        let positions: Vec<[f32; 3]> = places.iter().map(|place| place.position).collect();
+        let appearances = appearances(roles, &chosen, &positions, seed);
         let mut members = Vec::with_capacity(places.len());
         let mut progress = Progress::new("members", places.len());
         for (index, place) in places.iter().enumerate() {
@@ -144,22 +143,6 @@ impl Population {
     pub(crate) fn figure_m(&self) -> [f32; 2] {
         [self.height, self.spacing / 2.0]
     }
-}
-
-/// Returns the appearances of members by their roles; none for members that look as their roles do.
-fn appearances(
-    roles: &[CrowdRole],
-    chosen: &[usize],
-    places: &[Place],
-    settings: &PopulationSettings,
-) -> Vec<Appearance> {
-    if settings.plain {
-        return Vec::new();
-    }
-    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
-    let members: Vec<_> =
-        chosen.iter().zip(places).map(|(role, place)| (*role, place.position)).collect();
-    Variety { seed: settings.seed, ..Variety::default() }.appearances(&characters, &members)
 }
 
 /// Spawns a member that plays one of its role's clips: of those that walk or of those that stand,

@@ -24,7 +24,7 @@ use crate::film_length;
 #[cfg(feature = "viewer")]
 use crate::filming::{self, build_crowd};
 use crate::filming::{Filming, check_hidden};
-use crate::frame_loop::Action;
+use crate::frame_loop::{Action, in_foot_steps};
 use crate::frames::{Frames, Shutter, single};
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, LoadedRoles};
@@ -36,8 +36,6 @@ use place::{Place, SLAB_M};
 
 /// People whose feet are measured when most are there.
 const METERED: usize = 16;
-/// Longest step in seconds. Feet need several steps in each contact, at any frame rate.
-const STEP_SECS: f32 = 0.041;
 /// Clips that a member plays at the same time: idle, walk and run.
 const SLOTS: usize = 4;
 
@@ -299,13 +297,7 @@ impl Action for ReplayAction {
     }
 
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        let steps = (secs / STEP_SECS).ceil().max(1.0);
-        let mut done = 0.0;
-        while done < steps {
-            self.step(crowd, secs / steps)?;
-            done += 1.0;
-        }
-        Ok(())
+        in_foot_steps(secs, |secs| self.step(crowd, secs))
     }
 
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure> {

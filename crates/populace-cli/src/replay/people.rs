@@ -1,11 +1,10 @@
 //! The people who play the agents of a recording.
 
-use populace::character::Character;
 use populace_scene::{Motion, Motions, Person};
 use populace_testkit::Rng;
 use populace_trajectory::{Agent, Kind, Recording};
-use populace_variety::Variety;
 
+use crate::people::appearances;
 use crate::roles::CrowdRole;
 
 /// Fewest agents of whom equal heights are an assumption of the file, and not measured.
@@ -36,13 +35,9 @@ pub(crate) fn cast(
         let at = recording.track(agent).positions.first().copied().unwrap_or_default();
         [at[0], 0.0, -at[1]]
     });
-    let members: Vec<_> = chosen.iter().copied().zip(places).collect();
-    let appearances = if settings.plain {
-        Vec::new()
-    } else {
-        let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
-        Variety { seed: settings.seed, ..Variety::default() }.appearances(&characters, &members)
-    };
+    let places: Vec<[f32; 3]> = places.collect();
+    let appearances =
+        appearances(roles, &chosen, &places, (!settings.plain).then_some(settings.seed));
     let person = |(agent, role): (usize, &usize)| {
         let role = &roles[*role];
         let appearance = appearances.get(agent);

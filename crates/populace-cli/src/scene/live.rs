@@ -10,20 +10,14 @@ use populace_locomotion::GaitSpace;
 use populace_render::Camera;
 use populace_scene::plan::CastPlan;
 use populace_scene::{Behaviours, Counts, Person, Stage};
-use populace_variety::{Appearance, Variety};
 
 use super::SceneSource;
 use crate::camera::{Cameras, Pose, Subject, View};
 use crate::failure::Failure;
 use crate::filming::check_hidden;
-use crate::frame_loop::Action;
-use crate::people::gaits;
+use crate::frame_loop::{Action, in_foot_steps};
+use crate::people::{EYES, appearances, gaits};
 use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
-
-/// Longest step in seconds. Feet need several steps in each contact, at any frame rate.
-const STEP_SECS: f32 = 0.041;
-/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
-const EYES: f32 = 0.935;
 
 /// A scene in a crowd.
 pub(super) struct LiveScene {
@@ -181,19 +175,6 @@ fn dress(
     Ok(())
 }
 
-/// Returns how members look, by their roles and places; nothing without a seed.
-fn appearances(
-    roles: &[CrowdRole],
-    chosen: &[usize],
-    places: &[[f32; 3]],
-    seed: Option<u64>,
-) -> Vec<Appearance> {
-    let Some(seed) = seed else { return Vec::new() };
-    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
-    let members: Vec<_> = chosen.iter().copied().zip(places.iter().copied()).collect();
-    Variety { seed, ..Variety::default() }.appearances(&characters, &members)
-}
-
 impl Subject for LiveScene {
     fn bounds(&self) -> Vec<[f32; 3]> {
         let around = |pose: &Pose| {
@@ -264,17 +245,13 @@ impl Action for FilmedScene {
     }
 
     fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        let steps = (secs / STEP_SECS).ceil().max(1.0);
-        let mut done = 0.0;
-        while done < steps {
-            let secs = secs / steps;
+        in_foot_steps(secs, |secs| {
             let start = Instant::now();
             self.live.behaviours.advance(crowd, secs)?;
             self.live.stage.light(crowd, self.live.behaviours.lights())?;
             self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
-            crowd.update(secs)?;
-            done += 1.0;
-        }
+            Ok(crowd.update(secs)?)
+        })?;
         self.live.note_poses(crowd)
     }
 
