@@ -92,7 +92,7 @@ impl Dressed {
         let skins = vec![SkinInstance { skin: 0, node: 0, joints: self.palette.clone() }];
         Character::new(CharacterSource {
             name: self.name,
-            skeleton: self.skeleton.with_reach(build.skeleton.reach_m()),
+            skeleton: build.skeleton.clone(),
             palette: self.palette,
             parts: self.parts,
             materials: self.materials,

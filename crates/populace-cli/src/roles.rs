@@ -13,6 +13,7 @@ use populace::{
 };
 use populace_cast::{Look, dress, dress_with_options, person};
 use populace_lod::with_levels;
+use rayon::prelude::*;
 
 use crate::failure::Failure;
 use crate::fit;
@@ -73,6 +74,11 @@ impl<'a> Loader<'a> {
         Self { input, referenced: Vec::new() }
     }
 
+    /// Returns all files that the loaded characters refer to.
+    pub(crate) fn into_referenced(self) -> Vec<PathBuf> {
+        self.referenced
+    }
+
     pub(crate) fn load(&mut self, file: &Path) -> Result<Character, Failure> {
         let imported = self.input.load(file)?;
         for note in &imported.notes {
@@ -124,11 +130,16 @@ pub(crate) fn load(
     let mixed = drawn.len() > 1;
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
-    let mut add = |character: Character| {
+    let finish = |character: Character| {
         // Files may hold levels of their own.
         let wanted = levels && character.levels().is_empty();
-        let character = if wanted { with_levels(character) } else { Ok(character) };
-        let character = Arc::new(character.map_err(|e| Failure::Run(e.into()))?);
+        Ok(Arc::new(if wanted { with_levels(character)? } else { character }))
+    };
+    let drawn = drawn.into_par_iter().map(finish);
+    let drawn: Vec<Arc<Character>> = drawn
+        .collect::<Result<_, populace::character::Error>>()
+        .map_err(|e| Failure::Run(e.into()))?;
+    let mut add = |character: Arc<Character>| {
         let scale = scale(&character, height_m, mixed);
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })

@@ -3,12 +3,14 @@
 mod counts;
 mod live;
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use populace::Crowd;
+use populace::character::Character;
 use populace_film::FrameRate;
 use populace_render::{Preset, Scene};
-use populace_scene::StreetSettings;
+use populace_scene::{SceneFileError, StreetSettings};
 use populace_scene::plan::{CastPlan, ScenePlan};
 use serde_json::json;
 
@@ -28,8 +30,6 @@ use live::{FilmedScene, LiveScene};
 const BESIDES: usize = 4096;
 /// Clips that a member plays at the same time: three of a gait and two on each layer above.
 const SLOTS: usize = 8;
-/// Seconds before the first picture of the street: people have met, sat down and crossed by then.
-const LEAD_IN_SECS: f32 = 20.0;
 /// How far the plain ground is drawn below that of the scene, in metres: roads cover it.
 const GROUND_BELOW_M: f32 = 0.4;
 
@@ -51,9 +51,7 @@ pub(crate) struct SceneJob<'a> {
 
 /// Returns the street of `populace demo`.
 pub(crate) fn street(members: u32, seed: u64) -> ScenePlan {
-    let mut plan = populace_scene::street(StreetSettings { members: members as usize, seed });
-    plan.output.lead_in_s = LEAD_IN_SECS;
-    plan
+    populace_scene::street(StreetSettings { members: members as usize, seed })
 }
 
 /// Reads a scene file.
@@ -183,7 +181,41 @@ impl SceneSource<'_> {
         let casts = self.plan.casts.iter().flat_map(|cast| self.inputs(cast));
         let files = casts.filter(|file| roles::built_in_name(file).is_none());
         let clips = self.picture.clips.iter().cloned();
-        files.chain(clips).chain(self.file.map(Path::to_owned)).collect()
+        let props = self.plan.props.iter().filter_map(|prop| prop.file.as_deref());
+        let props = props.map(|file| self.path(file));
+        files.chain(clips).chain(props).chain(self.file.map(Path::to_owned)).collect()
+    }
+
+    /// Loads the props that are files, by their names in the plan, and notes the files that they
+    /// refer to. What cannot be read is named with its line.
+    fn prop_files(
+        &self,
+        referenced: &mut Vec<PathBuf>,
+    ) -> Result<BTreeMap<String, Character>, Failure> {
+        let mut loader = roles::Loader::new(&self.picture.input);
+        let mut props = BTreeMap::new();
+        for (nth, prop) in self.plan.props.iter().enumerate() {
+            let Some(file) = prop.file.as_ref().filter(|file| !props.contains_key(*file)) else {
+                continue;
+            };
+            let character = loader.load(&self.path(file)).and_then(|character| {
+                let is_empty = character.parts.is_empty();
+                let nothing = || Failure::Input(anyhow::anyhow!("{file} contains no mesh to draw"));
+                if is_empty { Err(nothing()) } else { Ok(character) }
+            });
+            let character = character.map_err(|failure| self.at_prop(nth, failure))?;
+            props.insert(file.clone(), character);
+        }
+        referenced.extend(loader.into_referenced());
+        Ok(props)
+    }
+
+    /// Names the line of the prop `nth` in an error about its file.
+    fn at_prop(&self, nth: usize, failure: Failure) -> Failure {
+        let (Failure::Input(reason), Some(file)) = (&failure, self.file) else { return failure };
+        let text = std::fs::read_to_string(file).unwrap_or_default();
+        let error = SceneFileError::of_prop_file(&text, nth, &format!("{reason:#}"));
+        Failure::Input(anyhow::anyhow!("{}: {error}", file.display()))
     }
 
     /// The inputs of a cast.

@@ -19,6 +19,8 @@ use crate::{Contact, Error, Gait, GaitClips, MixedClip};
 const MIXED_CLIPS: usize = 2;
 /// A clip that is slower than this, in body heights per second, does not walk.
 const WALKS: f32 = 0.1;
+/// By how much outfits of one body differ in height at most, as a fraction of it.
+const OUTFITS: f32 = 0.1;
 
 /// The gaits of a character by speed: a blend space from standing over walking to running, measured
 /// on that character's body.
@@ -82,7 +84,8 @@ impl GaitSpace {
     }
 
     /// Measures several characters as [`of`](Self::of) does one, on all cores. Characters whose
-    /// skeletons and heights are equal and that have the same clips are measured once.
+    /// skeletons are equal, soles included, and that have the same clips are measured once, as long
+    /// as what they wear makes none a tenth higher than another.
     pub fn of_all(crowd: &mut Crowd, characters: &[CharacterId]) -> Vec<Result<Self, Error>> {
         let bodies: Vec<Result<Body, Error>> =
             characters.iter().map(|character| Body::of(crowd, *character)).collect();
@@ -200,8 +203,14 @@ impl Body {
         let mut clips = self.clips.iter().zip(&other.clips);
         self.clips.len() == other.clips.len()
             && clips.all(|((_, own), (_, other))| Arc::ptr_eq(own, other))
-            && self.asset.rest_bounds() == other.asset.rest_bounds()
             && self.asset.skeleton == other.asset.skeleton
+            && self.is_as_high_as(other)
+    }
+
+    /// Returns true if heights differ by hair and hats alone, which no foot touches.
+    fn is_as_high_as(&self, other: &Self) -> bool {
+        let [own, its] = [self, other].map(|body| body.asset.height_m());
+        (own - its).abs() <= OUTFITS * own
     }
 
     /// Chooses among the clips, and measures the choice.

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use populace::character::Character;
 use populace::clip::Clip;
 use populace::{
-    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Error, MemberId, Placement,
+    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Error, MemberId, Placement, Schedule,
 };
 
 use crate::feet::{Carried, Feet, Leg};
@@ -120,6 +120,8 @@ impl Treadmill {
         let Some(feet) = Feet::find(character) else { return Ok(None) };
         let mut crowd = Crowd::builder()
             .device(Device::Native { threads: 1 })
+            // Joints are read: another schedule would evaluate them again.
+            .schedule(Schedule::Staged)
             .capacity(AT_ONCE)
             .slots_per_member(clips)
             .build()?;

@@ -11,6 +11,7 @@ mod person;
 mod phones;
 mod random;
 mod seats;
+mod settled;
 mod stands;
 mod stroll;
 mod talks;

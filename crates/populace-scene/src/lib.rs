@@ -20,5 +20,5 @@ pub use motion::{Moment, Motion, Motions};
 pub use place::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};
 pub use replay::{Person, PositionError, Replay};
 pub use scene_file::SceneFileError;
-pub use stage::{Lights, PROP_KINDS, Stage, THING_KINDS};
+pub use stage::{Lights, PROP_KINDS, Prepare, Stage, THING_KINDS};
 pub use street::{StreetSettings, street};

@@ -5,7 +5,8 @@ use std::ops::Range;
 use populace::model::{did_you_mean, nearest_names};
 use toml::de::{DeTable, DeValue};
 
-use crate::plan::{BehaviourPlan, SCHEMA, ScenePlan};
+use crate::PROP_KINDS;
+use crate::plan::{BehaviourPlan, PropPlan, SCHEMA, ScenePlan};
 
 /// The largest coordinate in metres, and the most members of a crowd.
 const LARGEST: f32 = 1e6;
@@ -19,6 +20,16 @@ pub struct SceneFileError {
     pub line: usize,
     /// The key and the reason.
     pub message: String,
+}
+
+impl SceneFileError {
+    /// Names the line of `file` of the prop `nth` of a file's text, from 0 on.
+    #[must_use]
+    pub fn of_prop_file(text: &str, nth: usize, reason: &str) -> Self {
+        let fault = Fault::nth("prop", nth, "file", "");
+        let message = format!("`file` of a [[prop]]: {reason}");
+        Self { message, ..fault.at_its_line(text) }
+    }
 }
 
 impl ScenePlan {
@@ -136,6 +147,9 @@ impl ScenePlan {
             }
         }
         for (nth, prop) in self.props.iter().enumerate() {
+            if let Some(fault) = check_kind(nth, prop) {
+                return Some(fault);
+            }
             if !prop.at.iter().chain(&prop.size_m).all(|value| is_near(*value)) {
                 return Some(Fault::nth("prop", nth, "at", "of numbers of at most 1000000 metres"));
             }
@@ -167,6 +181,23 @@ impl ScenePlan {
             return Some(Fault::within("output", "fps", "from 1 to 1000"));
         }
         None
+    }
+}
+
+/// Finds a prop that is neither of a kind nor of a file, or of both.
+fn check_kind(nth: usize, prop: &PropPlan) -> Option<Fault> {
+    match (prop.kind.as_str(), &prop.file) {
+        ("", None) => {
+            let rule = "a kind of thing, or there must be a `file` in its place";
+            Some(Fault::nth("prop", nth, "kind", rule))
+        }
+        ("", Some(_)) => None,
+        (_, Some(_)) => {
+            let rule = "left out: the prop has a `kind`, and is one or the other";
+            Some(Fault::nth("prop", nth, "file", rule))
+        }
+        (kind, None) => unknown("one of the kinds", kind, PROP_KINDS.into_iter())
+            .map(|rule| Fault::nth("prop", nth, "kind", rule)),
     }
 }
 

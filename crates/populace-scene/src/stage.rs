@@ -8,6 +8,7 @@ use glam::Vec2;
 use populace::character::Character;
 use populace::{CharacterId, ClipId, Crowd, Ground, MemberId, MemberLook, Placement};
 use populace_props::{CarKind, Crossing, CrossingKind, Lamp, Road, RoadPlan};
+use rayon::prelude::*;
 
 use crate::Error;
 use crate::plan::{PropPlan, ScenePlan, SeatPlan, SpotPlan};
@@ -85,6 +86,10 @@ pub(crate) struct VehicleModel {
     pub(crate) handle: [f32; 3],
 }
 
+/// Changes a character before it comes into a crowd.
+pub type Prepare<'a> =
+    dyn Fn(Character) -> Result<Arc<Character>, populace::character::Error> + Sync + 'a;
+
 /// The props of a scene in a crowd.
 #[derive(Clone, Debug)]
 pub struct Stage {
@@ -111,7 +116,7 @@ struct Light {
 
 /// A prop, and the places in its own space that it offers.
 struct Made {
-    character: CharacterId,
+    character: Arc<Character>,
     windows: Vec<([f32; 3], f32, [f32; 3])>,
     seats: Vec<([f32; 3], f32)>,
     road: Option<Road>,
@@ -120,17 +125,18 @@ struct Made {
 
 impl Stage {
     /// Brings the props of a plan into a crowd, and sets the crowd's ground. `prepare` may change
-    /// each character first, such as by adding levels of detail. `files` holds those of kinds that
-    /// are names of files.
+    /// each character first, such as by adding levels of detail; it is called on all cores. `files`
+    /// holds the characters of files, by their names in the plan.
     ///
     /// # Errors
     ///
-    /// A kind that there is not, and errors of the crowd and of `prepare`.
+    /// A kind that there is not, a file that is not among `files`, and errors of the crowd and of
+    /// `prepare`.
     pub fn new(
         crowd: &mut Crowd,
         plan: &ScenePlan,
         files: &BTreeMap<String, Character>,
-        prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+        prepare: &Prepare<'_>,
     ) -> Result<Self, Error> {
         let mut stage = Self {
             spots: plan.spots.clone(),
@@ -145,24 +151,23 @@ impl Stage {
                 stage.things.insert(kind.clone(), things(crowd, kind, files, prepare)?);
             }
         }
-        let mut known: BTreeMap<(String, u64, Vec<u32>), Made> = BTreeMap::new();
-        let mut roads = Vec::new();
+        let mut firsts: BTreeMap<Key, &PropPlan> = BTreeMap::new();
         for prop in &plan.props {
-            let sizes = prop.size_m.iter().map(|size| size.to_bits()).collect();
-            let key = (prop.kind.clone(), prop.seed, sizes);
-            if !known.contains_key(&key) {
-                known.insert(key.clone(), make(crowd, prop, files, prepare)?);
-            }
-            let Some(made) = known.get(&key) else { continue };
-            stage.put(crowd, prop, made)?;
-            if made.road.is_some() {
-                roads.push((key, prop.at));
-            }
+            firsts.entry(key(prop)).or_insert(prop);
         }
-        let roads: Vec<(&Road, [f32; 3])> = roads
-            .iter()
-            .filter_map(|(key, at)| Some((known.get(key)?.road.as_ref()?, *at)))
-            .collect();
+        let made = firsts.into_par_iter().map(|(key, prop)| Ok((key, make(prop, files, prepare)?)));
+        let made: BTreeMap<Key, Made> = made.collect::<Result<_, Error>>()?;
+        let mut ids: BTreeMap<&Key, CharacterId> = BTreeMap::new();
+        for (key, made) in &made {
+            ids.insert(key, crowd.add_character(Arc::clone(&made.character))?);
+        }
+        let mut roads: Vec<(&Road, [f32; 3])> = Vec::new();
+        for prop in &plan.props {
+            let key = key(prop);
+            let Some((id, made)) = ids.get(&key).zip(made.get(&key)) else { continue };
+            stage.put(crowd, prop, (*id, made))?;
+            roads.extend(made.road.as_ref().map(|road| (road, prop.at)));
+        }
         if let Some(ground) = ground(&roads)? {
             stage.ground = ground;
         }
@@ -209,9 +214,14 @@ impl Stage {
         Ok(())
     }
 
-    fn put(&mut self, crowd: &mut Crowd, prop: &PropPlan, made: &Made) -> Result<(), Error> {
+    fn put(
+        &mut self,
+        crowd: &mut Crowd,
+        prop: &PropPlan,
+        (character, made): (CharacterId, &Made),
+    ) -> Result<(), Error> {
         let placement = Placement::at(prop.at).facing(prop.facing_deg.to_radians());
-        let member = crowd.spawn(made.character, placement)?;
+        let member = crowd.spawn(character, placement)?;
         let world = placement.world_from_model();
         for (stand, yaw_rad, look_at) in &made.windows {
             let [x, _, z] = world.transform_point(*stand);
@@ -252,15 +262,29 @@ fn lit(lights: Lights, is_for_people: bool) -> Lamp {
     }
 }
 
-/// Makes a prop of a kind.
+/// What makes two props the same: kind or file, seed and sizes.
+type Key = (String, u64, Vec<u32>);
+
+fn key(prop: &PropPlan) -> Key {
+    let sizes = prop.size_m.iter().map(|size| size.to_bits()).collect();
+    (prop.file.clone().unwrap_or_else(|| prop.kind.clone()), prop.seed, sizes)
+}
+
+/// Makes a prop of a kind, or takes that of a file.
 fn make(
-    crowd: &mut Crowd,
     prop: &PropPlan,
     files: &BTreeMap<String, Character>,
-    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+    prepare: &Prepare<'_>,
 ) -> Result<Made, Error> {
     use populace_props as props;
     let (mut windows, mut seats, mut road, mut lamps) = (Vec::new(), Vec::new(), None, Vec::new());
+    if let Some(file) = &prop.file {
+        let character = files.get(file).cloned();
+        let character =
+            character.ok_or_else(|| Error::unknown("file of a prop", file, files.keys()))?;
+        let character = prepare(character).map_err(populace::Error::from)?;
+        return Ok(Made { character, windows, seats, road, lamps });
+    }
     let mut seating = |made: props::Seating| {
         seats = made.seats.iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
         made.character
@@ -289,20 +313,17 @@ fn make(
             windows = made.windows.iter().map(|at| (at.stand, at.yaw_rad, at.look_at)).collect();
             made.character
         }),
-        kind => match files.get(kind) {
-            Some(character) => Ok(character.clone()),
-            None => {
-                let kinds = PROP_KINDS.map(str::to_owned);
-                return Err(Error::unknown("kind of prop", kind, kinds.iter()));
-            }
-        },
+        kind => {
+            let kinds = PROP_KINDS.map(str::to_owned);
+            return Err(Error::unknown("kind of prop", kind, kinds.iter()));
+        }
     };
     let character =
         prepare(character.map_err(populace::Error::from)?).map_err(populace::Error::from)?;
     for lamp in Lamp::OF_CARS.into_iter().chain(Lamp::OF_PEOPLE) {
         lamps.extend(lamp.option_in(&character).map(|option| (lamp, option)));
     }
-    Ok(Made { character: crowd.add_character(character)?, windows, seats, road, lamps })
+    Ok(Made { character, windows, seats, road, lamps })
 }
 
 /// Returns a number of rows or of seats.
@@ -316,7 +337,7 @@ fn things(
     crowd: &mut Crowd,
     kind: &str,
     files: &BTreeMap<String, Character>,
-    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
+    prepare: &Prepare<'_>,
 ) -> Result<Vec<CharacterId>, Error> {
     let mut all = Vec::new();
     for seed in 0..VARIANTS {
@@ -383,17 +404,17 @@ fn ground(roads: &[(&Road, [f32; 3])]) -> Result<Option<Ground>, Error> {
 }
 
 /// Brings the characters of vehicles into a crowd.
-fn vehicles(
-    crowd: &mut Crowd,
-    prepare: &mut dyn FnMut(Character) -> Result<Arc<Character>, populace::character::Error>,
-) -> Result<Vec<VehicleModel>, Error> {
+fn vehicles(crowd: &mut Crowd, prepare: &Prepare<'_>) -> Result<Vec<VehicleModel>, Error> {
     let mut models = Vec::new();
-    for (kind, seed) in VEHICLES {
-        let car = populace_props::car(kind, seed).map_err(populace::Error::from)?;
-        let character =
-            crowd.add_character(prepare(car.character).map_err(populace::Error::from)?)?;
+    let cars = VEHICLES.into_par_iter().map(|(kind, seed)| {
+        let car = populace_props::car(kind, seed)?;
+        Ok((prepare(car.character)?, car.plan))
+    });
+    let cars: Vec<_> =
+        cars.collect::<Result<_, populace::character::Error>>().map_err(populace::Error::from)?;
+    for (character, plan) in cars {
+        let character = crowd.add_character(character)?;
         let clip = |name: &str| crowd.clip(character, name).ok();
-        let plan = &car.plan;
         let [x, _, z] = plan.entry;
         models.push(VehicleModel {
             character,

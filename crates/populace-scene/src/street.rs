@@ -212,14 +212,8 @@ impl Side {
             let x = from + HOUSE_M * (house as f32 + 0.5);
             let side = 3 * u64::from(self == Self::South);
             let seed = seed.wrapping_add(5 * house as u64 + side) % VARIANTS;
-            plan.props.push(PropPlan {
-                kind: "shopfront".into(),
-                at: [x, 0.0, self.z(FRONT_M)],
-                facing_deg: towards,
-                seed,
-                size_m: vec![HOUSE_M],
-                crossing: None,
-            });
+            let house = prop("shopfront", [x, 0.0, self.z(FRONT_M)], towards, seed);
+            plan.props.push(PropPlan { size_m: vec![HOUSE_M], ..house });
         }
         for (nth, bay) in BAYS_M.into_iter().enumerate() {
             let x = from + bay;
@@ -283,5 +277,6 @@ const HOUSE_M: f32 = BLOCK_M / HOUSES as f32;
 const VARIANTS: u64 = 8;
 
 fn prop(kind: &str, at: [f32; 3], facing_deg: f32, seed: u64) -> PropPlan {
-    PropPlan { kind: kind.into(), at, facing_deg, seed, size_m: Vec::new(), crossing: None }
+    let (kind, file) = (kind.into(), None);
+    PropPlan { kind, file, at, facing_deg, seed, size_m: Vec::new(), crossing: None }
 }

@@ -34,8 +34,8 @@ fn live(plan: &ScenePlan) -> Result<Live, Error> {
     };
     let people: Vec<Vec<Person>> =
         plan.crowds.iter().map(|of| (0..of.count).map(person).collect()).collect();
-    let mut prepare = |character| Ok(Arc::new(character));
-    let stage = Stage::new(&mut crowd, plan, &BTreeMap::new(), &mut prepare)?;
+    let prepare = |character| Ok(Arc::new(character));
+    let stage = Stage::new(&mut crowd, plan, &BTreeMap::new(), &prepare)?;
     let behaviours = Behaviours::new(&mut crowd, plan, &stage, &people, gaits)?;
     Ok(Live { crowd, behaviours })
 }

@@ -37,8 +37,8 @@ impl Street {
             look: None,
         };
         let people = vec![(0..members).map(person).collect()];
-        let mut prepare = |character| Ok(Arc::new(character));
-        let stage = Stage::new(&mut crowd, &plan, &BTreeMap::new(), &mut prepare).unwrap();
+        let prepare = |character| Ok(Arc::new(character));
+        let stage = Stage::new(&mut crowd, &plan, &BTreeMap::new(), &prepare).unwrap();
         let behaviours = Behaviours::new(&mut crowd, &plan, &stage, &people, gaits).unwrap();
         Self { crowd, behaviours }
     }

@@ -48,13 +48,14 @@ impl LiveScene {
         source: &SceneSource<'_>,
     ) -> Result<(Self, LoadedRoles), Failure> {
         let (plan, args) = (&source.plan, source.picture);
-        let (casts, files) = casts(crowd, source)?;
-        let mut prepare = |character: Character| {
+        let (casts, mut files) = casts(crowd, source)?;
+        let props = source.prop_files(&mut files)?;
+        let prepare = |character: Character| {
             let wanted = !args.full_detail && character.levels().is_empty();
             let character = if wanted { populace_lod::with_levels(character)? } else { character };
             Ok(Arc::new(character))
         };
-        let stage = Stage::new(crowd, plan, &BTreeMap::new(), &mut prepare)?;
+        let stage = Stage::new(crowd, plan, &props, &prepare)?;
         let mut all_gaits: Vec<GaitSpace> = Vec::new();
         for roles in casts.values() {
             all_gaits.extend(gaits(crowd, roles)?);

@@ -10,11 +10,10 @@ use populace::{
 
 use super::body::{Body, Use};
 use super::falls::direction;
-use super::footways::Place;
 use super::person::{Doing, Kind, Person};
 use super::random::Random;
 use super::world::{Stand, WHOLE, World};
-use super::{armies, driving, traffic};
+use super::{armies, driving, settled, traffic};
 use crate::Error;
 use crate::plan::{
     BehaviourPlan, CastPlan, CrowdPlan, FightPlan, LayerPlan, ScenePlan, SpectatePlan, StandPlan,
@@ -41,9 +40,6 @@ struct Start {
     kind: Kind,
     doing: Doing,
     pace: f32,
-    footway: usize,
-    direction: f32,
-    lane: f32,
     post: Vec2,
     is_in_front: bool,
 }
@@ -51,8 +47,7 @@ struct Start {
 impl Start {
     fn at(at: [f32; 3], yaw_rad: f32, (kind, doing): (Kind, Doing)) -> Self {
         let post = Vec2::new(at[0], at[2]);
-        let (pace, footway, direction, lane) = (1.2, 0, 1.0, 0.5);
-        Self { at, yaw_rad, kind, doing, pace, footway, direction, lane, post, is_in_front: false }
+        Self { at, yaw_rad, kind, doing, pace: 1.2, post, is_in_front: false }
     }
 }
 
@@ -84,7 +79,7 @@ impl Arrival<'_> {
         Ok(())
     }
 
-    /// Brings people who stroll: drivers first, the others spread over their footways.
+    /// Brings people who stroll: drivers first, the others in the middle of what they do.
     fn strollers(
         &self,
         world: &mut World,
@@ -93,31 +88,14 @@ impl Arrival<'_> {
         people: &[CastPerson],
     ) -> Result<(), Error> {
         let own = own_footways(self.plan, habits)?;
-        let lengths: Vec<f32> = own.iter().map(|nth| world.footways[*nth].length_m()).collect();
-        let all: f32 = lengths.iter().sum();
         world.strolls.push(habits.clone());
         let kind = Kind::Strolls(world.strolls.len() - 1);
+        let mut on_foot = Vec::new();
         for of in people {
             let mut random = self.random(world);
             let pace = habits.speed * random.between(0.82, 1.18);
-            let mut along = random.part() * all;
-            let footway = lengths.iter().position(|length| {
-                let is_here = along < *length;
-                along -= if is_here { 0.0 } else { *length };
-                is_here
-            });
-            let footway = own.get(footway.unwrap_or(0)).copied().unwrap_or(0);
-            let direction = if random.chance(0.5) { 1.0 } else { -1.0 };
-            let lane = random.between(0.05, 0.95);
-            let strip = &world.footways[footway];
-            let aside_m = -direction * lane * strip.half_m;
-            let (at, line) = strip.at(Place { along_m: along.max(0.0), aside_m });
-            let ahead = line * direction;
-            let height = self.stage.ground().height_at(at.x, at.y);
-            let yaw_rad = ahead.x.atan2(ahead.y);
-            let start = Start::at([at.x, height, at.y], yaw_rad, (kind, Doing::Strolls));
-            let start = Start { pace, footway, direction, lane, ..start };
-            let who = self.spawn(world, crowd, (of, random), start)?;
+            let start = Start::at([0.0; 3], 0.0, (kind, Doing::Strolls));
+            let who = self.spawn(world, crowd, (of, random), Start { pace, ..start })?;
             let lacks_driver = |vehicle: &traffic::Vehicle| {
                 vehicle.driver.is_none() && vehicle.drive == traffic::Drive::Cruises
             };
@@ -127,10 +105,10 @@ impl Arrival<'_> {
                     driving::board(world, crowd, who, car)?;
                     world.people[who].doing = Doing::Drives { car, since: 0.0 };
                 }
-                None => world.walkers.add(crowd, world.people[who].member)?,
+                None => on_foot.push(who),
             }
         }
-        Ok(())
+        settled::settle(world, crowd, (&own, habits, self.stage.ground()), &on_foot)
     }
 
     /// Brings people who sit on the seats of the stage, in their order. Those without a seat stay
@@ -254,8 +232,7 @@ impl Arrival<'_> {
         start: Start,
     ) -> Result<usize, Error> {
         let body = self.body(world, crowd, of.character)?;
-        let Start { at, yaw_rad, kind, doing, pace, footway, direction, lane, post, is_in_front } =
-            start;
+        let Start { at, yaw_rad, kind, doing, pace, post, is_in_front } = start;
         let placement = Placement::at(at).facing(yaw_rad).scaled(of.scale);
         let member = crowd.spawn(of.character, placement)?;
         if let Some(look) = of.look {
@@ -270,9 +247,9 @@ impl Arrival<'_> {
             random,
             doing,
             pace,
-            footway,
-            direction,
-            lane,
+            footway: 0,
+            direction: 1.0,
+            lane: 0.5,
             goal,
             post,
             is_in_front,
@@ -350,7 +327,7 @@ fn grip(character: &Character, kind: &str) -> Option<(JointIndex, Trs)> {
 /// Sends everybody off who is on foot.
 pub(super) fn set_out(world: &mut World) -> Result<(), Error> {
     for who in 0..world.people.len() {
-        if matches!(world.people[who].doing, Doing::Strolls | Doing::Advances) {
+        if matches!(world.people[who].doing, Doing::Advances) {
             world.go_on(who)?;
         }
     }

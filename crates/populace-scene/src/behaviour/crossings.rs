@@ -6,6 +6,7 @@ use glam::Vec2;
 use populace::Crowd;
 
 use super::person::Doing;
+use super::settled::{Settling, index_at};
 use super::traffic::Stop;
 use super::world::{Crossing, World};
 use crate::Error;
@@ -22,6 +23,8 @@ const ALONG_M: f32 = 25.0;
 const CROSS_M_PER_SEC: f32 = 1.5;
 /// Seconds that are left when the last vehicle comes.
 const SPARE_SECS: f32 = 1.0;
+/// Distance of people who begin on a crossing, in metres.
+const BESIDE_M: f32 = 0.65;
 /// How far vehicles stop before a crossing, in metres.
 const STOP_M: f32 = 1.2;
 
@@ -57,6 +60,46 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     world.people[who].doing =
         Doing::NearsCrossing { crossing, side, until: world.now + PATIENCE_SECS };
     world.send(who, to)?;
+    Ok(true)
+}
+
+/// Begins on a crossing, or before one that cannot be crossed now. Returns false without a place.
+pub(crate) fn settle(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    settling: &mut Settling<'_>,
+) -> Result<bool, Error> {
+    let ends = world.crossings.iter().enumerate().flat_map(|(index, crossing)| {
+        let side = [0, 1].into_iter();
+        let side = side.filter(|side| settling.footways.contains(&crossing.footways[*side]));
+        side.map(move |side| (index, side))
+    });
+    let ends: Vec<(usize, usize)> = ends.collect();
+    let random = &mut world.people[who].random;
+    let (along, aside) = (random.part(), random.between(-0.42, 0.42));
+    let Some((crossing, side)) = ends.get(index_at(ends.len(), random.part())).copied() else { return Ok(false) };
+    let until = PATIENCE_SECS;
+    let of = &world.crossings[crossing];
+    let [from, to] = [end(of, side, aside), end(of, 1 - side, -aside)];
+    let (yaw_rad, footway) = (heading_rad(of, side), of.footways[side]);
+    let crosses = may_cross(world, crossing);
+    let at = if crosses { from.lerp(to, 0.85 * along) } else { from };
+    if !settling.is_free(at, BESIDE_M) {
+        return Ok(false);
+    }
+    let speed = if crosses { CROSS_M_PER_SEC } else { 0.0 };
+    settling.put(world, crowd, who, (at, yaw_rad, speed))?;
+    world.people[who].footway = footway;
+    if crosses {
+        let member = world.member(who);
+        world.walkers.set_speed(member, CROSS_M_PER_SEC)?;
+        world.send(who, to)?;
+        world.people[who].doing = Doing::Crosses { crossing, side, until };
+    } else {
+        world.face(who, Some(yaw_rad))?;
+        world.people[who].doing = Doing::Waits { crossing, side };
+    }
     Ok(true)
 }
 

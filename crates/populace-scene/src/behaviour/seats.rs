@@ -5,6 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
+use super::settled::Settling;
 use super::world::{UPPER, WHOLE, World};
 use crate::Error;
 
@@ -15,6 +16,8 @@ const FADE_SECS: f32 = 0.25;
 /// The parts of those who sit that telephone or read meanwhile.
 const PHONES: f32 = 0.2;
 const READS: f32 = 0.35;
+/// How long people sit, in seconds.
+pub(crate) const SITS_SECS: [f32; 2] = [9.0, 24.0];
 
 /// Lets somebody who strolls walk to a free seat near by. Returns true if there is one.
 pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
@@ -73,16 +76,10 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
         }
         Doing::SitsDown { seat, until } if now > until => {
-            let looping = ClipPlayback::looping().fade_in_secs(FADE_SECS);
-            world.play(crowd, who, Use::Sit, (WHOLE, looping))?;
-            let chance = world.people[who].random.part();
-            if chance < PHONES {
-                world.play(crowd, who, Use::Phone, (UPPER, looping))?;
-            } else if chance < PHONES + READS {
-                world.play(crowd, who, Use::Text, (UPPER, looping))?;
-            }
-            let secs = world.people[who].random.between(9.0, 24.0);
-            world.people[who].doing = Doing::Sits { seat, until: now + f64::from(secs) };
+            let secs = world.people[who].random.between(SITS_SECS[0], SITS_SECS[1]);
+            let until = now + f64::from(secs);
+            sit(world, crowd, who, ClipPlayback::looping().fade_in_secs(FADE_SECS))?;
+            world.people[who].doing = Doing::Sits { seat, until };
         }
         Doing::Sits { seat, until } if now > until => {
             world.end(crowd, who, UPPER, FADE_SECS)?;
@@ -98,4 +95,52 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         _ => {}
     }
     Ok(())
+}
+
+/// Sits from now on. Some telephone or read meanwhile.
+fn sit(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    playback: ClipPlayback,
+) -> Result<(), Error> {
+    world.play(crowd, who, Use::Sit, (WHOLE, playback))?;
+    let chance = world.people[who].random.part();
+    if chance < PHONES {
+        world.play(crowd, who, Use::Phone, (UPPER, playback))?;
+    } else if chance < PHONES + READS {
+        world.play(crowd, who, Use::Text, (UPPER, playback))?;
+    }
+    Ok(())
+}
+
+/// Begins on a free seat beside one of some footways. Returns false without one.
+pub(crate) fn settle(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    settling: &mut Settling<'_>,
+) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::SitDown, Use::Sit, Use::StandUp]) {
+        return Ok(false);
+    }
+    let places = world.seats.iter().map(|(seat, taken)| {
+        taken.is_none().then_some(Vec2::new(seat.at[0], seat.at[2]))
+    });
+    let places: Vec<_> = places.collect();
+    let part = world.people[who].random.part();
+    let Some((seat, footway)) = settling.free(world, &places, part) else { return Ok(false) };
+    let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
+    let at = front(world, seat);
+    settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
+    world.seats[seat].1 = Some(who);
+    let member = world.member(who);
+    world.walkers.set_facing(member, Some(yaw_rad))?;
+    world.walkers.set_heedless(member, true)?;
+    let phase = world.people[who].random.part();
+    sit(world, crowd, who, ClipPlayback::looping().phase(phase))?;
+    let until = f64::from(world.people[who].random.between(0.5, SITS_SECS[1]));
+    let person = &mut world.people[who];
+    (person.footway, person.doing) = (footway, Doing::Sits { seat, until });
+    Ok(true)
 }

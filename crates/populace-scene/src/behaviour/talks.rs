@@ -8,6 +8,7 @@ use populace::{ClipPlayback, Crowd};
 use super::body::Use;
 use super::footways::Place;
 use super::person::Doing;
+use super::settled::Settling;
 use super::world::{Talk, UPPER, World};
 use crate::Error;
 
@@ -77,6 +78,44 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
         world.people[*person].doing = Doing::Meets { talk: free };
         world.send(*person, to)?;
     }
+    Ok(true)
+}
+
+/// Begins in the middle of a talk on a footway. Returns false without a place for it.
+pub(crate) fn settle(
+    world: &mut World,
+    crowd: &mut Crowd,
+    people: &[usize],
+    settling: &mut Settling<'_>,
+) -> Result<bool, Error> {
+    let can = |who: &usize| world.body(*who).has(&[Use::Talk, Use::Listen]);
+    let Some(first) = people.first().filter(|_| people.len() > 1 && people.iter().all(can)) else {
+        return Ok(false);
+    };
+    let Some((footway, middle, _)) = settling.place(world, *first, AROUND_M, 2.0 * AROUND_M) else {
+        return Ok(false);
+    };
+    let begins = Vec2::from_angle(TAU * world.people[*first].random.part());
+    let index = world.talks.len();
+    for (nth, who) in people.iter().enumerate() {
+        let away = begins.rotate(Vec2::from_angle(TAU * nth as f32 / people.len() as f32));
+        let yaw_rad = (-away.x).atan2(-away.y);
+        settling.put(world, crowd, *who, (middle + away * AROUND_M, yaw_rad, 0.0))?;
+        world.face(*who, Some(yaw_rad))?;
+        let person = &mut world.people[*who];
+        (person.footway, person.doing) = (footway, Doing::Talks { talk: index });
+    }
+    let until = f64::from(world.people[*first].random.between(2.0, 20.0));
+    let mut talk = Talk {
+        people: people.to_vec(),
+        middle,
+        until,
+        speaker: 0,
+        turn_until: 0.0,
+        has_begun: true,
+    };
+    converse(world, crowd, &mut talk)?;
+    world.talks.push(Some(talk));
     Ok(true)
 }
 

@@ -5,6 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
+use super::settled::Settling;
 use super::world::{WHOLE, World};
 use crate::Error;
 
@@ -13,6 +14,8 @@ const NOTICED_M: f32 = 14.0;
 /// Seconds after which somebody who cannot get there goes on.
 const PATIENCE_SECS: f64 = 20.0;
 const FADE_SECS: f32 = 0.45;
+/// How long people look, in seconds.
+pub(crate) const LOOKS_SECS: [f32; 2] = [4.0, 11.0];
 
 /// Lets somebody who strolls walk to a free spot ahead. Returns true if there is one.
 pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
@@ -60,13 +63,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         Doing::FacesSpot { spot, until } => {
             let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
             if world.faces(crowd, who, yaw_rad)? || now > until {
-                let playback = ClipPlayback::looping().fade_in_secs(FADE_SECS);
-                world.play(crowd, who, Use::LookIn, (WHOLE, playback))?;
-                let look_at = world.spots[spot].0.look_at;
-                world.look(crowd, who, look_at)?;
-                let secs = world.people[who].random.between(4.0, 11.0);
-                let until = now + f64::from(secs);
-                world.people[who].doing = Doing::LooksIn { spot, until };
+                let secs = world.people[who].random.between(LOOKS_SECS[0], LOOKS_SECS[1]);
+                look_in(world, crowd, who, (spot, now + f64::from(secs)))?;
                 world.counts.looked_in += 1;
             }
         }
@@ -83,4 +81,46 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
 fn leave(world: &mut World, who: usize, spot: usize) -> Result<(), Error> {
     world.spots[spot].1 = None;
     world.go_on(who)
+}
+
+/// Looks into the window of a spot until a time.
+fn look_in(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    (spot, until): (usize, f64),
+) -> Result<(), Error> {
+    let playback = ClipPlayback::looping().fade_in_secs(FADE_SECS);
+    world.play(crowd, who, Use::LookIn, (WHOLE, playback))?;
+    let look_at = world.spots[spot].0.look_at;
+    world.look(crowd, who, look_at)?;
+    world.people[who].doing = Doing::LooksIn { spot, until };
+    Ok(())
+}
+
+/// Begins at a free spot beside one of some footways. Returns false without one.
+pub(crate) fn settle(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    settling: &mut Settling<'_>,
+) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::LookIn]) {
+        return Ok(false);
+    }
+    let places = world.spots.iter().map(|(spot, taken)| {
+        taken.is_none().then_some(Vec2::from(spot.at))
+    });
+    let places: Vec<_> = places.collect();
+    let part = world.people[who].random.part();
+    let Some((spot, footway)) = settling.free(world, &places, part) else { return Ok(false) };
+    let (plan, taken) = &mut world.spots[spot];
+    *taken = Some(who);
+    let (at, yaw_rad) = (Vec2::from(plan.at), plan.facing_deg.to_radians());
+    settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
+    world.face(who, Some(yaw_rad))?;
+    world.people[who].footway = footway;
+    let until = f64::from(world.people[who].random.between(0.5, LOOKS_SECS[1]));
+    look_in(world, crowd, who, (spot, until))?;
+    Ok(true)
 }

@@ -137,6 +137,12 @@ impl World {
         turns(self.now - self.step_secs) < turns(self.now)
     }
 
+    /// Returns false before the first step: people are in the middle of what they do then, and
+    /// nothing fades in.
+    fn has_begun(&self) -> bool {
+        self.now > 0.0
+    }
+
     fn velocity(&self, who: usize) -> Vec2 {
         let walker = self.walkers.index(self.people[who].member);
         walker.map_or(Vec2::ZERO, |at| self.walkers.velocities()[at].into())
@@ -242,7 +248,8 @@ impl World {
     ) -> Result<Option<(PlaybackId, f64)>, Error> {
         let Some(clip) = self.body(who).clip(usage) else { return Ok(None) };
         let mut member = crowd.member_mut(self.member(who))?;
-        let playing = member.play(clip.id, playback.on_layer(layer))?;
+        let begins = if self.has_begun() { playback } else { playback.fade_in_secs(0.0) };
+        let playing = member.play(clip.id, begins.on_layer(layer))?;
         Ok(Some((playing, f64::from(clip.secs))))
     }
 
@@ -261,6 +268,7 @@ impl World {
     pub(crate) fn look(&self, crowd: &mut Crowd, who: usize, at: [f32; 3]) -> Result<(), Error> {
         if self.body(who).can_look {
             let weight = Weight::FULL.over_secs(0.35).easing_over();
+            let weight = if self.has_begun() { weight } else { Weight::FULL };
             crowd.member_mut(self.member(who))?.look_at(Target::Point(at), weight)?;
         }
         Ok(())

@@ -118,9 +118,12 @@ pub struct WallPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PropPlan {
-    /// Its kind: one of [`PROP_KINDS`](crate::PROP_KINDS), or a name that the caller of
-    /// [`Stage::new`](crate::Stage::new) gives to a character.
+    /// Its kind: one of [`PROP_KINDS`](crate::PROP_KINDS); empty for a file.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub kind: String,
+    /// A glTF file that is shown at rest, relative to the scene file, in place of a kind.
+    #[serde(default)]
+    pub file: Option<String>,
     /// Where it stands.
     pub at: [f32; 3],
     /// Its heading.
