@@ -1,6 +1,6 @@
 //! Places on a person where props are attached: the hands' grips, and the head.
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_character::Character;
 use populace_model::convert::single;
 use populace_model::{JointIndex, Skeleton, Trs};
@@ -10,6 +10,8 @@ use crate::anatomy::{ELBOW, Side, WRIST};
 /// Place of the fist's axis: distances from the wrist along the hand and out of the palm, as
 /// fractions of the forearm's length.
 const FIST: [f64; 2] = [0.40, 0.135];
+/// How far the underside of a carried box is beneath the palms, as a fraction of the body's height.
+const UNDER_PALMS: f64 = 0.045;
 /// Height of an adult's head in metres, from chin to crown.
 const ADULT_HEAD_M: f64 = 0.235;
 
@@ -60,6 +62,44 @@ pub fn helmet(character: &Character) -> Option<(JointIndex, Trs)> {
     let size = (at(head).y - at(neck).y - 0.016 * body) / 0.2;
     let middle = at(head) + DVec3::new(0.0, 0.38 * size, 0.004 * body);
     place(character, head, middle, DQuat::IDENTITY, size / ADULT_HEAD_M)
+}
+
+/// Returns where a box is attached to the chest of somebody who plays `Carry`: the joint, and
+/// `joint_from_prop`.
+///
+/// The origin of the box, the middle of its underside, comes between the hands, and its +Z points
+/// forward. It is scaled so that a box of `width_m` along X fits between the palms. It is not for
+/// other clips: the hands hold it by what they play.
+///
+/// `None` if the character is not one of this crate's people, or has another skeleton.
+#[must_use]
+pub fn carried(character: &Character, width_m: f32) -> Option<(JointIndex, Trs)> {
+    let [chest, elbow] =
+        joints(&character.skeleton, ["Spine4", "LeftForearm"], ["chest", "l_forearm"])?;
+    let clip = character.clips.iter().find(|clip| clip.name() == "Carry")?;
+    let mut models: Vec<DAffine3> = Vec::new();
+    for (joint, local) in clip.skeleton().joints().zip(clip.row_poses(1).next()?) {
+        let parent = clip.skeleton().parent(joint).and_then(|parent| models.get(parent.index()));
+        models.push(parent.map_or(local, |parent| *parent * local));
+    }
+    let palm = |side| {
+        let (wrist, Trs { translation, .. }) = grip(character, side)?;
+        let at = DVec3::from(translation.map(f64::from));
+        Some((models.get(wrist.index())?.transform_point3(at), wrist))
+    };
+    let ((left, wrist), (right, _)) = (palm(Side::Left)?, palm(Side::Right)?);
+    let rest = character.skeleton.rest_models();
+    let forearm = rest[elbow.index()].translation.distance(rest[wrist.index()].translation);
+    let body = forearm / (WRIST - ELBOW);
+    let underside = 0.5 * (left + right) - DVec3::Y * UNDER_PALMS * body;
+    let chest_model = models.get(chest.index())?;
+    let scale = f64::from(crate::CARRY_WIDTH) * body / f64::from(width_m.max(1e-3));
+    let local = Trs {
+        translation: chest_model.inverse().transform_point3(underside).to_array().map(single),
+        rotation: DQuat::from_mat3(&chest_model.matrix3).inverse().to_array().map(single),
+        scale: [single(scale); 3],
+    };
+    Some((chest, local))
 }
 
 /// Returns two joints by their names on the full rig or on the lean one.

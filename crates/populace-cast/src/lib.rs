@@ -58,7 +58,7 @@ mod surface;
 use populace_character::{Character, Error};
 
 pub use anatomy::Side;
-pub use grip::{grip, helmet};
+pub use grip::{carried, grip, helmet};
 pub use look::{Bag, Bottom, Colors, Extra, Face, Glasses, Hair, Hat, Look, Reach, Rig, Top};
 pub use places::{
     CAR_FLOOR_M, CAR_ROOF_M, CAR_SEAT_M, CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD,

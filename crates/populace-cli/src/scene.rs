@@ -10,8 +10,8 @@ use populace::Crowd;
 use populace::character::Character;
 use populace_film::FrameRate;
 use populace_render::{Preset, Scene};
-use populace_scene::{SceneFileError, StreetSettings};
 use populace_scene::plan::{CastPlan, ScenePlan};
+use populace_scene::{SceneFileError, StreetSettings};
 use serde_json::json;
 
 use crate::camera::{Keys, View};

@@ -61,6 +61,9 @@ pub fn spear() -> Result<Character, Error> {
     b.build(Vec::new())
 }
 
+/// Width in metres of [`box_parcel`].
+pub const PARCEL_WIDTH_M: f32 = 0.42;
+
 /// Returns a parcel of 0.42 by 0.3 by 0.3 m with tape around it. The origin is the middle of its
 /// underside.
 ///

@@ -43,7 +43,7 @@ mod road;
 mod shop;
 mod stand;
 
-pub use arms::{SPEAR_GRIP_M, SPEAR_M, box_parcel, helmet, phone, shield, spear};
+pub use arms::{PARCEL_WIDTH_M, SPEAR_GRIP_M, SPEAR_M, box_parcel, helmet, phone, shield, spear};
 pub use car::{Car, CarKind, CarPlan, DOOR_TURN_RAD, DRIVER_SEAT, car};
 pub use furniture::{
     SEAT_M, SeatPoint, Seating, bench, bin, bollard, cafe_table, planter, street_lamp,

@@ -47,6 +47,9 @@ pub struct Shopfront {
     pub door: [f32; 3],
     /// The door's handle, in metres, while it is closed.
     pub door_handle: [f32; 3],
+    /// The foot of the wall's pier at the left end, seen from the house, in metres. It is flat, and
+    /// as wide as a back with the pier of the house beside.
+    pub pier: [f32; 3],
 }
 
 /// Returns a house of three or four storeys with a shop. Walls, roof, goods, sign and awning follow
@@ -74,7 +77,8 @@ pub fn shopfront(seed: u64, width_m: f32) -> Result<Shopfront, Error> {
     let door_handle = front::handle(&style).to_array().map(single);
     let clips = hinge::clips(front::DOOR, hinge_turn(&style));
     let character = b.build(clips)?;
-    Ok(Shopfront { character, width_m: single(width), windows, door, door_handle })
+    let pier = [single(0.5 * width), 0.0, 0.0];
+    Ok(Shopfront { character, width_m: single(width), windows, door, door_handle, pier })
 }
 
 /// Returns places to look through a pane, at least 0.6 m apart.

@@ -7,6 +7,7 @@ mod crossings;
 mod driving;
 mod falls;
 mod footways;
+mod leans;
 mod person;
 mod phones;
 mod random;
@@ -91,6 +92,7 @@ impl Behaviours {
             crossings: crossings.collect(),
             footways,
             spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
+            leans: stage.leans.iter().map(|lean| (lean.clone(), None)).collect(),
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
             traffic,
             talks: Vec::new(),

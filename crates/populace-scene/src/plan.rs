@@ -14,8 +14,8 @@ pub use people::{
     StrollPlan,
 };
 pub use place::{
-    BayPlan, CrossingPlan, FootwayPlan, GroundPlan, LanePlan, PropPlan, SeatPlan, SpotPlan,
-    WallPlan,
+    BayPlan, CrossingPlan, FootwayPlan, GroundPlan, LanePlan, LeanPlan, PropPlan, SeatPlan,
+    SpotPlan, WallPlan,
 };
 pub use view::{CameraKey, CameraPlan, LightPlan, OutputPlan};
 
@@ -52,6 +52,9 @@ pub struct ScenePlan {
     /// Places that people look into.
     #[serde(default, rename = "spot")]
     pub spots: Vec<SpotPlan>,
+    /// Places before walls against which people lean.
+    #[serde(default, rename = "lean")]
+    pub leans: Vec<LeanPlan>,
     /// Places that people sit on.
     #[serde(default, rename = "seat")]
     pub seats: Vec<SeatPlan>,
@@ -88,6 +91,7 @@ impl Default for ScenePlan {
             crowds: Vec::new(),
             footways: Vec::new(),
             spots: Vec::new(),
+            leans: Vec::new(),
             seats: Vec::new(),
             crossings: Vec::new(),
             lanes: Vec::new(),

@@ -11,7 +11,7 @@ use populace_props::{CarKind, Crossing, CrossingKind, Lamp, Road, RoadPlan};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::plan::{PropPlan, ScenePlan, SeatPlan, SpotPlan};
+use crate::plan::{BehaviourPlan, LeanPlan, PropPlan, ScenePlan, SeatPlan, SpotPlan};
 
 /// The kinds of props that are made by code.
 pub const PROP_KINDS: [&str; 15] = [
@@ -34,6 +34,9 @@ pub const PROP_KINDS: [&str; 15] = [
 
 /// The kinds of things that people hold and wear.
 pub const THING_KINDS: [&str; 5] = ["box", "helmet", "phone", "shield", "spear"];
+
+/// The thing that people carry with both hands.
+pub(crate) const PARCEL: &str = "box";
 
 /// Number of different shields and helmets.
 const VARIANTS: u64 = 4;
@@ -94,6 +97,7 @@ pub type Prepare<'a> =
 #[derive(Clone, Debug)]
 pub struct Stage {
     pub(crate) spots: Vec<SpotPlan>,
+    pub(crate) leans: Vec<LeanPlan>,
     pub(crate) seats: Vec<SeatPlan>,
     pub(crate) vehicles: Vec<VehicleModel>,
     ground: Ground,
@@ -119,6 +123,8 @@ struct Made {
     character: Arc<Character>,
     windows: Vec<([f32; 3], f32, [f32; 3])>,
     seats: Vec<([f32; 3], f32)>,
+    /// The foot of a wall that faces +Z.
+    wall: Option<[f32; 3]>,
     road: Option<Road>,
     lamps: Vec<(Lamp, usize)>,
 }
@@ -140,13 +146,19 @@ impl Stage {
     ) -> Result<Self, Error> {
         let mut stage = Self {
             spots: plan.spots.clone(),
+            leans: plan.leans.clone(),
             seats: plan.seats.clone(),
             vehicles: Vec::new(),
             ground: Ground::plane(plan.ground.height_m, [0.0; 2]).map_err(populace::Error::from)?,
             lights: Vec::new(),
             things: BTreeMap::new(),
         };
-        for kind in plan.casts.iter().flat_map(|cast| &cast.holds) {
+        let carry = |does: &BehaviourPlan| match does {
+            BehaviourPlan::Stroll(stroll) => stroll.carry > 0.0,
+            _ => false,
+        };
+        let parcel = plan.crowds.iter().any(|crowd| carry(&crowd.does)).then(|| PARCEL.to_owned());
+        for kind in plan.casts.iter().flat_map(|cast| &cast.holds).chain(&parcel) {
             if !stage.things.contains_key(kind) {
                 stage.things.insert(kind.clone(), things(crowd, kind, files, prepare)?);
             }
@@ -229,6 +241,10 @@ impl Stage {
             let look_at = world.transform_point(*look_at);
             self.spots.push(SpotPlan { at: [x, z], facing_deg, look_at });
         }
+        if let Some([x, y, z]) = made.wall {
+            let [x, _, z] = world.transform_point([x, y, z + populace_cast::LEAN_WALL_M]);
+            self.leans.push(LeanPlan { at: [x, z], facing_deg: prop.facing_deg });
+        }
         for (at, yaw_rad) in &made.seats {
             let facing_deg = prop.facing_deg + yaw_rad.to_degrees();
             self.seats.push(SeatPlan { at: world.transform_point(*at), facing_deg });
@@ -277,13 +293,14 @@ fn make(
     prepare: &Prepare<'_>,
 ) -> Result<Made, Error> {
     use populace_props as props;
-    let (mut windows, mut seats, mut road, mut lamps) = (Vec::new(), Vec::new(), None, Vec::new());
+    let (mut windows, mut seats, mut lamps) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut road, mut wall) = (None, None);
     if let Some(file) = &prop.file {
         let character = files.get(file).cloned();
         let character =
             character.ok_or_else(|| Error::unknown("file of a prop", file, files.keys()))?;
         let character = prepare(character).map_err(populace::Error::from)?;
-        return Ok(Made { character, windows, seats, road, lamps });
+        return Ok(Made { character, windows, seats, wall, road, lamps });
     }
     let mut seating = |made: props::Seating| {
         seats = made.seats.iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
@@ -311,6 +328,7 @@ fn make(
             .map(|made| road.insert(made).character.clone()),
         "shopfront" => props::shopfront(prop.seed, size(0, 7.0)).map(|made| {
             windows = made.windows.iter().map(|at| (at.stand, at.yaw_rad, at.look_at)).collect();
+            wall = Some(made.pier);
             made.character
         }),
         kind => {
@@ -323,7 +341,7 @@ fn make(
     for lamp in Lamp::OF_CARS.into_iter().chain(Lamp::OF_PEOPLE) {
         lamps.extend(lamp.option_in(&character).map(|option| (lamp, option)));
     }
-    Ok(Made { character, windows, seats, road, lamps })
+    Ok(Made { character, windows, seats, wall, road, lamps })
 }
 
 /// Returns a number of rows or of seats.

@@ -71,6 +71,7 @@ fn everything_happens_ten_times_in_a_minute() {
     let counts = street.behaviours.counts();
     let Counts { looked_in, looked_both_ways, crossed, talked, sat, .. } = counts;
     let Counts { drove_off, got_out, fell, got_up, phoned, texted, .. } = counts;
+    let Counts { leaned, pointed, carried, .. } = counts;
     let all = [
         looked_in,
         looked_both_ways,
@@ -83,8 +84,38 @@ fn everything_happens_ten_times_in_a_minute() {
         got_up,
         phoned,
         texted,
+        leaned,
+        pointed,
+        carried,
     ];
     assert!(all.iter().all(|count| *count >= 10), "{counts:?}");
+}
+
+/// Everything that people do in the street is under way in the first frame, and nobody stands in
+/// somebody else.
+#[test]
+fn a_street_begins_in_the_middle() {
+    let street = Street::new(500, 7);
+    let Counts { looked_in, talked, sat, crossed, leaned, .. } = street.behaviours.counts();
+    assert_eq!([looked_in, talked, sat, crossed, leaned], [0; 5], "what has begun is not counted");
+    let mut places = Vec::new();
+    for member in street.behaviours.people() {
+        let view = street.crowd.member(member).unwrap();
+        if view.attached_to().is_none() {
+            let [x, _, z] = view.placement().position();
+            places.push([x, z]);
+        }
+    }
+    let near = |a: &[f32; 2]| {
+        let off = |b: &&[f32; 2]| (a[0] - b[0]).hypot(a[1] - b[1]) < 0.35;
+        places.iter().filter(off).count() > 1
+    };
+    let overlapping = places.iter().filter(|at| near(at)).count();
+    assert_eq!(overlapping, 0, "people who begin within others");
+    let on_road = places.iter().filter(|at| at[1].abs() < 5.0).count();
+    assert!(on_road >= 5, "{on_road} people cross at the beginning");
+    let at_fronts = places.iter().filter(|at| at[1].abs() > 11.5).count();
+    assert!(at_fronts >= 20, "{at_fronts} people are at windows and walls");
 }
 
 #[test]

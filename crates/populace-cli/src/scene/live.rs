@@ -50,8 +50,9 @@ impl LiveScene {
         let (plan, args) = (&source.plan, source.picture);
         let (casts, mut files) = casts(crowd, source)?;
         let props = source.prop_files(&mut files)?;
+        let levels = !args.full_detail;
         let prepare = |character: Character| {
-            let wanted = !args.full_detail && character.levels().is_empty();
+            let wanted = levels && character.levels().is_empty();
             let character = if wanted { populace_lod::with_levels(character)? } else { character };
             Ok(Arc::new(character))
         };

@@ -12,7 +12,7 @@ use super::body::{Body, Use};
 use super::falls::direction;
 use super::person::{Doing, Kind, Person};
 use super::random::Random;
-use super::world::{Stand, WHOLE, World};
+use super::world::{Stand, UPPER, WHOLE, World};
 use super::{armies, driving, settled, traffic};
 use crate::Error;
 use crate::plan::{
@@ -20,7 +20,7 @@ use crate::plan::{
     StrollPlan,
 };
 use crate::replay::Person as CastPerson;
-use crate::stage::Stage;
+use crate::stage::{PARCEL, Stage};
 
 /// The layer of clips that a plan adds to what people do.
 const ADDED: usize = 3;
@@ -105,7 +105,10 @@ impl Arrival<'_> {
                     driving::board(world, crowd, who, car)?;
                     world.people[who].doing = Doing::Drives { car, since: 0.0 };
                 }
-                None => on_foot.push(who),
+                None => {
+                    self.give_parcel(world, crowd, who, habits.carry)?;
+                    on_foot.push(who);
+                }
             }
         }
         settled::settle(world, crowd, (&own, habits, self.stage.ground()), &on_foot)
@@ -250,6 +253,7 @@ impl Arrival<'_> {
             footway: 0,
             direction: 1.0,
             lane: 0.5,
+            carries: false,
             goal,
             post,
             is_in_front,
@@ -304,6 +308,35 @@ impl Arrival<'_> {
             let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
             crowd.member_mut(thing)?.attach_to(owner, joint, offset)?;
         }
+        Ok(())
+    }
+}
+
+impl Arrival<'_> {
+    /// Gives somebody a parcel with a chance, if its body can carry it.
+    fn give_parcel(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        who: usize,
+        chance: f32,
+    ) -> Result<(), Error> {
+        let asset = crowd.character(world.body(who).character)?.asset().clone();
+        let place = populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M);
+        let (Some((joint, offset)), Some(parcel)) = (place, self.stage.things(PARCEL).first())
+        else {
+            return Ok(());
+        };
+        if !world.people[who].random.chance(chance) || !world.body(who).has(&[Use::Carry]) {
+            return Ok(());
+        }
+        let parcel = crowd.spawn(*parcel, Placement::at([0.0; 3]))?;
+        crowd.member_mut(parcel)?.attach_to(world.member(who), joint, offset)?;
+        let phase = world.people[who].random.part();
+        let looping = ClipPlayback::looping().phase(phase);
+        world.play(crowd, who, Use::Carry, (UPPER, looping))?;
+        world.people[who].carries = true;
+        world.counts.carried += 1;
         Ok(())
     }
 }

@@ -20,6 +20,9 @@ pub(crate) enum Use {
     Phone,
     Text,
     Wave,
+    Lean,
+    Point,
+    Carry,
     Clap,
     Cheer,
     OpenDoor,
@@ -33,7 +36,7 @@ pub(crate) enum Use {
 }
 
 /// Each use with the key by which scene files name it and the name of its clip.
-const USES: [(Use, &str, &str); 19] = [
+const USES: [(Use, &str, &str); 22] = [
     (Use::SitDown, "sit_down", "Sit_Down"),
     (Use::Sit, "sit", "Sit"),
     (Use::StandUp, "stand_up", "Stand_Up"),
@@ -43,6 +46,9 @@ const USES: [(Use, &str, &str); 19] = [
     (Use::Phone, "phone", "Phone"),
     (Use::Text, "text", "Text"),
     (Use::Wave, "wave", "Wave"),
+    (Use::Lean, "lean", "Lean"),
+    (Use::Point, "point", "Point"),
+    (Use::Carry, "carry", "Carry"),
     (Use::Clap, "clap", "Clap"),
     (Use::Cheer, "cheer", "Cheer"),
     (Use::OpenDoor, "open_door", "Open_Door"),

@@ -78,7 +78,9 @@ pub(crate) fn settle(
     let ends: Vec<(usize, usize)> = ends.collect();
     let random = &mut world.people[who].random;
     let (along, aside) = (random.part(), random.between(-0.42, 0.42));
-    let Some((crossing, side)) = ends.get(index_at(ends.len(), random.part())).copied() else { return Ok(false) };
+    let Some((crossing, side)) = ends.get(index_at(ends.len(), random.part())).copied() else {
+        return Ok(false);
+    };
     let until = PATIENCE_SECS;
     let of = &world.crossings[crossing];
     let [from, to] = [end(of, side, aside), end(of, 1 - side, -aside)];

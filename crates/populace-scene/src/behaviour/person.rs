@@ -26,6 +26,14 @@ pub(crate) enum Doing {
     Sits { seat: usize, until: f64 },
     /// It stands up.
     StandsUp { seat: usize, until: f64 },
+    /// It walks to a wall.
+    NearsWall { lean: usize, until: f64 },
+    /// It turns its back to it.
+    FacesAway { lean: usize, until: f64 },
+    /// It leans.
+    Leans { lean: usize, until: f64 },
+    /// It stands up from the wall.
+    Straightens { lean: usize, until: f64 },
     /// It walks to the end `side` of a crossing.
     NearsCrossing { crossing: usize, side: usize, until: f64 },
     /// It looks left and right since a time.
@@ -38,6 +46,8 @@ pub(crate) enum Doing {
     Meets { talk: usize },
     /// It talks.
     Talks { talk: usize },
+    /// It talks, and points at a window.
+    Points { talk: usize },
     /// It says goodbye.
     Leaves { until: f64 },
     /// It walks on with a telephone at its ear.
@@ -118,12 +128,15 @@ pub(crate) struct Person {
     pub(crate) goal: Vec2,
     /// The place of who has one: in a line of battle, or on a stand.
     pub(crate) post: Vec2,
+    /// True for somebody who carries a parcel with both hands.
+    pub(crate) carries: bool,
     /// True for a soldier of the front rank.
     pub(crate) is_in_front: bool,
 }
 
 impl Person {
+    /// Returns true for somebody who walks along its footway with free hands.
     pub(crate) fn strolls(&self) -> bool {
-        self.doing == Doing::Strolls
+        self.doing == Doing::Strolls && !self.carries
     }
 }

@@ -124,9 +124,10 @@ pub(crate) fn settle(
     if !world.body(who).has(&[Use::SitDown, Use::Sit, Use::StandUp]) {
         return Ok(false);
     }
-    let places = world.seats.iter().map(|(seat, taken)| {
-        taken.is_none().then_some(Vec2::new(seat.at[0], seat.at[2]))
-    });
+    let places = world
+        .seats
+        .iter()
+        .map(|(seat, taken)| taken.is_none().then_some(Vec2::new(seat.at[0], seat.at[2])));
     let places: Vec<_> = places.collect();
     let part = world.people[who].random.part();
     let Some((seat, footway)) = settling.free(world, &places, part) else { return Ok(false) };

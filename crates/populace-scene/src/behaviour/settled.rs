@@ -8,7 +8,7 @@ use populace_locomotion::Lead;
 
 use super::footways::Place;
 use super::world::{Counts, World};
-use super::{crossings, phones, seats, talks, windows};
+use super::{crossings, leans, phones, seats, talks, windows};
 use crate::Error;
 use crate::plan::StrollPlan;
 
@@ -18,13 +18,14 @@ const APART_M: f32 = 0.8;
 const TRIES: usize = 24;
 /// Side of a cell of taken places in metres: the largest distance that is kept.
 const CELL_M: f32 = 2.0;
-/// Seconds that activities take with the way to them, and that one looks, sits, talks, telephones
-/// and reads. Crossings take a wait and the way across.
+/// Seconds that activities take with the way to them, and that one looks, sits, leans, talks,
+/// telephones and reads. Crossings take a wait and the way across.
 const LOOKS_SECS: f32 = 7.5;
 const CROSSES_SECS: f32 = 13.0;
 const SITS_SECS: f32 = 16.5;
 /// A talk is that of those who were met, too.
 const TALKS_SECS: f32 = 2.4 * 15.0;
+const LEANS_SECS: f32 = 15.0;
 const PHONES_SECS: f32 = 14.0;
 const READS_SECS: f32 = 10.0;
 
@@ -35,6 +36,7 @@ enum Activity {
     Crosses,
     Sits,
     Talks,
+    Leans,
     Phones,
     Reads,
 }
@@ -59,10 +61,13 @@ pub(crate) fn settle(
     let (mut walk, mut talk) = (Vec::new(), Vec::new());
     for who in people.iter().copied() {
         let activity = choose(habits, world.people[who].random.part());
+        let needs_hands = !matches!(activity, Some(Activity::Looks | Activity::Crosses));
+        let activity = activity.filter(|_| !(needs_hands && world.people[who].carries));
         let has_begun = match activity {
             Some(Activity::Looks) => windows::settle(world, crowd, who, &mut settling)?,
             Some(Activity::Sits) => seats::settle(world, crowd, who, &mut settling)?,
             Some(Activity::Crosses) => crossings::settle(world, crowd, who, &mut settling)?,
+            Some(Activity::Leans) => leans::settle(world, crowd, who, &mut settling)?,
             Some(Activity::Talks) => {
                 talk.push(who);
                 true
@@ -89,7 +94,8 @@ pub(crate) fn settle(
         };
     }
     // What people began with has not happened in the scene.
-    world.counts = Counts::default();
+    let carried = world.counts.carried;
+    world.counts = Counts { carried, ..Counts::default() };
     Ok(())
 }
 
@@ -100,6 +106,7 @@ fn choose(habits: &StrollPlan, part: f32) -> Option<Activity> {
         (Activity::Crosses, habits.cross * CROSSES_SECS),
         (Activity::Sits, habits.sit * SITS_SECS),
         (Activity::Talks, habits.talk * TALKS_SECS),
+        (Activity::Leans, habits.lean * LEANS_SECS),
         (Activity::Phones, habits.phone * PHONES_SECS),
         (Activity::Reads, habits.text * READS_SECS),
     ];
@@ -169,9 +176,10 @@ impl Settling<'_> {
     pub(crate) fn is_free(&self, at: Vec2, apart_m: f32) -> bool {
         let [x, z] = cell(at);
         let around = (x - 1..=x + 1).flat_map(|x| (z - 1..=z + 1).map(move |z| [x, z]));
-        around.filter_map(|cell| self.taken.get(&cell)).flatten().all(|other| {
-            other.distance_squared(at) > apart_m * apart_m
-        })
+        around
+            .filter_map(|cell| self.taken.get(&cell))
+            .flatten()
+            .all(|other| other.distance_squared(at) > apart_m * apart_m)
     }
 
     /// Puts somebody who is on foot to a point, with a heading and a speed ahead in metres per

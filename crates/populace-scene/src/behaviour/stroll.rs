@@ -4,20 +4,24 @@ use populace::Crowd;
 
 use super::person::{Doing, Kind};
 use super::world::{World, per_turn};
-use super::{armies, crossings, driving, falls, phones, seats, stands, talks, windows};
+use super::{armies, crossings, driving, falls, leans, phones, seats, stands, talks, windows};
 use crate::Error;
 
 /// Things that somebody may decide to do.
-const CHOICES: [Choice; 8] = [
+const CHOICES: [Choice; 9] = [
     |world, _, who| windows::begin(world, who),
     |world, _, who| crossings::begin(world, who),
     |world, _, who| seats::begin(world, who),
     |world, _, who| talks::begin(world, who),
+    |world, _, who| leans::begin(world, who),
     |world, crowd, who| phones::call(world, crowd, who),
     |world, crowd, who| phones::read(world, crowd, who),
     |world, _, who| driving::begin(world, who),
     |world, _, who| falls::begin(world, who),
 ];
+
+/// The first of them need no hands.
+const FOR_FULL_HANDS: usize = 2;
 
 type Choice = fn(&mut World, &mut Crowd, usize) -> Result<bool, Error>;
 
@@ -39,11 +43,15 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
             | Doing::SitsDown { .. }
             | Doing::Sits { .. }
             | Doing::StandsUp { .. } => seats::step(world, crowd, who)?,
+            Doing::NearsWall { .. }
+            | Doing::FacesAway { .. }
+            | Doing::Leans { .. }
+            | Doing::Straightens { .. } => leans::step(world, crowd, who)?,
             Doing::NearsCrossing { .. }
             | Doing::LooksBothWays { .. }
             | Doing::Waits { .. }
             | Doing::Crosses { .. } => crossings::step(world, crowd, who)?,
-            Doing::Meets { .. } | Doing::Talks { .. } => {}
+            Doing::Meets { .. } | Doing::Talks { .. } | Doing::Points { .. } => {}
             Doing::Leaves { .. } => talks::step(world, crowd, who)?,
             Doing::Phones { .. } | Doing::Texts { .. } => phones::step(world, crowd, who)?,
             Doing::NearsCar { .. }
@@ -79,12 +87,15 @@ fn decide(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<bool, Erro
         habits.cross,
         habits.sit,
         habits.talk,
+        habits.lean,
         habits.phone,
         habits.text,
         habits.drive,
         habits.hurry,
     ];
-    for (rate, choice) in rates.into_iter().zip(CHOICES) {
+    // Who carries something only looks into windows and crosses.
+    let count = if world.people[who].carries { FOR_FULL_HANDS } else { CHOICES.len() };
+    for (rate, choice) in rates.into_iter().zip(CHOICES).take(count) {
         if world.people[who].random.chance(per_turn(rate)) && choice(world, crowd, who)? {
             return Ok(true);
         }

@@ -19,6 +19,12 @@ const AROUND_M: f32 = 0.58;
 /// Seconds in which all must have come.
 const COME_SECS: f64 = 9.0;
 const FADE_SECS: f32 = 0.35;
+/// The chance that a speaker shows the others a window, distances of such windows in metres, and
+/// seconds of showing and of the motion of the hand in it.
+const SHOWS: f32 = 0.3;
+const SHOWN_M: std::ops::Range<f32> = 1.5..9.0;
+const SHOWS_SECS: f64 = 5.6;
+const POINTS_SECS: f64 = 2.8;
 /// Seconds of a goodbye.
 const GOODBYE_SECS: f64 = 1.6;
 
@@ -68,6 +74,7 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
         speaker: 0,
         turn_until: 0.0,
         has_begun: false,
+        shows: None,
     };
     let free = world.talks.iter().position(Option::is_none).unwrap_or(world.talks.len());
     world.talks.resize_with(world.talks.len().max(free + 1), || None);
@@ -113,6 +120,7 @@ pub(crate) fn settle(
         speaker: 0,
         turn_until: 0.0,
         has_begun: true,
+        shows: None,
     };
     converse(world, crowd, &mut talk)?;
     world.talks.push(Some(talk));
@@ -172,7 +180,13 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
         return Ok(false);
     }
     if world.now < talk.turn_until {
+        point(world, crowd, talk)?;
         return Ok(true);
+    }
+    if talk.shows.take().is_some() {
+        let speaker = talk.people[talk.speaker];
+        let to = talk.middle - world.position(speaker);
+        world.face(speaker, Some(to.x.atan2(to.y)))?;
     }
     talk.speaker = (talk.speaker + 1) % talk.people.len();
     let speaker = talk.people[talk.speaker];
@@ -180,6 +194,9 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
     talk.turn_until = world.now + f64::from(secs);
     let listener = talk.people[(talk.speaker + 1) % talk.people.len()];
     for who in talk.people.clone() {
+        if let Doing::Points { talk } = world.people[who].doing {
+            world.people[who].doing = Doing::Talks { talk };
+        }
         let usage = if who == speaker { Use::Talk } else { Use::Listen };
         let phase = world.people[who].random.part();
         let playback = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
@@ -187,7 +204,47 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
         let at = world.eyes(if who == speaker { listener } else { speaker });
         world.look(crowd, who, at)?;
     }
+    show(world, crowd, talk)?;
     Ok(true)
+}
+
+/// Lets the speaker turn to a window near by, now and then, and all look at it.
+fn show(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<(), Error> {
+    let speaker = talk.people[talk.speaker];
+    if !world.body(speaker).has(&[Use::Point]) || !world.people[speaker].random.chance(SHOWS) {
+        return Ok(());
+    }
+    let at = world.position(speaker);
+    let distance = |spot: &usize| Vec2::from(world.spots[*spot].0.at).distance(at);
+    let near = (0..world.spots.len()).filter(|spot| SHOWN_M.contains(&distance(spot)));
+    let Some(spot) = near.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
+        return Ok(());
+    };
+    let shown = world.spots[spot].0.look_at;
+    world.face(speaker, Some((shown[0] - at.x).atan2(shown[2] - at.y)))?;
+    for who in &talk.people {
+        world.look(crowd, *who, shown)?;
+    }
+    talk.shows = Some(spot);
+    talk.turn_until = world.now + SHOWS_SECS;
+    Ok(())
+}
+
+/// Lets a speaker who has turned to a window point at it.
+fn point(world: &mut World, crowd: &mut Crowd, talk: &Talk) -> Result<(), Error> {
+    let (Some(spot), speaker) = (talk.shows, talk.people[talk.speaker]) else { return Ok(()) };
+    let Doing::Talks { talk: index } = world.people[speaker].doing else { return Ok(()) };
+    let (at, shown) = (world.position(speaker), world.spots[spot].0.look_at);
+    let yaw_rad = (shown[0] - at.x).atan2(shown[2] - at.y);
+    let is_late = talk.turn_until - world.now < POINTS_SECS;
+    if !is_late && !world.faces(crowd, speaker, yaw_rad)? {
+        return Ok(());
+    }
+    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
+    world.play(crowd, speaker, Use::Point, (UPPER, once))?;
+    world.people[speaker].doing = Doing::Points { talk: index };
+    world.counts.pointed += 1;
+    Ok(())
 }
 
 /// Ends a talk: one waves, and all go on.

@@ -108,9 +108,8 @@ pub(crate) fn settle(
     if !world.body(who).has(&[Use::LookIn]) {
         return Ok(false);
     }
-    let places = world.spots.iter().map(|(spot, taken)| {
-        taken.is_none().then_some(Vec2::from(spot.at))
-    });
+    let places =
+        world.spots.iter().map(|(spot, taken)| taken.is_none().then_some(Vec2::from(spot.at)));
     let places: Vec<_> = places.collect();
     let part = world.people[who].random.part();
     let Some((spot, footway)) = settling.free(world, &places, part) else { return Ok(false) };

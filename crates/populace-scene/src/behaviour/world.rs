@@ -6,7 +6,9 @@ use populace_locomotion::{Goal, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
-use crate::plan::{CrossingPlan, FightPlan, SeatPlan, SpectatePlan, SpotPlan, StrollPlan};
+use crate::plan::{
+    CrossingPlan, FightPlan, LeanPlan, SeatPlan, SpectatePlan, SpotPlan, StrollPlan,
+};
 
 use super::body::{Body, Use};
 use super::footways::{Footway, Place};
@@ -57,6 +59,12 @@ pub struct Counts {
     pub phoned: u32,
     /// Messages read.
     pub texted: u32,
+    /// Times that somebody leant against a wall.
+    pub leaned: u32,
+    /// Times that somebody who talks pointed at a window.
+    pub pointed: u32,
+    /// Parcels carried along the street.
+    pub carried: u32,
     /// Times that somebody clapped.
     pub clapped: u32,
     /// Times that somebody cheered.
@@ -80,6 +88,8 @@ pub(crate) struct Talk {
     pub(crate) speaker: usize,
     pub(crate) turn_until: f64,
     pub(crate) has_begun: bool,
+    /// The spot that the speaker shows the others.
+    pub(crate) shows: Option<usize>,
 }
 
 /// People on seats.
@@ -116,6 +126,7 @@ pub(crate) struct World {
     pub(crate) people: Vec<Person>,
     pub(crate) footways: Vec<Footway>,
     pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
+    pub(crate) leans: Vec<(LeanPlan, Option<usize>)>,
     pub(crate) seats: Vec<(SeatPlan, Option<usize>)>,
     pub(crate) crossings: Vec<Crossing>,
     pub(crate) traffic: Traffic,

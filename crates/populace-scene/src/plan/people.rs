@@ -85,6 +85,8 @@ pub struct StrollPlan {
     pub sit: f32,
     /// Meets somebody and talks.
     pub talk: f32,
+    /// Leans against a wall.
+    pub lean: f32,
     /// Telephones.
     pub phone: f32,
     /// Reads a message while walking, and heeds nobody meanwhile.
@@ -93,6 +95,8 @@ pub struct StrollPlan {
     pub drive: f32,
     /// Is in a hurry, and may run into somebody.
     pub hurry: f32,
+    /// The share of people who carry a parcel, 0 to 1. They walk, look into windows and cross.
+    pub carry: f32,
 }
 
 impl Default for StrollPlan {
@@ -108,6 +112,8 @@ impl Default for StrollPlan {
             text: 0.4,
             drive: 0.3,
             hurry: 0.3,
+            lean: 0.3,
+            carry: 0.04,
         }
     }
 }

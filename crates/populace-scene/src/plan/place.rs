@@ -42,6 +42,16 @@ pub struct SpotPlan {
     pub look_at: [f32; 3],
 }
 
+/// A place at which somebody leans with the back against a wall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LeanPlan {
+    /// Where the person stands, 0.3 m before the wall.
+    pub at: [f32; 2],
+    /// The heading, away from the wall.
+    pub facing_deg: f32,
+}
+
 /// A place to sit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

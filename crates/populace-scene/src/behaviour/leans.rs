@@ -1,0 +1,124 @@
+//! Leaning against a wall.
+
+use glam::Vec2;
+use populace::{ClipPlayback, Crowd};
+
+use super::body::Use;
+use super::person::Doing;
+use super::settled::Settling;
+use super::world::{UPPER, WHOLE, World};
+use crate::Error;
+
+/// Distance at which a wall is noticed, in metres.
+const NOTICED_M: f32 = 12.0;
+const PATIENCE_SECS: f64 = 20.0;
+/// Seconds from standing to leaning, and back.
+const FADE_SECS: f32 = 0.9;
+/// How long people lean, in seconds.
+const LEANS_SECS: [f32; 2] = [8.0, 22.0];
+/// The part of those who lean that read messages meanwhile.
+const READS: f32 = 0.4;
+
+/// Lets somebody who strolls walk to a free wall near by. Returns true if there is one.
+pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::Lean]) {
+        return Ok(false);
+    }
+    let at = world.position(who);
+    let footway = &world.footways[world.people[who].footway];
+    let near = |wall: Vec2| {
+        let distance = wall.distance(at);
+        (distance < NOTICED_M && footway.distance_m(wall) < 1.5).then_some(distance)
+    };
+    let free = world.leans.iter().enumerate().filter(|(_, (_, taken))| taken.is_none());
+    let free = free.filter_map(|(index, (lean, _))| Some((near(lean.at.into())?, index)));
+    let Some((_, lean)) = free.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
+    world.leans[lean].1 = Some(who);
+    world.people[who].doing = Doing::NearsWall { lean, until: world.now + PATIENCE_SECS };
+    let to = world.leans[lean].0.at.into();
+    world.send(who, to)?;
+    Ok(true)
+}
+
+/// Goes on with it.
+pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
+    let now = world.now;
+    match world.people[who].doing {
+        Doing::NearsWall { lean, until } => {
+            if world.has_arrived(who) {
+                let yaw_rad = world.leans[lean].0.facing_deg.to_radians();
+                world.halt(who)?;
+                world.face(who, Some(yaw_rad))?;
+                world.people[who].doing = Doing::FacesAway { lean, until: now + 5.0 };
+            } else if now > until {
+                world.leans[lean].1 = None;
+                world.go_on(who)?;
+            }
+        }
+        Doing::FacesAway { lean, until } => {
+            let yaw_rad = world.leans[lean].0.facing_deg.to_radians();
+            if world.faces(crowd, who, yaw_rad)? || now > until {
+                let secs = world.people[who].random.between(LEANS_SECS[0], LEANS_SECS[1]);
+                world.counts.leaned += 1;
+                stand_against(world, crowd, who, (lean, now + f64::from(secs)))?;
+            }
+        }
+        Doing::Leans { lean, until } if now > until => {
+            world.end(crowd, who, UPPER, FADE_SECS)?;
+            world.end(crowd, who, WHOLE, FADE_SECS)?;
+            let until = now + f64::from(FADE_SECS);
+            world.people[who].doing = Doing::Straightens { lean, until };
+        }
+        Doing::Straightens { lean, until } if now > until => {
+            world.leans[lean].1 = None;
+            world.go_on(who)?;
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+/// Leans until a time. Some read messages meanwhile.
+fn stand_against(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    (lean, until): (usize, f64),
+) -> Result<(), Error> {
+    let member = world.member(who);
+    world.walkers.set_heedless(member, true)?;
+    let phase = world.people[who].random.part();
+    let looping = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
+    world.play(crowd, who, Use::Lean, (WHOLE, looping))?;
+    if world.people[who].random.chance(READS) {
+        world.play(crowd, who, Use::Text, (UPPER, looping))?;
+    }
+    world.people[who].doing = Doing::Leans { lean, until };
+    Ok(())
+}
+
+/// Begins at a free wall beside one of some footways. Returns false without one.
+pub(crate) fn settle(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    settling: &mut Settling<'_>,
+) -> Result<bool, Error> {
+    if !world.body(who).has(&[Use::Lean]) {
+        return Ok(false);
+    }
+    let places =
+        world.leans.iter().map(|(lean, taken)| taken.is_none().then_some(Vec2::from(lean.at)));
+    let places: Vec<_> = places.collect();
+    let part = world.people[who].random.part();
+    let Some((lean, footway)) = settling.free(world, &places, part) else { return Ok(false) };
+    let (plan, taken) = &mut world.leans[lean];
+    *taken = Some(who);
+    let (at, yaw_rad) = (Vec2::from(plan.at), plan.facing_deg.to_radians());
+    settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
+    world.face(who, Some(yaw_rad))?;
+    world.people[who].footway = footway;
+    let until = f64::from(world.people[who].random.between(0.5, LEANS_SECS[1]));
+    stand_against(world, crowd, who, (lean, until))?;
+    Ok(true)
+}
