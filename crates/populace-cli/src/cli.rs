@@ -225,6 +225,10 @@ pub(crate) struct DemoArgs {
     /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
     #[arg(long, value_name = "FILE.toml")]
     pub(crate) write_scene: Option<PathBuf>,
+    /// File with lines such as \"at 0.5 click 300 200\" that drive the window
+    #[cfg(feature = "viewer")]
+    #[arg(long, value_name = "FILE", conflicts_with = "out")]
+    pub(crate) script: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) picture: PictureArgs,
 }

@@ -15,7 +15,7 @@ use populace_scene::{SceneFileError, StreetSettings};
 use serde_json::json;
 
 use crate::camera::{Keys, View};
-use crate::cli::{FrameRange, PictureArgs};
+use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
 use crate::filming::Filming;
@@ -68,6 +68,19 @@ pub(crate) fn is_scene(input: &Path) -> bool {
     input.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("toml"))
 }
 
+/// Returns the rate of a scene's films: the one that was asked for, or the scene's own.
+pub(crate) fn film_rate(plan: &ScenePlan, asked: Option<FrameRate>) -> Result<FrameRate, Failure> {
+    Ok(asked.map_or_else(|| FrameRate::new(plan.output.fps, 1), Ok)?)
+}
+
+/// Returns the number of frames of a scene's film at a rate, at least 1.
+pub(crate) fn frame_count(plan: &ScenePlan, rate: FrameRate) -> u32 {
+    let frames = f64::from(plan.output.seconds.clamp(0.0, 1e4)) * rate.per_sec();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    let count = frames.round().max(1.0) as u32;
+    count.min(MOST_FRAMES)
+}
+
 impl SceneJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(self) -> Result<(), Failure> {
@@ -103,21 +116,16 @@ impl SceneJob<'_> {
 
     fn frames(&self) -> Result<Frames, Failure> {
         let film = &self.source.picture.film;
-        let output = &self.source.plan.output;
-        let rate = match film.fps {
-            Some(rate) => rate,
-            None => FrameRate::new(output.fps, 1)?,
-        };
+        let plan = &self.source.plan;
+        let rate = film_rate(plan, film.fps)?;
         let shutter = Shutter::degrees(film.shutter);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked")]
-        let count = (output.seconds.clamp(0.0, 1e4) * output.fps as f32).round().max(1.0) as u32;
         Ok(match &film.frames {
             Some(FrameRange(range)) => Frames::film(range, rate, shutter),
             None if self.is_film() && film.at.is_none() => {
-                Frames::film(&(0..=count - 1), rate, shutter)
+                Frames::film(&(0..=frame_count(plan, rate) - 1), rate, shutter)
             }
             None => {
-                let secs = film.at.unwrap_or(f64::from(output.lead_in_s));
+                let secs = film.at.unwrap_or(f64::from(plan.output.lead_in_s));
                 Frames { shutter, ..Frames::still(secs, rate) }
             }
         })
@@ -143,10 +151,7 @@ impl SceneSource<'_> {
         let mut scene = crate::filming::scene(self.picture);
         self.light(&mut scene)?;
         let action = Box::new(FilmedScene::new(live, self.view()?));
-        let rate = match self.picture.film.fps {
-            Some(rate) => rate,
-            None => FrameRate::new(self.plan.output.fps, 1)?,
-        };
+        let rate = film_rate(&self.plan, self.picture.film.fps)?;
         let roles = loaded.roles;
         Ok(crate::watched::Staged { crowd, action, roles, scene, rate, length_secs: None })
     }

@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 use populace::character::Character;
 use populace::clip::Clip;
 use populace::{
-    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Error, MemberId, Placement, Schedule,
+    Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, Error, MemberId, Placement,
 };
 
 use crate::feet::{Carried, Feet, Leg};
@@ -120,8 +120,6 @@ impl Treadmill {
         let Some(feet) = Feet::find(character) else { return Ok(None) };
         let mut crowd = Crowd::builder()
             .device(Device::Native { threads: 1 })
-            // Joints are read: another schedule would evaluate them again.
-            .schedule(Schedule::Staged)
             .capacity(AT_ONCE)
             .slots_per_member(clips)
             .build()?;

@@ -283,7 +283,8 @@ type Key = (String, u64, Vec<u32>);
 
 fn key(prop: &PropPlan) -> Key {
     let sizes = prop.size_m.iter().map(|size| size.to_bits()).collect();
-    (prop.file.clone().unwrap_or_else(|| prop.kind.clone()), prop.seed, sizes)
+    let name = prop.file.as_ref().map_or_else(|| prop.kind.clone(), |file| format!("file {file}"));
+    (name, prop.seed, sizes)
 }
 
 /// Makes a prop of a kind, or takes that of a file.

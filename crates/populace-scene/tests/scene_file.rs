@@ -80,3 +80,14 @@ fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
     let stroll = GOOD.replace("speed = 1.2", "footways = [\"road\"]");
     refused(&stroll, 15, "none is \"road\"");
 }
+
+#[test]
+fn a_prop_is_of_a_kind_or_of_a_file() {
+    let with = |keys: &str| format!("{GOOD}\n[[prop]]\nat = [0, 0, 0]\n{keys}\n");
+    let plan = ScenePlan::parse(&with("file = \"kiosk.glb\"")).unwrap();
+    assert_eq!(plan.props[0].file.as_deref(), Some("kiosk.glb"));
+    assert_eq!(ScenePlan::parse(&plan.to_toml().unwrap()).unwrap(), plan);
+    refused(&with("kind = \"banch\""), 19, "did you mean \"bench\"");
+    refused(&with("kind = \"bench\"\nfile = \"kiosk.glb\""), 20, "one or the other");
+    refused(&with(""), 17, "there must be a `file`");
+}

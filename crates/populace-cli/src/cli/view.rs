@@ -52,12 +52,13 @@ impl ViewArgs {
         picture: PictureArgs,
         cast: Vec<PathBuf>,
         members: Option<u32>,
+        script: Option<PathBuf>,
     ) -> Result<Self, Failure> {
         let command = Self::augment_args(clap::Command::new("view"));
         let matches = command.try_get_matches_from(["view", "@street"]);
         let defaults = matches.and_then(|matches| Self::from_arg_matches(&matches));
         let defaults = defaults.map_err(|error| Failure::Run(error.into()))?;
-        Ok(Self { picture, cast, members, ..defaults })
+        Ok(Self { picture, cast, members, script, ..defaults })
     }
 
     /// Refuses options that mean nothing in a window.

@@ -22,8 +22,8 @@ pub(crate) fn run(args: DemoArgs) -> Result<(), Failure> {
     }
     #[cfg(feature = "viewer")]
     if args.out.is_none() && args.picture.is_still() && has_display() {
-        let DemoArgs { picture, cast, members, .. } = args;
-        return super::view::run(&crate::cli::ViewArgs::of_street(picture, cast, members)?);
+        let DemoArgs { picture, cast, members, script, .. } = args;
+        return super::view::run(&crate::cli::ViewArgs::of_street(picture, cast, members, script)?);
     }
     let source = SceneSource { plan, file: None, cast: &args.cast, picture: &args.picture };
     SceneJob { source, out: args.out.as_deref().unwrap_or(Path::new(OUT)) }.run()

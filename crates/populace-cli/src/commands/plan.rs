@@ -9,6 +9,7 @@ use crate::failure::Failure;
 use crate::film_length;
 use crate::report;
 use crate::roles;
+use crate::scene;
 use crate::trajectory;
 
 pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
@@ -20,7 +21,8 @@ pub(crate) fn run(args: &PlanArgs) -> Result<(), Failure> {
     report::text(&lines.collect::<String>())
 }
 
-/// Returns the frames of the film. Without a trajectory file nothing says how many there are.
+/// Returns the frames of the film. Without a trajectory file or a scene nothing says how many
+/// there are.
 fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
     for input in &args.inputs {
         check_exists(input)?;
@@ -28,11 +30,18 @@ fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
     if let Some(frames) = &args.frames {
         return Ok(frames.clone());
     }
+    if let [input] = args.inputs.as_slice()
+        && scene::is_scene(input)
+    {
+        let plan = scene::read(input)?;
+        let rate = scene::film_rate(&plan, args.fps)?;
+        return Ok(FrameRange(0..=scene::frame_count(&plan, rate) - 1));
+    }
     let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
     let Some(file) = args.inputs.iter().find(is_trajectory) else {
         return Err(Failure::usage(
-            "none of the inputs is a trajectory file, which would say how long the film is; name \
-             one, or say with --frames N how many frames it has",
+            "none of the inputs is a trajectory file or a scene, which would say how long the film \
+             is; name one, or say with --frames N how many frames it has",
         ));
     };
     let recording = args.read.load(file)?;

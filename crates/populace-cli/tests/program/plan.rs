@@ -54,6 +54,20 @@ fn plan_takes_the_number_of_frames_where_no_file_says_it() {
 }
 
 #[test]
+fn plan_divides_the_film_of_a_scene() {
+    let folder = Folder::new();
+    let text = "schema = 1\n\n[output]\nfps = 24\nseconds = 5\n";
+    std::fs::write(folder.path("scene.toml"), text).expect("written");
+    let scene = folder.text("scene.toml");
+    let d = json_of(&["plan", &scene, "--chunk", "100", "--json"]);
+    assert_eq!((&d["frame_count"], ranges(&d)), (&json!(120), vec![[0, 99], [100, 119]]));
+    let d = json_of(&["plan", &scene, "--fps", "10", "--json"]);
+    assert_eq!(d["frame_count"], 50, "as many seconds at another rate");
+    std::fs::write(folder.path("scene.toml"), text.replace("fps", "fpz")).expect("written");
+    refused(&["plan", &scene], 1, &["line 4", "fpz"]);
+}
+
+#[test]
 fn plan_refuses_what_it_cannot_read_or_divide() {
     let folder = Folder::new();
     let missing = folder.text("missing.csv");

@@ -10,7 +10,7 @@ const SMALL: [&str; 6] = ["--size", "64x36", "--device", "native", "--members", 
 fn the_street_says_what_happened() {
     let folder = Folder::new();
     let out = folder.text("street.png");
-    let d = json_of(&[&["demo", "--json", "--out", &out][..], &SMALL].concat());
+    let d = json_of(&[&["demo", "--json", "--at", "1", "--out", &out][..], &SMALL].concat());
     assert!(d["members"].as_u64() > Some(40), "people, props and vehicles: {d}");
     assert!(d["counts"]["crossed"].is_u64() && d["counts"]["sat"].is_u64(), "{d}");
     assert!(d["ms_median"]["behave"].as_f64() > Some(0.0), "{d}");
@@ -31,6 +31,23 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
+/// A file stands in a scene as a prop, where the scene says.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_file_is_a_prop() {
+    let folder = Folder::new();
+    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+    let camera = "[[camera]]\nname = \"a\"\nkey = [{ from = [0, 1, 6], to = [0, 1, 0] }]\n";
+    let drawn = |x: &str| {
+        let prop = format!("[[prop]]\nfile = \"post.gltf\"\nat = [{x}, 0, 0]\n");
+        std::fs::write(&scene, format!("schema = 1\n{camera}{prop}")).unwrap();
+        let done = populace(&["render", &scene, "--size", "64x36", "--out", &out]);
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        std::fs::read(&out).unwrap()
+    };
+    assert!(drawn("0") != drawn("900"), "the post is not seen");
+}
+
 #[test]
 fn wrong_scenes_are_refused_with_line_and_key() {
     let folder = Folder::new();
@@ -40,6 +57,10 @@ fn wrong_scenes_are_refused_with_line_and_key() {
         ("sceme = 1\n", "line 1: there is no key `sceme` here; did you mean \"schema\""),
         ("schema = 7\n", "line 1: `schema` must be 1"),
         ("schema = 1\n[[prop]]\nkind = \"benhc\"\nat = [0, 0, 0]\n", "did you mean \"bench\""),
+        (
+            "schema = 1\n[[prop]]\nat = [0, 0, 0]\nfile = \"none.glb\"\n",
+            "line 4: `file` of a [[prop]]",
+        ),
         ("schema = 1\n[light]\nsky = \"dya\"\n", "`sky` of [light]"),
     ] {
         std::fs::write(&scene, text).unwrap();

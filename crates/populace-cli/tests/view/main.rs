@@ -40,6 +40,7 @@ fn main() -> ExitCode {
         trial("a dropped file is opened", time::drops),
         trial("another schedule shows the same moment", time::reopens),
         trial("a film is recorded", time::records),
+        trial("the demo opens the street", time::opens_the_street),
         trial("the layout is remembered", time::remembers),
         trial("input is shown by the next picture", time::shows_input_at_once),
         Trial::test("a missing display says what to do", time::misses_a_display),

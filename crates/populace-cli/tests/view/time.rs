@@ -99,6 +99,26 @@ pub(super) fn records(desk: &Desk) -> Result<(), Failed> {
     Ok(())
 }
 
+/// With as many people as were measured, who go about what they do.
+pub(super) fn opens_the_street(desk: &Desk) -> Result<(), Failed> {
+    let script = "at 0.1 picture first.png\nat 1 picture later.png\nat 1.1 quit\n";
+    std::fs::write(desk.path("script.txt"), script)?;
+    let output = Command::new(env!("CARGO_BIN_EXE_populace"))
+        .args(["demo", "--size", "480x270", "--json", "--script"])
+        .arg(desk.path("script.txt"))
+        .current_dir(desk.path(""))
+        .env("DISPLAY", desk.display.name())
+        .env_remove("WAYLAND_DISPLAY")
+        .env("XDG_CONFIG_HOME", desk.path("config"))
+        .output()?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    ensure(output.status.success(), || stderr.clone().into_owned())?;
+    ensure(stderr.contains("ms a frame here:"), || format!("nothing was measured: {stderr}"))?;
+    ensure(!desk.path("populace-demo.png").exists(), || "a picture was drawn".into())?;
+    let moved = differing(&desk.image("first.png")?, &desk.image("later.png")?).len();
+    ensure(moved > 300, || format!("{moved} pixels move in the street"))
+}
+
 pub(super) fn remembers(desk: &Desk) -> Result<(), Failed> {
     let file = desk.path("config/viewer.toml");
     let name = file.to_string_lossy().into_owned();
