@@ -12,11 +12,11 @@ use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
 use populace_cast::{Look, dress, dress_with_options, person};
-use populace_lod::with_levels;
 
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
+use crate::levels::{Levels, is_cache};
 use crate::names::hint;
 use crate::progress::Progress;
 use crate::report::message;
@@ -85,7 +85,7 @@ impl<'a> Loader<'a> {
 
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
-/// added to all characters. With `levels`, characters get levels of detail. With `options`, built-in
+/// added to all characters. `levels` says which levels of detail they get. With `options`, built-in
 /// people have what they could wear besides what they wear.
 pub(crate) fn load(
     crowd: &mut Crowd,
@@ -94,7 +94,7 @@ pub(crate) fn load(
     clip_files: &[PathBuf],
     choice: ClipChoice,
     height_m: Option<f32>,
-    levels: bool,
+    levels: Levels,
     options: bool,
 ) -> Result<LoadedRoles, Failure> {
     let inputs = in_folders(inputs)?;
@@ -106,13 +106,18 @@ pub(crate) fn load(
     }
     for input in &inputs {
         match built_in_name(input) {
-            Some(name) => drawn.extend(built_in(name, options)?),
+            Some(name) => drawn.extend(built_in(name, options)?.into_iter().map(|c| (c, vec![]))),
             None => {
+                let known = loader.referenced.len();
                 let character = loader.load(input)?;
                 if character.parts.is_empty() {
                     clips.extend(character.clips.iter().cloned());
                 } else {
-                    drawn.push(character);
+                    let referenced = loader.referenced[known..].iter().cloned();
+                    drawn.push((
+                        character,
+                        std::iter::once(input.clone()).chain(referenced).collect(),
+                    ));
                 }
             }
         }
@@ -124,11 +129,8 @@ pub(crate) fn load(
     let mixed = drawn.len() > 1;
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
-    let mut add = |character: Character| {
-        // Files may hold levels of their own.
-        let wanted = levels && character.levels().is_empty();
-        let character = if wanted { with_levels(character) } else { Ok(character) };
-        let character = Arc::new(character.map_err(|e| Failure::Run(e.into()))?);
+    let mut add = |(character, files): (Character, Vec<PathBuf>)| {
+        let character = Arc::new(levels.of(character, &files, loader.input)?);
         let scale = scale(&character, height_m, mixed);
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
@@ -195,7 +197,7 @@ fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
             ["glb", "gltf", "vrm"].contains(&extension.to_ascii_lowercase().as_str())
         };
-        found.retain(|path| is_gltf(path));
+        found.retain(|path| is_gltf(path) && !is_cache(path));
         if found.is_empty() {
             return Err(Failure::Input(anyhow::anyhow!(
                 "the folder {} holds no glTF file (.glb, .gltf, .vrm)",
