@@ -48,7 +48,7 @@ impl CrowdPlan<'_> {
             &args.clips,
             choice,
             args.height,
-            !args.full_detail,
+            args.levels(),
             !plain,
         )?;
         let settings =

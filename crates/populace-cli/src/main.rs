@@ -21,6 +21,7 @@ mod frame_loop;
 mod frames;
 mod image_files;
 mod input;
+mod levels;
 mod mix;
 mod names;
 mod output;

@@ -26,6 +26,7 @@ use crate::filming::{self, build_crowd};
 use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::frames::{Frames, Shutter, single};
+use crate::levels::Levels;
 use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, LoadedRoles};
 use crate::trajectory::{self, ReadArgs};
@@ -151,7 +152,7 @@ impl ReplayJob<'_> {
             &args.clips,
             ClipChoice::default(),
             args.height,
-            are_drawn && !args.full_detail,
+            if are_drawn { args.levels() } else { Levels::None },
             !args.plain,
         )?;
         let roles = &loaded.roles;

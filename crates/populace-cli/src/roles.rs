@@ -12,12 +12,12 @@ use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
 use populace_cast::{Look, dress, dress_with_options, person};
-use populace_lod::with_levels;
 use rayon::prelude::*;
 
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
+use crate::levels::{Levels, is_cache};
 use crate::names::hint;
 use crate::progress::Progress;
 use crate::report::message;
@@ -91,7 +91,7 @@ impl<'a> Loader<'a> {
 
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
-/// added to all characters. With `levels`, characters get levels of detail. With `options`, built-in
+/// added to all characters. `levels` says which levels of detail they get. With `options`, built-in
 /// people have what they could wear besides what they wear.
 pub(crate) fn load(
     crowd: &mut Crowd,
@@ -100,7 +100,7 @@ pub(crate) fn load(
     clip_files: &[PathBuf],
     choice: ClipChoice,
     height_m: Option<f32>,
-    levels: bool,
+    levels: Levels,
     options: bool,
 ) -> Result<LoadedRoles, Failure> {
     let inputs = in_folders(inputs)?;
@@ -112,13 +112,18 @@ pub(crate) fn load(
     }
     for input in &inputs {
         match built_in_name(input) {
-            Some(name) => drawn.extend(built_in(name, options)?),
+            Some(name) => drawn.extend(built_in(name, options)?.into_iter().map(|c| (c, vec![]))),
             None => {
+                let known = loader.referenced.len();
                 let character = loader.load(input)?;
                 if character.parts.is_empty() {
                     clips.extend(character.clips.iter().cloned());
                 } else {
-                    drawn.push(character);
+                    let referenced = loader.referenced[known..].iter().cloned();
+                    drawn.push((
+                        character,
+                        std::iter::once(input.clone()).chain(referenced).collect(),
+                    ));
                 }
             }
         }
@@ -130,16 +135,11 @@ pub(crate) fn load(
     let mixed = drawn.len() > 1;
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
-    let finish = |character: Character| {
-        // Files may hold levels of their own.
-        let wanted = levels && character.levels().is_empty();
-        Ok(Arc::new(if wanted { with_levels(character)? } else { character }))
-    };
-    let drawn = drawn.into_par_iter().map(finish);
-    let drawn: Vec<Arc<Character>> = drawn
-        .collect::<Result<_, populace::character::Error>>()
-        .map_err(|e| Failure::Run(e.into()))?;
-    let mut add = |character: Arc<Character>| {
+    let drawn = drawn.into_par_iter();
+    let drawn = drawn.map(|(character, files)| levels.of(character, &files, loader.input));
+    let drawn: Vec<Character> = drawn.collect::<Result<_, Failure>>()?;
+    let mut add = |character: Character| {
+        let character = Arc::new(character);
         let scale = scale(&character, height_m, mixed);
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
@@ -206,7 +206,7 @@ fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
             ["glb", "gltf", "vrm"].contains(&extension.to_ascii_lowercase().as_str())
         };
-        found.retain(|path| is_gltf(path));
+        found.retain(|path| is_gltf(path) && !is_cache(path));
         if found.is_empty() {
             return Err(Failure::Input(anyhow::anyhow!(
                 "the folder {} holds no glTF file (.glb, .gltf, .vrm)",

@@ -35,6 +35,8 @@ pub(crate) struct ModelInfo {
     pub(crate) level_count: u32,
     /// True if any part is alpha-blended.
     pub(crate) blended: bool,
+    /// True for a thing as large as a house: a place, before which others stand.
+    pub(crate) is_place: bool,
 }
 
 /// Consecutive instances of one model with palettes in one page.
@@ -69,6 +71,7 @@ pub(crate) struct Batches {
 /// Sort key of one instance.
 #[derive(Clone, Copy)]
 struct DrawKey {
+    is_place: bool,
     page: usize,
     model: usize,
     level: u32,
@@ -108,6 +111,7 @@ impl Batches {
             if instance.world_from_model.is_finite() {
                 let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
                 keys.push(DrawKey {
+                    is_place: infos[model].is_place,
                     page,
                     model,
                     level: instance.level.min(infos[model].level_count - 1),
@@ -170,10 +174,10 @@ impl Batches {
 }
 
 /// Sorts into the fewest runs, each front to back. Fine levels come first: they are near, and hide
-/// what is behind them.
+/// what is behind them. Places come last, since shading them takes longest.
 fn sort_for_opaque(keys: &mut [DrawKey]) {
     keys.sort_unstable_by(|a, b| {
-        let group = |k: &DrawKey| (k.level, k.page, k.model, k.mirrored, k.faded);
+        let group = |k: &DrawKey| (k.is_place, k.level, k.page, k.model, k.mirrored, k.faded);
         let order = group(a).cmp(&group(b)).then(a.distance.total_cmp(&b.distance));
         order.then(a.index.cmp(&b.index))
     });
@@ -195,8 +199,10 @@ mod tests {
 
     use super::*;
 
-    const OPAQUE: ModelInfo = ModelInfo { entry_count: 3, level_count: 2, blended: false };
-    const BLENDED: ModelInfo = ModelInfo { entry_count: 3, level_count: 1, blended: true };
+    const OPAQUE: ModelInfo =
+        ModelInfo { entry_count: 3, level_count: 2, blended: false, is_place: false };
+    const BLENDED: ModelInfo = ModelInfo { level_count: 1, blended: true, ..OPAQUE };
+    const PLACE: ModelInfo = ModelInfo { is_place: true, ..OPAQUE };
 
     /// A model's index, a first palette entry, and a position on the z axis.
     type Placed = (usize, u32, f32);
@@ -297,6 +303,14 @@ mod tests {
             "{error}"
         );
         assert!(batches(&[(0, 2 * PAGE_ENTRIES, 0.0)], &[OPAQUE]).is_err());
+    }
+
+    #[test]
+    fn places_are_drawn_after_those_who_stand_before_them() {
+        let list = [(0, 0, 5.0), (1, 4, 0.0)];
+        let sorted = batches_with(&list, &[PLACE, OPAQUE], |all| all[1].level = 1).unwrap();
+        let drawn: Vec<_> = sorted.opaque.iter().map(|run| (run.model, run.level)).collect();
+        assert_eq!(drawn, [(1, 1), (0, 0)]);
     }
 
     #[test]

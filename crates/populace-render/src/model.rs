@@ -79,6 +79,9 @@ pub(crate) struct ModelLevel {
 /// body covers fewer than 200 pixels, if errors are below a pixel.
 const COARSE: f32 = 0.005;
 
+/// Radius in metres beyond which a character is a place, such as a house.
+const PLACE_M: f32 = 4.0;
+
 /// A character on the graphics device.
 pub(crate) struct Model {
     /// Levels of detail, finest first; at least one.
@@ -143,6 +146,7 @@ impl Model {
             entry_count: character.palette.len(),
             level_count: u32::try_from(levels.len()).unwrap_or(u32::MAX),
             blended,
+            is_place: sphere.1 > PLACE_M,
         };
         let contacts = Contacts::new(gl, character, hide)?;
         Ok(Self { levels, contacts, info, sphere })

@@ -19,6 +19,8 @@ pub(crate) struct MemberKind {
     pub(crate) textured: bool,
     /// Light is computed once per vertex, for triangles of a few pixels.
     pub(crate) vertex_lit: bool,
+    /// Both sides are, since both can be seen.
+    pub(crate) two_sided: bool,
     /// Members are drawn in part.
     pub(crate) faded: bool,
     pub(crate) maps: Maps,
@@ -55,9 +57,20 @@ const SHADING: &str = include_str!("shaders/shading.glsl");
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member(MemberKind { influences, alpha, textured, vertex_lit, faded, maps }) => {
-            let (light, shading) =
-                if vertex_lit { ("#define VERTEX_LIT\n", "") } else { ("", SHADING) };
+        Kind::Member(MemberKind {
+            influences,
+            alpha,
+            textured,
+            vertex_lit,
+            two_sided,
+            faded,
+            maps,
+        }) => {
+            let (light, shading) = match (vertex_lit, two_sided) {
+                (false, _) => ("", SHADING),
+                (true, false) => ("#define VERTEX_LIT\n", ""),
+                (true, true) => ("#define VERTEX_LIT\n#define TWO_SIDED\n", ""),
+            };
             let texture = texture_define(textured);
             let fade = if faded { "#define FADED\n" } else { "" };
             let member = include_str!("shaders/member.frag");
@@ -178,6 +191,7 @@ mod tests {
             alpha,
             textured: true,
             vertex_lit: false,
+            two_sided: false,
             faded: false,
             maps,
         });

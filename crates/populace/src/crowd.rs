@@ -53,6 +53,8 @@ pub struct Crowd {
     state: State,
     /// The devices that evaluate it.
     device: ActiveDevice,
+    /// See [`FrameTimes::view_ms`].
+    view_ms: f64,
 }
 
 impl Crowd {

@@ -10,6 +10,7 @@ use super::film::FilmArgs;
 use super::values::{Size, height, pixels};
 use crate::camera::View;
 use crate::input::InputArgs;
+use crate::levels::Levels;
 
 /// Width and height of a picture in pixels, if none are given.
 const SIZE: [u32; 2] = [1280, 720];
@@ -65,6 +66,10 @@ pub(crate) struct PictureArgs {
     /// Draw and evaluate all members in full detail, also those out of view
     #[arg(long)]
     pub(crate) full_detail: bool,
+    /// Keep the levels of detail of each file in NAME.levels.glb beside it, and read them from
+    /// there until the file changes
+    #[arg(long, conflicts_with = "full_detail")]
+    pub(crate) cache_levels: bool,
     /// Give all members the colours, clothes and height of their character, rather than their own
     #[arg(long)]
     pub(crate) plain: bool,
@@ -93,6 +98,15 @@ impl PictureArgs {
     /// Returns width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size.map_or(SIZE, |size| size.0)
+    }
+
+    /// Returns where levels of detail come from.
+    pub(crate) fn levels(&self) -> Levels {
+        match (self.full_detail, self.cache_levels) {
+            (true, _) => Levels::None,
+            (false, true) => Levels::Cached,
+            (false, false) => Levels::Made,
+        }
     }
 
     /// Returns the error of levels of detail in pixels; `None` for full detail.

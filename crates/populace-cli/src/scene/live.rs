@@ -108,7 +108,7 @@ fn casts(
             &clips,
             ClipChoice::default(),
             args.height,
-            !args.full_detail,
+            args.levels(),
             cast.varied && !args.plain,
         )?;
         check_hidden(&loaded.roles, &args.hide)?;

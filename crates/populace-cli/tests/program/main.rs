@@ -8,6 +8,7 @@ mod drivers;
 mod films;
 mod gaits;
 mod input;
+mod levels;
 mod mix;
 mod outputs;
 mod pictures;

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use populace_testkit::image::{Folders, Limits, assert_picture};
 
-use crate::populace;
 use crate::post::Folder;
+use crate::{json_of, populace};
 
 /// Runs the program and compares the picture with `tests/program/references/name.png`.
 fn assert_unchanged(name: &str, limits: Limits, args: &[&str]) {
@@ -69,4 +69,72 @@ fn built_in_people() {
         "3",
     ];
     assert_unchanged("people", Limits::surfaces(), &args);
+}
+
+/// A crowd around the camera: some stand at the edges of the picture, and most behind it.
+const AMONG: [&str; 12] = [
+    "render",
+    "@people",
+    "--members",
+    "120",
+    "--size",
+    "240x135",
+    "--seed",
+    "5",
+    "--camera",
+    "0,1.7,-6,0,1.0,-12",
+];
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn members_at_the_edges_of_the_view() {
+    assert_unchanged("edges", Limits::surfaces(), &[&AMONG[..], &["--detail", "0"]].concat());
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn nobody_misses_those_who_are_hidden() {
+    let folder = Folder::new();
+    let picture = |name: &str, detail: &[&str]| {
+        let out = folder.text(name);
+        // Shadows of the sun are thrown by the levels that characters have.
+        let more = ["--sky", "overcast", "--json", "--device", "native", "--out", &out];
+        let document = json_of(&[&AMONG[..], detail, &more].concat());
+        (image::open(&out).expect("a PNG").to_rgba8(), document)
+    };
+    let (culled, document) = picture("culled.png", &["--detail", "0"]);
+    let (whole, _) = picture("whole.png", &["--full-detail"]);
+    assert!(document["hidden"].as_u64() > Some(20), "{document}");
+    assert!(culled == whole, "hidden members are missing in the picture");
+}
+
+/// Errors in pixels that show a man of 180 pixels at each of his levels.
+const LEVEL_ERRORS: [&str; 8] = ["0", "0.45", "0.8", "1.4", "2.5", "4.5", "8", "14"];
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn levels_of_detail() {
+    for (level, error_px) in LEVEL_ERRORS.into_iter().enumerate() {
+        let args = [
+            "render",
+            "@man",
+            "--members",
+            "1",
+            "--size",
+            "120x200",
+            "--clip",
+            "Walk",
+            "--camera",
+            "0.8,1.3,3.6,0,0.9,0",
+            "--plain",
+            "--detail",
+            error_px,
+        ];
+        let folder = Folder::new();
+        let out = folder.text("level.png");
+        let document = json_of(&[&args[..], &["--json", "--out", &out]].concat());
+        let levels = document["levels"].as_array().expect("numbers");
+        assert_eq!(levels.len(), level + 1, "{error_px}: {document}");
+        assert_unchanged(&format!("level_{level}"), Limits::surfaces(), &args);
+    }
 }

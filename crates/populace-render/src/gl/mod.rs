@@ -191,6 +191,12 @@ impl Gl {
         }
     }
 
+    /// Hands what was drawn so far to the device.
+    pub(crate) fn flush(&self) {
+        // SAFETY: the context is current; the call has no other precondition.
+        unsafe { self.functions.flush() }
+    }
+
     /// Sets the fixed-function state.
     pub(crate) fn set_state(&self, state: DrawState) {
         let gl = &self.functions;

@@ -301,8 +301,8 @@ impl ShadowTarget {
         let parameters = [
             (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
             (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_BORDER),
-            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_BORDER),
+            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
+            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
             (glow::TEXTURE_COMPARE_MODE, glow::COMPARE_REF_TO_TEXTURE),
             (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
         ];
@@ -316,11 +316,6 @@ impl ShadowTarget {
             for (name, value) in parameters {
                 functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
             }
-            functions.tex_parameter_f32_slice(
-                glow::TEXTURE_2D,
-                glow::TEXTURE_BORDER_COLOR,
-                &[1.0; 4],
-            );
             functions.framebuffer_texture_2d(
                 glow::FRAMEBUFFER,
                 glow::DEPTH_ATTACHMENT,

@@ -32,6 +32,10 @@ const SHADOW_PASS: usize = 0;
 const MEMBER_PASS: usize = 1;
 const SURROUNDINGS_PASS: usize = 2;
 
+/// Triangles after which a pass hands over what it has drawn: software rasterizers fill pixels while
+/// the next vertices are computed, which they do on one thread.
+const HANDED_OVER: usize = 60_000;
+
 /// A pass over the members.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
@@ -102,13 +106,15 @@ impl Renderer {
 
     /// Draws runs of instances, and counts the triangles.
     fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
+        let mut waiting = 0;
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
             let level = &self.models.as_slice()[run.model].levels[run.level as usize];
             for part in &level.parts {
                 let (alpha, influences) = (part.alpha, part.influences);
                 let textured = part.texture.is_some();
-                let maps = part.sampled_maps(level.is_coarse && !part.double_sided);
+                let vertex_lit = level.is_coarse;
+                let maps = part.sampled_maps(vertex_lit);
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
                     continue;
                 }
@@ -118,7 +124,8 @@ impl Renderer {
                         influences,
                         alpha,
                         textured,
-                        vertex_lit: level.is_coarse && !part.double_sided,
+                        vertex_lit,
+                        two_sided: vertex_lit && part.double_sided,
                         faded: run.faded,
                         maps,
                     }),
@@ -129,6 +136,11 @@ impl Renderer {
                     Pass::Opaque | Pass::Blended => drawn.triangles += triangles,
                 }
                 drawn.draw_calls += 1;
+                waiting += triangles;
+                if waiting > HANDED_OVER {
+                    self.gl.flush();
+                    waiting = triangles;
+                }
                 self.programs.get(kind)?.bind();
                 self.gl.set_state(state(pass, part.cull(run.mirrored)));
                 part.surface.bind_uniform();

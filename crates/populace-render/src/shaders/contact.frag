@@ -17,6 +17,8 @@ out vec4 color;
 // Factor by choice. Eyes expect more than the sky's share: what the ground would reflect to the body
 // and back is missing too.
 const float EMPHASIS = 2.0;
+// Fraction of the light up to which nobody sees that it is missing.
+const float UNSEEN = 0.004;
 
 // Integral from 0 to `s` of the height over the fourth power of the distance. The axis is `p` away
 // at s = 0, where its height is `height`, and rises by `slope`.
@@ -49,6 +51,8 @@ void main() {
     // Only the sky's light is hidden, not the sun's.
     vec3 up = vec3(0.0, 1.0, 0.0);
     float sky = sky_light_on(up, to_sun.y).g;
-    float sun = sunlit(shadow_position) * max(to_sun.y, 0.0) * sun_color.g;
+    // Where hardly any light is hidden, it does not matter how much there is.
+    float sun = sunlit(shadow_position, min(to_sun.y, hidden - UNSEEN));
+    sun *= max(to_sun.y, 0.0) * sun_color.g;
     color = vec4(vec3(0.0), ambient_base.w * clearness * hidden * sky / max(sky + sun, 1e-6));
 }

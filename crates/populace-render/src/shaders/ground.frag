@@ -25,6 +25,7 @@ void main() {
     vec2 at = world_position.xz;
     float coverage = max(0.6 * lines(at, 0.03), lines(at / 5.0, 0.016));
     vec3 base = mix(ground_color.rgb, line_color.rgb, coverage);
-    vec3 lit = base * matt_light_on(vec3(0.0, 1.0, 0.0), vec3(0.0), sunlit(shadow_position));
+    vec3 sun = sunlight_on(to_sun.y, vec3(0.0), shadow_position);
+    vec3 lit = base * (sky_light_on(vec3(0.0, 1.0, 0.0), to_sun.y) + sun);
     color = vec4(tone_mapped(hazed(lit, haze_at(world_position))), 1.0);
 }

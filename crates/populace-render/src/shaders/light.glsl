@@ -2,16 +2,22 @@
 
 layout(binding = 1) uniform sampler2DShadow shadow_map;
 
-// Fraction of the sun's light that arrives at a position in the shadow map, from 0 to 1. Averages
-// four taps, each of which the sampler filters from four texels. 1 outside of the map.
-float sunlit(vec3 at) {
-    vec2 texel = 0.8 / vec2(textureSize(shadow_map, 0));
-    float sum = texture(shadow_map, vec3(at.xy + texel * vec2(-1.0, -0.4), at.z))
-              + texture(shadow_map, vec3(at.xy + texel * vec2(0.4, -1.0), at.z))
-              + texture(shadow_map, vec3(at.xy + texel * vec2(1.0, 0.4), at.z))
-              + texture(shadow_map, vec3(at.xy + texel * vec2(-0.4, 1.0), at.z));
-    // Without a branch, which software rasterizers do not skip: they mask both sides.
-    return to_sun.w > 0.0 ? 0.25 * sum : 1.0;
+// Fraction of the sun's light that arrives at a position in the shadow map, from 0 to 1: the average
+// of four taps, each of which the sampler filters from four texels. 1 outside of the map, and on
+// surfaces that are turned away from the sun, where `facing` is at most 0.
+float sunlit(vec3 at, float facing) {
+    vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
+    vec2 inside = 0.5 - 2.0 * texel - abs(at.xy - 0.5);
+    bool is_tapped = min(facing, min(inside.x, inside.y)) > 0.0 && to_sun.w > 0.0;
+    // A loop, since software rasterizers mask branches, but leave loops that no pixel is in.
+    int taps = is_tapped ? 4 : 0;
+    vec2 offset = vec2(-0.8, -0.32);
+    float sum = 0.0;
+    for (int tap = 0; tap < taps; ++tap) {
+        sum += textureLod(shadow_map, vec3(at.xy + texel * offset, at.z), 0.0);
+        offset = vec2(-offset.y, offset.x);
+    }
+    return is_tapped ? 0.25 * sum : 1.0;
 }
 
 // Light of the whole sky on a surface with unit normal `normal`, of which `facing` is the component
@@ -21,12 +27,12 @@ vec3 sky_light_on(vec3 normal, float facing) {
     return max(ambient_base.rgb + normal.y * by_height + facing * ambient_glow.rgb, 0.0);
 }
 
-// Light of sun and sky on a matt surface, which Lambert's law gives. `wrap` lets light scatter
-// under the surface, as in skin: it reaches beyond where the sun stands on the surface's horizon.
-vec3 matt_light_on(vec3 normal, vec3 wrap, float sun) {
-    float facing = dot(normal, to_sun.xyz);
+// Light of the sun on a matt surface, which Lambert's law gives. `wrap` lets light scatter under the
+// surface, as in skin: it reaches beyond where the sun stands on the surface's horizon. `at` is a
+// position in the shadow map.
+vec3 sunlight_on(float facing, vec3 wrap, vec3 at) {
     vec3 wrapped = max(facing + wrap, 0.0) / ((1.0 + wrap) * (1.0 + wrap));
-    return sky_light_on(normal, facing) + sun * wrapped * sun_color.rgb;
+    return sunlit(at, facing + wrap.r) * wrapped * sun_color.rgb;
 }
 
 // What haze adds, and the fraction that it hides, at a world position: none at the eye, all before

@@ -1,5 +1,6 @@
 // member.frag - colours a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
-//               without either the surface is opaque. VERTEX_LIT takes the light from the vertices.
+//               without either the surface is opaque. VERTEX_LIT takes the light from the vertices,
+//               and with TWO_SIDED that on the side which is seen.
 //               TEXTURED samples the base colour; SUBSTANCE_MAP, NORMAL_MAP, OCCLUSION_MAP and
 //               EMISSIVE_MAP sample their textures, and EMISSIVE adds light. FADED leaves out a
 //               part of the pixels.
@@ -24,6 +25,9 @@ layout(binding = 6) uniform sampler2D emissive_texture;
 
 #ifdef VERTEX_LIT
 in vec3 light;
+#ifdef TWO_SIDED
+in vec3 back_light;
+#endif
 #else
 in vec3 world_position;
 in vec3 world_normal;
@@ -84,7 +88,7 @@ vec3 lit_surface(vec3 base) {
 #endif
     Surfel at = Surfel(base, normal, metallic_roughness.x, metallic_roughness.y, occlusion,
                        substance.z);
-    return shaded(at, normalize(eye.xyz - world_position), sunlit(shadow_position));
+    return shaded(at, normalize(eye.xyz - world_position), shadow_position);
 }
 #endif
 
@@ -100,8 +104,13 @@ void main() {
     if (base.a < alpha_cutoff) discard;
 #endif
 #ifdef VERTEX_LIT
-    // What the surface reflects of the sky, as for a rough one that is no metal.
-    vec3 lit = mix(base.rgb, vec3(1.0), 0.05 * ambient_slope.w) * light;
+#ifdef TWO_SIDED
+    vec3 lit = base.rgb * (gl_FrontFacing ? light : back_light);
+#else
+    vec3 lit = base.rgb * light;
+#endif
+    // What the surface reflects of the sky, as for a rough and upright one that is no metal.
+    lit += 0.05 * ambient_slope.w * (1.0 - base.rgb) * ambient_base.rgb;
 #else
     vec3 lit = lit_surface(base.rgb);
 #endif

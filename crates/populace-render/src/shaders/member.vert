@@ -2,11 +2,15 @@
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
 // Writes  texture coordinates, product of vertex colour and the region's tint, haze, and what light
 //         needs: position and normal in world space, the position in the shadow map and the
-//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself.
+//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself, and
+//         with TWO_SIDED also that on the back.
 //         With FADED, the part that is not drawn
 
 #ifdef VERTEX_LIT
 out vec3 light;
+#ifdef TWO_SIDED
+out vec3 back_light;
+#endif
 #else
 out vec3 world_position;
 out vec3 world_normal;
@@ -33,7 +37,15 @@ void main() {
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
     substance = vec3(vec2(marks.zw) * (1.0 / 255.0), marks.x == 0u ? 1.0 : 0.0);
 #ifdef VERTEX_LIT
-    light = matt_light_on(world_normal, substance.z * SKIN_WRAP, sunlit(shadow_position));
+    float facing = dot(world_normal, to_sun.xyz);
+    vec3 wrap = substance.z * SKIN_WRAP;
+    light = above_ground(world_position.y, world_normal.y) * sky_light_on(world_normal, facing)
+          + sunlight_on(facing, wrap, shadow_position);
+#ifdef TWO_SIDED
+    back_light = above_ground(world_position.y, -world_normal.y)
+               * sky_light_on(-world_normal, -facing)
+               + sunlight_on(-facing, wrap, shadow_position);
+#endif
 #endif
     haze = haze_at(world_position);
     texture_uv = uv;

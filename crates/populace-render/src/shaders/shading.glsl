@@ -16,9 +16,9 @@ struct Surfel {
     float skin;
 };
 
-// Returns the light from a surface to the eye. `to_eye` is a unit vector; `sun` is the fraction of
-// the sun's light that arrives.
-vec3 shaded(Surfel at, vec3 to_eye, float sun) {
+// Returns the light from a surface to the eye. `to_eye` is a unit vector, and `shadow_position` a
+// position in the shadow map.
+vec3 shaded(Surfel at, vec3 to_eye, vec3 shadow_position) {
     float roughness = max(at.roughness, 0.15);
     vec3 albedo = at.base * (1.0 - at.metallic);
     vec3 mirror = mix(vec3(0.04), at.base, at.metallic);
@@ -38,6 +38,7 @@ vec3 shaded(Surfel at, vec3 to_eye, float sun) {
     float spread = aligned * aligned * (alpha2 - 1.0) + 1.0;
     float lobe = alpha2 / (spread * spread * 4.0 * along * along * (roughness + 0.5));
     vec3 wrap = at.skin * SKIN_WRAP;
+    float sun = sunlit(shadow_position, facing + wrap.r);
     vec3 matt = albedo * max(facing + wrap, 0.0) / ((1.0 + wrap) * (1.0 + wrap));
     vec3 glossy = ambient_slope.w * lobe * max(facing, 0.0) * mirror;
     return at.occlusion * sky + sun * sun_color.rgb * (matt + glossy);

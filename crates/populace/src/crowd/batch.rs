@@ -139,7 +139,7 @@ impl Crowd {
         }
         let span = firsts.iter().min().zip(firsts.iter().max());
         let Some((&first, &last)) = span else { return Ok(()) };
-        let Self { state: State { base, .. }, device } = self;
+        let Self { state: State { base, .. }, device, .. } = self;
         // A read from a device that runs ahead costs more than many elements. Fused schedules store
         // no joints: each member is evaluated as it is read.
         let at_once =

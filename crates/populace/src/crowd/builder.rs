@@ -116,7 +116,7 @@ impl CrowdBuilder {
         let number = CROWDS.fetch_add(1, Ordering::Relaxed);
         let base = Base::new(number, self.slots_per_member, self.capacity);
         let device = ActiveDevice::new(devices, opened, fallback, self.gl);
-        Ok(Crowd { state: State::new(base), device })
+        Ok(Crowd { state: State::new(base), device, view_ms: 0.0 })
     }
 
     /// Opens the selected devices, or the best device that opens.

@@ -30,12 +30,15 @@ pub struct DeviceInfo {
     pub host_waits: u64,
 }
 
-/// The times of the last update on the device.
+/// The times of the last update.
 #[non_exhaustive]
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimes {
     /// Milliseconds of the update, if it has finished and the device measures time.
     pub frame_ms: Option<f64>,
+    /// Milliseconds that the host took to choose visibility and levels of detail; nearly 0 without
+    /// a [view](Crowd::view).
+    pub view_ms: f64,
     /// Milliseconds of each stage, if the schedule has stages and the device measures time.
     pub stages_ms: Vec<(Stage, f64)>,
 }
@@ -62,7 +65,11 @@ impl Crowd {
     /// Returns the times of the last update.
     pub fn frame_times(&mut self) -> FrameTimes {
         let backend = self.device.backend_mut();
-        FrameTimes { frame_ms: backend.frame_time_ms(), stages_ms: backend.stage_times_ms() }
+        FrameTimes {
+            frame_ms: backend.frame_time_ms(),
+            view_ms: self.view_ms,
+            stages_ms: backend.stage_times_ms(),
+        }
     }
 
     /// Fills every palette with a constant and returns the milliseconds that it took: the lower
@@ -72,7 +79,7 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn write_floor(&mut self) -> Result<f64, Error> {
-        let Self { state, device } = self;
+        let Self { state, device, .. } = self;
         Ok(device.backend_mut().write_floor(&state.base.tables)?)
     }
 }

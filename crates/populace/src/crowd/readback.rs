@@ -77,7 +77,7 @@ impl Crowd {
     pub(super) fn palette(&mut self, member: MemberId) -> Result<Vec<Affine>, Error> {
         let (row, body) = self.device_member(member)?;
         let mut elements = vec![Float4::default(); body.entry_count as usize * 3];
-        let Self { state: State { base: Base { tables, .. }, .. }, device } = self;
+        let Self { state: State { base: Base { tables, .. }, .. }, device, .. } = self;
         let first = row.palette_first as usize * 3;
         tables.with_taken_over(|tables| {
             device.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
@@ -129,7 +129,7 @@ impl Crowd {
     ) -> Result<[Vec<Float4>; 3], Error> {
         let (row, body) = self.device_member(member)?;
         let mut arrays = [(); 3].map(|()| vec![Float4::default(); body.joint_count as usize]);
-        let Self { state: State { base: Base { tables, .. }, .. }, device } = self;
+        let Self { state: State { base: Base { tables, .. }, .. }, device, .. } = self;
         tables.with_taken_over(|tables| {
             let mut all = buffers.into_iter().zip(&mut arrays);
             let first = row.joint_first as usize;

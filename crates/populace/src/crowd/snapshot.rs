@@ -40,7 +40,7 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn snapshot(&mut self) -> Result<Snapshot, Error> {
-        let Self { state, device } = self;
+        let Self { state, device, .. } = self;
         let history = device.history(&state.base.tables)?;
         Ok(Snapshot { state: state.clone(), history })
     }

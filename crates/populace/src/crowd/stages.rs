@@ -129,7 +129,7 @@ impl Crowd {
     /// compile: the error holds the compiler's message, with line numbers of the user's text.
     /// Nothing is changed then.
     pub fn add_stage(&mut self, after: After, stage: UserStage) -> Result<StageId, Error> {
-        let Self { state, device } = self;
+        let Self { state, device, .. } = self;
         let (base, stages) = (&mut state.base, &mut state.stages);
         let (all, number) = stages.with(stage)?;
         device.backend_mut().set_stages(&all)?;
@@ -141,7 +141,7 @@ impl Crowd {
 
     /// Removes a stage; members no longer run it. Nothing is changed on an error.
     pub(super) fn remove_stage(&mut self, id: StageId) -> Result<(), Error> {
-        let Self { state, device } = self;
+        let Self { state, device, .. } = self;
         let (base, stages) = (&mut state.base, &mut state.stages);
         let constraints = &mut state.constraints;
         stages.after(base, id)?;

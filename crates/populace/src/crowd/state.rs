@@ -141,19 +141,8 @@ impl State {
 
     /// Returns the root-motion offset of a member, or of its parent, when palettes were last
     /// acquired.
-    pub(super) fn offset_of(&self, mut index: u32) -> [f32; 3] {
-        if self.motion.is_empty() {
-            return [0.0; 3];
-        }
-        loop {
-            if let Some(offset) = self.motion.offset(index) {
-                return offset;
-            }
-            match self.attachments.parent_index(index) {
-                Some(parent) => index = parent,
-                None => return [0.0; 3],
-            }
-        }
+    pub(super) fn offset_of(&self, index: u32) -> [f32; 3] {
+        offset(&self.motion, &self.attachments, index)
     }
 
     pub(super) fn set_stage(
@@ -167,5 +156,21 @@ impl State {
 
     pub(super) fn clear_stage(&mut self, member: MemberId, id: StageId) -> Result<(), Error> {
         self.stages.clear(&mut self.base, &mut self.constraints, member, id)
+    }
+}
+
+/// See [`State::offset_of`].
+pub(super) fn offset(motion: &RootMotion, attachments: &Attachments, mut index: u32) -> [f32; 3] {
+    if motion.is_empty() {
+        return [0.0; 3];
+    }
+    loop {
+        if let Some(offset) = motion.offset(index) {
+            return offset;
+        }
+        match attachments.parent_index(index) {
+            Some(parent) => index = parent,
+            None => return [0.0; 3],
+        }
     }
 }

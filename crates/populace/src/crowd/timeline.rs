@@ -1,5 +1,7 @@
 //! The clock of a crowd: updates, and jumps to another time.
 
+use std::time::Instant;
+
 use populace_clip::{FIRST_TICK, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::Frame;
 use populace_device::layout::{NONE, SLOT_LIVE, Slot};
@@ -111,9 +113,11 @@ impl Crowd {
     }
 
     fn evaluate_at(&mut self, tick: u64, left_over: f64) -> Result<(), Error> {
-        let Self { state, device } = self;
+        let Self { state, device, view_ms } = self;
         state.begin_due(tick)?;
+        let start = Instant::now();
         state.apply_view();
+        *view_ms = start.elapsed().as_secs_f64() * 1e3;
         let elapsed = tick.saturating_sub(state.base.clock.tick);
         let frame = Frame::of_all(tick).after_ticks(u32::try_from(elapsed).unwrap_or(u32::MAX));
         device.run(&mut state.base.tables, frame)?;

@@ -1,16 +1,22 @@
 //! The view that a crowd is evaluated for: which members are hidden, and their levels of detail.
 
-use populace_device::{View, Visibility};
+use populace_device::{Tables, View, Visibility};
 use populace_model::convert::u32_from;
+use populace_settings::parts::{Key, Parts as _};
+use rayon::prelude::*;
 
-use super::base::{CharacterState, MemberState, Reach, Seen};
-use super::state::State;
+use super::attach::Attachments;
+use super::base::{Assets, Base, CharacterState, MemberState, Reach, Seen};
+use super::motion::RootMotion;
+use super::state::{State, offset};
 use super::{CharacterId, Crowd};
-use crate::{Allowed, Error};
+use crate::{Allowed, Error, Placement};
 
 /// A member changes to a coarser level only where that one is finer than needed by this factor, so
 /// that it does not change back and forth.
 const HYSTERESIS: f32 = 0.85;
+/// Members that a thread chooses for at a time.
+const SHARE: usize = 2048;
 /// The largest error of a view, in pixels.
 const LARGEST_ERROR_PX: f32 = 1e6;
 
@@ -96,61 +102,77 @@ pub struct ViewStatistics {
 }
 
 impl State {
-    /// Chooses visibility, level and joints of every member for the present view.
+    /// Chooses visibility, level and joints of every member for the present view, on all threads.
     pub(super) fn apply_view(&mut self) {
         let was_viewed = std::mem::replace(&mut self.base.is_viewed, self.base.view.is_some());
         if !(was_viewed || self.base.is_viewed) {
             return;
         }
-        for index in 0..self.base.members.all.len() {
-            let MemberState { character: Some(character), seen: before, .. } =
-                self.base.members.all[index]
-            else {
-                continue;
-            };
-            let Ok(state) = self.base.character_state(character) else { continue };
-            let next = match &self.base.view {
-                Some(view) => self.seen_in(view, index, state, before),
-                None => Seen::default(),
-            };
-            let reduced = state.reduced_of_level.get(next.level as usize).copied();
-            if next == before && next == Seen::default() {
-                continue;
+        let Self { base, motion, attachments, .. } = self;
+        let Base { tables, assets, members, view, .. } = base;
+        let choice = Choice { view: view.as_ref(), tables, assets, motion, attachments };
+        members.all.par_chunks_mut(SHARE).enumerate().for_each(|(share, members)| {
+            for (index, member) in (u32_from(share * SHARE)..).zip(members) {
+                choice.update(index, member);
             }
-            let (tables, number) = (&mut self.base.tables, u32_from(index));
-            let hidden = next.visibility == Visibility::Hidden && tables.can_hide(number);
-            tables.set_hidden(number, hidden);
-            tables.set_reduced(number, reduced.unwrap_or_default());
-            self.base.members.all[index].seen = next;
+        });
+        for (index, member) in (0..).zip(&members.all) {
+            let Some(state) = assets.character(member) else { continue };
+            let reduced = state.reduced_of_level.get(member.seen.level as usize).copied();
+            let is_hidden = member.seen.visibility == Visibility::Hidden;
+            tables.set_hidden(index, is_hidden && tables.can_hide(index));
+            tables.set_reduced(index, reduced.unwrap_or_default());
         }
     }
 
     /// Returns centre and radius of the sphere around a member's poses.
     pub(super) fn sphere_of(&self, index: usize, character: CharacterId) -> ([f32; 3], f32) {
         let reach = self.base.character_state(character).map(|c| c.reach).unwrap_or_default();
-        self.sphere_of_reach(index, reach)
+        let offset = self.offset_of(u32_from(index));
+        sphere(&self.base.members.all[index].placement, offset, reach)
+    }
+}
+
+fn sphere(placement: &Placement, [mx, my, mz]: [f32; 3], reach: Reach) -> ([f32; 3], f32) {
+    let (scale, [x, y, z]) = (placement.scale(), placement.position());
+    ([x + mx, y + my + scale * reach.height_m, z + mz], scale * reach.radius_m)
+}
+
+impl Assets {
+    /// Returns the character of a member; `None` for an index that is free.
+    fn character(&self, member: &MemberState) -> Option<&CharacterState> {
+        let Key { index, generation, .. } = member.character?.parts();
+        self.characters.get((index, generation))
+    }
+}
+
+/// What the choice for a member depends on, besides its state.
+struct Choice<'a> {
+    view: Option<&'a View>,
+    tables: &'a Tables,
+    assets: &'a Assets,
+    motion: &'a RootMotion,
+    attachments: &'a Attachments,
+}
+
+impl Choice<'_> {
+    /// Updates what a member is seen as.
+    fn update(&self, index: u32, member: &mut MemberState) {
+        if let Some(state) = self.assets.character(member) {
+            let seen = |view| self.seen(view, index, member, state);
+            member.seen = self.view.map_or_else(Seen::default, seen);
+        }
     }
 
-    fn sphere_of_reach(&self, index: usize, reach: Reach) -> ([f32; 3], f32) {
-        let placement = &self.base.members.all[index].placement;
-        let (scale, [x, y, z]) = (placement.scale(), placement.position());
-        let [mx, my, mz] = self.offset_of(u32_from(index));
-        ([x + mx, y + my + scale * reach.height_m, z + mz], scale * reach.radius_m)
-    }
-
-    fn seen_in(&self, view: &View, index: usize, state: &CharacterState, before: Seen) -> Seen {
-        let (center, radius) = self.sphere_of_reach(index, state.reach);
-        let scale = self.base.members.all[index].placement.scale();
+    fn seen(&self, view: &View, index: u32, member: &MemberState, state: &CharacterState) -> Seen {
+        let offset = offset(self.motion, self.attachments, index);
+        let (center, radius) = sphere(&member.placement, offset, state.reach);
         let visibility = match view.visibility(center, radius) {
-            beyond
-                if beyond != Visibility::InView
-                    && !self.base.tables.is_bounded(u32_from(index)) =>
-            {
-                Visibility::InView
-            }
-            found => found,
+            Visibility::InView => Visibility::InView,
+            _ if !self.tables.is_bounded(index) => Visibility::InView,
+            beyond => beyond,
         };
-        let px = view.pixels_per_metre_at(center, radius) * scale;
+        let px = view.pixels_per_metre_at(center, radius) * member.placement.scale();
         let levels = state.character.levels();
         let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
             None => true,
@@ -158,7 +180,7 @@ impl State {
                 levels.get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
             }
         };
-        let mut level = before.level;
+        let mut level = member.seen.level;
         while !fits(level, view.error_px) {
             level -= 1;
         }
