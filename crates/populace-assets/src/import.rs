@@ -52,7 +52,7 @@ pub(crate) fn import(
     let mut palette = Palette::default();
     let built = assembly.parts(&mut palette);
     if let Ok(built) = &built {
-        rig.measure_vertices(palette.entries(), &built.parts);
+        rig.measure_vertices(palette.entries(), &built.parts, &built.skins);
     }
     let clips = Clips::new(&data, log, &rig).all(&document.animations);
     let Built { parts, vertex_counts, skins, levels } = built?;

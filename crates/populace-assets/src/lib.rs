@@ -54,6 +54,7 @@
 
 mod accessor;
 mod animations;
+mod bind_pose;
 mod budget;
 mod data;
 mod error;

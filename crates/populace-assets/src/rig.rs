@@ -2,9 +2,10 @@
 
 use std::collections::{HashMap, HashSet};
 
-use populace_character::{PaletteEntry, Part, sole_points, vertex_reach_m};
+use populace_character::{PaletteEntry, Part, SkinInstance, sole_points, vertex_reach_m};
 use populace_model::{JointIndex, JointSource, Skeleton, Trs};
 
+use crate::bind_pose::bind_pose;
 use crate::log::{Checked, Log};
 use crate::nodes::Node;
 
@@ -53,12 +54,20 @@ impl Rig {
         Ok(Self { skeleton, joint_from_node })
     }
 
-    /// Adds the reach of vertices and the sole points to the skeleton. Clip compression needs the
-    /// former to bound the error of vertices, foot placement the latter.
-    pub(crate) fn measure_vertices(&mut self, palette: &[PaletteEntry], parts: &[Part]) {
+    /// Adds the reach of vertices, the bind pose and the sole points to the skeleton. Clip
+    /// compression needs the first to bound the error of vertices, retargeting the second, and foot
+    /// placement the last.
+    pub(crate) fn measure_vertices(
+        &mut self,
+        palette: &[PaletteEntry],
+        parts: &[Part],
+        skins: &[SkinInstance],
+    ) {
         let reach = vertex_reach_m(&self.skeleton, palette, parts);
-        let soles = sole_points(&self.skeleton, palette, parts);
-        self.skeleton = self.skeleton.clone().with_reach(&reach).with_soles(&soles);
+        let locals = bind_pose(&self.skeleton, skins);
+        let skeleton = self.skeleton.clone().with_reach(&reach).with_bind_pose(&locals);
+        let soles = sole_points(&skeleton, palette, parts);
+        self.skeleton = skeleton.with_soles(&soles);
     }
 
     /// Returns the node of each joint; `None` for a joint that was added by the importer.

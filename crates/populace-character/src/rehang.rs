@@ -33,31 +33,8 @@ impl Character {
             return Err(populace_model::Error::BadRole { role, fault }.into());
         }
         let place = |joint: JointIndex| old.source_from_joint(joint);
-        let source = |joint: JointIndex| JointSource {
-            name: old.name(joint).to_owned(),
-            parent: old.parent(joint).map(place),
-            rest: *old.rest(joint),
-        };
-        let mut joints: Vec<_> =
-            (0..old.joint_count()).map(|at| source(old.joint_from_source(at))).collect();
-        let models = old.rest_models();
-        for (shin, foot) in roles.loose_feet(old) {
-            let rest = models[shin.index()].inverse() * models[foot.index()];
-            let (scale, rotation, translation) = rest.to_scale_rotation_translation();
-            let plain =
-                glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-            if !plain.abs_diff_eq(rest, SHEARED) {
-                let (joint, name) = (place(foot), old.name(foot).to_owned());
-                let what = "a shear, once it hangs on its leg";
-                return Err(populace_model::Error::BadRest { joint, name, what }.into());
-            }
-            let (translation, scale) =
-                (f64math::to_f32(translation.to_array()), f64math::to_f32(scale.to_array()));
-            let rotation = f64math::to_f32(rotation.to_array());
-            joints[place(foot)].rest = Trs { translation, rotation, scale };
-            joints[place(foot)].parent = Some(place(shin));
-        }
-        let skeleton = Skeleton::new(&joints)?;
+        let skeleton = Skeleton::new(&on_legs(old, roles)?)?;
+        let standing = on_legs(old.in_bind_pose(), roles)?;
         let was = |joint: JointIndex| old.joint_from_source(skeleton.source_from_joint(joint));
         let reach: Vec<f32> =
             skeleton.joints().map(|joint| old.reach_m()[was(joint).index()]).collect();
@@ -72,7 +49,46 @@ impl Character {
             ..skin.clone()
         };
         let skins = self.skins.iter().map(skin).collect();
-        let skeleton = skeleton.clone().with_reach(&reach).with_soles(&soles);
+        let bind_pose: Vec<Trs> = skeleton
+            .joints()
+            .map(|joint| standing[skeleton.source_from_joint(joint)].rest)
+            .collect();
+        let skeleton =
+            skeleton.clone().with_reach(&reach).with_bind_pose(&bind_pose).with_soles(&soles);
         Self::new(CharacterSource { skeleton, palette, skins, ..CharacterSource::clone(self) })
     }
+}
+
+/// Returns the joints of a skeleton in the order of their source, with feet as children of their
+/// lower legs. Joints keep their rest in model space.
+fn on_legs(
+    skeleton: &Skeleton,
+    roles: &RoleMap,
+) -> Result<Vec<JointSource>, populace_model::Error> {
+    let place = |joint: JointIndex| skeleton.source_from_joint(joint);
+    let source = |joint: JointIndex| JointSource {
+        name: skeleton.name(joint).to_owned(),
+        parent: skeleton.parent(joint).map(place),
+        rest: *skeleton.rest(joint),
+    };
+    let mut joints: Vec<_> =
+        (0..skeleton.joint_count()).map(|at| source(skeleton.joint_from_source(at))).collect();
+    let models = skeleton.rest_models();
+    for (shin, foot) in roles.loose_feet(skeleton) {
+        let rest = models[shin.index()].inverse() * models[foot.index()];
+        let (scale, rotation, translation) = rest.to_scale_rotation_translation();
+        let plain = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+        if !plain.abs_diff_eq(rest, SHEARED) {
+            let (joint, name) = (place(foot), skeleton.name(foot).to_owned());
+            let what = "a shear, once it hangs on its leg";
+            return Err(populace_model::Error::BadRest { joint, name, what });
+        }
+        joints[place(foot)].rest = Trs {
+            translation: f64math::to_f32(translation.to_array()),
+            rotation: f64math::to_f32(rotation.to_array()),
+            scale: f64math::to_f32(scale.to_array()),
+        };
+        joints[place(foot)].parent = Some(place(shin));
+    }
+    Ok(joints)
 }

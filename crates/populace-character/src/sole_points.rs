@@ -19,7 +19,7 @@ const ROLLS: i32 = 2;
 const STEP_RAD: f64 = PI / 12.0;
 
 /// Returns for each joint, in level order, its lowest vertices when the foot is flat, on the heel,
-/// on the toes or on an edge: positions at rest in model space, in metres. This is the input of
+/// on the toes or on an edge: positions in the bind pose in model space, in metres. This is the input of
 /// [`Skeleton::with_soles`]. A vertex belongs to the joint with at least half of its weight. Only
 /// the lowest quarter of the body is considered. Indices out of range are ignored.
 #[must_use]
@@ -28,7 +28,7 @@ pub fn sole_points(
     palette: &[PaletteEntry],
     parts: &[Part],
 ) -> Vec<Vec<[f32; 3]>> {
-    let models = skeleton.rest_models();
+    let models = skeleton.in_bind_pose().rest_models();
     let model = |entry: &PaletteEntry| {
         models.get(entry.joint.index()).map(|m| *m * f64math::affine_from(&entry.joint_from_bind))
     };

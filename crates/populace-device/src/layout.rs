@@ -219,8 +219,8 @@ device_consts! {
     /// |---|---|---|---|---|
     /// | foot `i`, planted | anchor x | height of the ground | anchor z | bits |
     /// | foot `i`, lifted | lag x | height of the ground | lag z | bits |
-    /// | `FOOT_TURN_STATE` + `i`, planted | direction x | direction z | height above ground | 0 |
-    /// | `FOOT_TURN_STATE` + `i`, lifted | lag of the turn | 0 | 0 | 0 |
+    /// | `FOOT_TURN_STATE` + `i`, planted | direction x | direction z | height | climb |
+    /// | `FOOT_TURN_STATE` + `i`, lifted | lag of the turn | 0 | 0 | climb |
     /// | `PELVIS_STATE` | drop | 0 | 0 | bits: `epoch` |
     /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::operand`] |
     /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
@@ -230,11 +230,13 @@ device_consts! {
     /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to [`MAX_FEET`]`
     /// - 1`, in world space. The *anchor* is where the sole's pivot stands, and the *direction*
     /// that from heel to toes. The *lag* of a foot is how far it trails behind the clip; that of
-    /// its turn is the tangent of half the angle. The bits of a foot are `epoch <<
-    /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
-    /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
-    /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
-    /// the velocity of the clips that play since. `epoch` is [`Control::epoch`].
+    /// its turn is the tangent of half the angle. *Height* is that above the ground, and *climb*
+    /// the speed at which the foot rises to the ground, in metres per second. The bits of a foot
+    /// are `epoch << FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the
+    /// index of the pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted
+    /// foot. *Velocity* is that of the last frame. *Excess* is the velocity at the start of an
+    /// inertialization minus the velocity of the clips that play since. `epoch` is
+    /// [`Control::epoch`].
     pub const MOTION_STATE: u32 = 2 * MAX_FEET;
     /// Element of the pelvis in a member's history state; see [`MOTION_STATE`].
     pub const PELVIS_STATE: u32 = 3 * MAX_FEET;
@@ -308,14 +310,16 @@ device_consts! {
     pub const PELVIS_RISE_SECS: f32 = 0.12;
     /// Largest lag of a foot's turn: the tangent of half the angle.
     pub const FOOT_MAX_TURN: f32 = 0.35;
-    /// Slope between the ends of a sole from which it is on the edge of a step: it stands level, on
-    /// the higher side.
-    pub const FOOT_EDGE: f32 = 0.5;
+    /// Height by which the ground under a sole is off the plane through its pivot, from which it is
+    /// on the edge of a step and stands level, in parts of the maximum lag.
+    pub const FOOT_EDGE: f32 = 0.1;
     /// Time around a contact in which a foot comes down to the ground or leaves it, in seconds.
     pub const FOOT_NEAR_SECS: f32 = 0.12;
     /// Fastest rise or fall of the ground beneath a lifted foot that the foot follows, in metres
     /// per second.
     pub const FOOT_CLIMB_M_PER_SEC: f32 = 1.5;
+    /// Gain and loss of that speed, in metres per second squared.
+    pub const FOOT_CLIMB_GAIN: f32 = 15.0;
     /// Distance in front of a lifted foot at which it looks for higher ground, in parts of the
     /// maximum lag.
     pub const FOOT_AHEAD: f32 = 0.5;

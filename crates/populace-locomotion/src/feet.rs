@@ -71,7 +71,7 @@ impl Feet {
     /// Finds the feet of a humanoid by its roles, and those of any other body by where it touches
     /// the ground at rest. `None` for a body that does not stand on two feet.
     pub(crate) fn find(character: &Character) -> Option<Self> {
-        let skeleton = &character.skeleton;
+        let skeleton = character.skeleton.in_bind_pose();
         let mut soles: Vec<Vec<Vec3>> = skeleton
             .joints()
             .map(|joint| skeleton.soles(joint).iter().copied().map(Vec3::from).collect())
@@ -89,7 +89,7 @@ impl Feet {
 }
 
 fn by_roles(character: &Character, roles: &RoleMap, soles: &[Vec<Vec3>]) -> Option<Feet> {
-    let skeleton = &character.skeleton;
+    let skeleton = character.skeleton.in_bind_pose();
     let foot = |side| {
         let ankle = roles.joint(Role::Foot(side))?;
         let mut sole = points_below(skeleton, ankle, soles);
@@ -116,7 +116,7 @@ fn leg(skeleton: &Skeleton, roles: &RoleMap, side: Side) -> Option<Leg> {
 /// Finds the joint on each side of the body that carries all points which touch the ground at rest.
 /// On a four-legged body one joint carries points of both sides, so it has no feet.
 fn by_touch(character: &Character, soles: &[Vec<Vec3>]) -> Option<Feet> {
-    let skeleton = &character.skeleton;
+    let skeleton = character.skeleton.in_bind_pose();
     let bounds = character.rest_bounds()?;
     let height = character.height_m();
     let touches = |place: &Vec3| place.y <= bounds.low[1] + TOUCHES * height;
@@ -173,7 +173,7 @@ fn points_below(skeleton: &Skeleton, top: JointIndex, soles: &[Vec<Vec3>]) -> Ve
 
 /// Returns a point on the ground below each joint of a foot: the sole of a foot without vertices.
 fn joints_below(character: &Character, top: JointIndex) -> Vec<Carried> {
-    let skeleton = &character.skeleton;
+    let skeleton = character.skeleton.in_bind_pose();
     let lowest_joint = || at_and_below(skeleton, top).map(|joint| origin(skeleton, joint).y);
     let ground = character
         .rest_bounds()

@@ -27,6 +27,10 @@ pub(crate) struct Landing {
     pub(crate) ahead_m: f32,
     /// The way of the ankle until then, in metres. Strides scale it.
     pub(crate) stepped_m: f32,
+    /// How far to the left of the body the ankle is then, and half the length of the sole, in
+    /// metres.
+    pub(crate) aside_m: f32,
+    pub(crate) half_m: f32,
 }
 
 impl Landing {
@@ -40,6 +44,8 @@ impl Landing {
             until_lift: mix(self.until_lift, other.until_lift),
             ahead_m: mix(self.ahead_m, other.ahead_m),
             stepped_m: mix(self.stepped_m, other.stepped_m),
+            aside_m: mix(self.aside_m, other.aside_m),
+            half_m: mix(self.half_m, other.half_m),
         }
     }
 
@@ -50,10 +56,15 @@ impl Landing {
 
     /// Returns the part of a cycle until the body is over the foot, at a phase; `None` while the
     /// foot stands.
-    fn in_the_air(&self, phase: f32) -> Option<f32> {
+    pub(crate) fn in_the_air(&self, phase: f32) -> Option<f32> {
         let until = (self.over - phase).rem_euclid(1.0);
-        let lifted = 1.0 - (self.until_lift - self.until_over);
+        let lifted = self.until_over + self.swing();
         (self.until_over..lifted).contains(&until).then_some(until)
+    }
+
+    /// The part of a cycle for which the foot is in the air.
+    pub(crate) fn swing(&self) -> f32 {
+        1.0 - self.until_lift
     }
 }
 

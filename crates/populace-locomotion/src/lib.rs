@@ -16,6 +16,7 @@ mod soles;
 mod step;
 mod steps;
 mod strides;
+mod treads;
 mod walker;
 mod walkers;
 

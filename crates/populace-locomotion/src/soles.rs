@@ -125,7 +125,7 @@ impl Treadmill {
             .build()?;
         let id = crowd.add_character(Arc::clone(character))?;
         let members = crowd.spawn_many(id, &[Placement::at([0.0; 3]); AT_ONCE])?;
-        let skeleton = &character.skeleton;
+        let skeleton = character.skeleton.in_bind_pose();
         let rest = skeleton.joints().map(|joint| skeleton.rest_model(joint)).collect();
         let (character, clips) = (Arc::clone(character), Vec::new());
         Ok(Some(Self { character, feet, rest, crowd, id, members, clips }))
@@ -146,7 +146,8 @@ impl Treadmill {
         let step_secs = duration_secs / count;
         let travel = travel(&poses, duration_secs);
         let hips = feet.hips.as_ref().and_then(|hips| {
-            let rest_m = self.character.skeleton.rest_model(hips.joint()).origin()[1];
+            let rest_m =
+                self.character.skeleton.in_bind_pose().rest_model(hips.joint()).origin()[1];
             let heights = poses.iter().filter_map(|pose| Some(pose.hips?.y));
             let mean_m = heights.sum::<f32>() / poses.len() as f32;
             (rest_m > 0.0).then_some(Hips { rest_m, mean_m })

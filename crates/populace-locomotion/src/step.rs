@@ -35,8 +35,24 @@ impl Step {
         if ankles == 0.0 {
             return Stride::OF_CLIPS;
         }
-        let [x, z] = velocity;
-        Stride::along([x / ankles, (z - rolls) / ankles])
-            .turning_rad_per_m(turn_rad_per_sec / ankles)
+        let [x, z] = velocity.map(|speed| speed / ankles);
+        // Feet that roll by more than the body moves would be led to the back, where they come down
+        // and stay.
+        let along = if z < 0.0 { z } else { (z - rolls / ankles).max(0.0) };
+        Stride::along([x, along]).turning_rad_per_m(turn_rad_per_sec / ankles)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ankles_make_up_for_the_roll_of_feet_and_stay_below_the_body_on_the_spot() {
+        let step = Step { mix: 0.5, cycles_per_sec: 1.0, stride_m: 0.5, ankle_m: 0.25 };
+        let lead = |along: f32| step.stride([0.0, along], 0.0).lead()[1];
+        assert_eq!([lead(0.5), lead(0.75), lead(0.0), lead(-0.5)], [1.0, 2.0, 0.0, -2.0]);
+        let back = Step { cycles_per_sec: -1.0, ..step };
+        assert_eq!(back.stride([0.0, -0.5], 0.0).lead(), [-0.0, 1.0]);
     }
 }

@@ -298,7 +298,9 @@ impl Stance {
         let until_over = (ahead_m / stride_m).clamp(0.0, until_lift);
         let over = (down as f32 / count as f32 + until_over).rem_euclid(1.0);
         let stepped_m = ankle.y - leg.rest_z;
-        let landing = Landing { over, until_over, until_lift, ahead_m, stepped_m };
+        let half_m = self.middles_z.iter().copied().fold(0.0, f32::max);
+        let aside_m = ankle.x;
+        let landing = Landing { over, until_over, until_lift, ahead_m, stepped_m, aside_m, half_m };
         landing.steps().then_some(landing)
     }
 

@@ -10,6 +10,7 @@ use crate::footing::LedStep;
 use crate::gait_space::GaitSpace;
 use crate::path::check_coordinate;
 use crate::step::Step;
+use crate::treads::{Footholds, Gait};
 
 /// How far from its heading a walker may move without turning first, in radians.
 const LEEWAY_RAD: f32 = 0.45;
@@ -87,6 +88,8 @@ pub(crate) struct Walker {
     pub(crate) position: Vec2,
     pub(crate) velocity: Vec2,
     pub(crate) height_m: f32,
+    /// Speed at which it rises, in metres per second.
+    climb: f32,
     pub(crate) heading_rad: f32,
     /// The direction of the heading.
     ahead: Vec2,
@@ -107,6 +110,8 @@ pub(crate) struct Walker {
     pub(crate) stride: Stride,
     /// The step that it is led through, and the phase of its cycle when the frame begins.
     led: Option<(LedStep, f32)>,
+    /// The places where its feet stand on ground with treads.
+    footholds: Footholds,
     /// The part of the last steps that the position's rounding left out, in metres.
     rest: Vec2,
 }
@@ -184,6 +189,7 @@ impl Walker {
             position: Vec2::new(x, z),
             velocity: Vec2::ZERO,
             height_m,
+            climb: 0.0,
             heading_rad: wrapped(placement.yaw_rad()),
             ahead: direction_of(placement.yaw_rad()),
             turn_rate: 0.0,
@@ -197,6 +203,7 @@ impl Walker {
             soon_cycles: (f32::INFINITY, 0.0),
             stride: Stride::OF_CLIPS,
             led: None,
+            footholds: Footholds::default(),
             rest: Vec2::ZERO,
         }
     }
@@ -249,7 +256,7 @@ impl Walker {
         self.heading_rad = wrapped(lead.yaw_rad);
         self.follow(lead, None, 1.0);
         // A step without end has the stride of the motion at once.
-        self.step(gaits, f32::MAX);
+        self.step(gaits, f32::MAX, None);
         self.settles_secs = 0.0;
         self.told = Some(self.step);
         let landings = gaits.landings(self.step.mix);
@@ -269,7 +276,7 @@ impl Walker {
         self.led = lead.step.zip(phase);
         self.position = lead.position.into();
         self.velocity = lead.velocity.into();
-        self.height_m = lead.height_m;
+        (self.height_m, self.climb) = (lead.height_m, 0.0);
         self.turn_rate = wrapped(lead.yaw_rad - self.heading_rad) / secs;
         self.heading_rad = wrapped(lead.yaw_rad);
         self.ahead = direction_of(self.heading_rad);
@@ -304,17 +311,24 @@ impl Walker {
             self.rest = Vec2::ZERO;
         }
         self.position = at;
-        let Some(ground) = ground else {
-            self.height_m -= self.height_m * (secs / (secs + HEIGHT_SECS));
-            return;
-        };
-        let walks = (self.velocity.length() / WALKS_M_PER_SEC).min(1.0);
-        let wanted = ground_below(ground, at + self.ahead * (AHEAD_M * walks), self.ahead);
-        self.height_m += (wanted - self.height_m) * (secs / (secs + HEIGHT_SECS));
+        let wanted = ground.map_or(0.0, |ground| {
+            let walks = (self.velocity.length() / WALKS_M_PER_SEC).min(1.0);
+            ground_below(ground, at + self.ahead * (AHEAD_M * walks), self.ahead)
+        });
+        // A critically damped spring, with a series for the exponential: the body neither jerks
+        // where a step begins nor swings past its height.
+        let per_sec = 2.0 / HEIGHT_SECS;
+        let x = per_sec * secs;
+        let fades = 1.0 / (1.0 + x + 0.48 * x * x + 0.235 * x * x * x);
+        let off = self.height_m - wanted;
+        let gain = (self.climb + per_sec * off) * secs;
+        self.climb = (self.climb - per_sec * gain) * fades;
+        self.height_m = wanted + (off + gain) * fades;
     }
 
-    /// Sets how it steps, and counts the time until it stands.
-    pub(crate) fn step(&mut self, gaits: &GaitSpace, secs: f32) {
+    /// Sets how it steps, and counts the time until it stands. On ground with treads, of which it
+    /// knows the phase of its cycle when the frame begins, its feet keep to them.
+    pub(crate) fn step(&mut self, gaits: &GaitSpace, secs: f32, treads: Option<(&Ground, f32)>) {
         let speed = self.velocity.length() / self.scale;
         let turns = self.turn_rate.abs() > STANDS_RAD_PER_SEC;
         let on_the_spot = gaits.on_the_spot();
@@ -355,10 +369,44 @@ impl Walker {
                 let told = self.told.unwrap_or(step).cycles_per_sec;
                 led.stride(&landings, phase + told * secs, self.scale).unwrap_or(self.stride)
             }
-            None => step.stride(velocity, self.turn_rate),
+            None => self.stride_over(treads, gaits, (step, velocity), secs),
         };
         self.stride = self.stride.towards(&wanted, secs / (secs + STRIDE_SECS));
         self.step = step;
+    }
+
+    /// Returns the stride of a step at a velocity in model space, by which the foot in the air
+    /// comes to stand on one tread.
+    fn stride_over(
+        &mut self,
+        treads: Option<(&Ground, f32)>,
+        gaits: &GaitSpace,
+        (step, velocity): (Step, [f32; 2]),
+        secs: f32,
+    ) -> Stride {
+        let stride = step.stride(velocity, self.turn_rate);
+        let landings = gaits.landings(step.mix).filter(|_| step.mix > 0.0);
+        let treads = treads.filter(|_| step.cycles_per_sec > 0.0);
+        let (Some((ground, phase)), Some(landings)) = (treads, landings) else {
+            self.footholds = Footholds::default();
+            return stride;
+        };
+        let gait = Gait {
+            ground,
+            position: self.position,
+            velocity: self.velocity,
+            ahead: self.ahead,
+            scale: self.scale,
+            phase: phase + self.told.unwrap_or(step).cycles_per_sec * secs,
+            cycles_per_sec: step.cycles_per_sec,
+            lead: stride.lead(),
+        };
+        let gains = gait.step_onto(&landings, &mut self.footholds);
+        if gains == 0.0 {
+            return stride;
+        }
+        let [x, z] = velocity;
+        step.stride([x, z + gains * step.cycles_per_sec * step.ankle_m], self.turn_rate)
     }
 }
 
@@ -371,7 +419,9 @@ fn side_limit(aside: f32, limits: &WalkerSettings) -> f32 {
 
 /// Returns the mean height of the ground over a step's length along a direction.
 pub(crate) fn ground_below(ground: &Ground, at: Vec2, direction: Vec2) -> f32 {
-    let half = direction * HALF_STEP_M;
-    let heights = [at - half, at, at + half].map(|at| ground.height_at(at.x, at.y));
-    heights.iter().sum::<f32>() / 3.0
+    let heights = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|part| {
+        let at = at + direction * (part * HALF_STEP_M);
+        ground.height_at(at.x, at.y)
+    });
+    heights.iter().sum::<f32>() / 5.0
 }

@@ -81,7 +81,7 @@ pub struct Walkers {
     points: Vec<(MemberId, SpacePoint)>,
     /// Placements and strides of the walkers that do not rest, if some do.
     shown: Shown,
-    /// The phases of walkers that are led through steps.
+    /// The phases of walkers that are led through steps, or that walk over treads.
     phases: Vec<Option<f32>>,
     times: UpdateTimes,
 }
@@ -202,6 +202,13 @@ impl Walkers {
         times[1] = Instant::now();
         self.steer(share)?;
         times[2] = Instant::now();
+        self.phases.clear();
+        if self.ground.is_some() {
+            let phase = |member: &MemberId| crowd.member(*member).ok()?.blend_space_phase();
+            self.phases.extend(self.members.iter().map(phase));
+        } else {
+            self.phases.resize(self.members.len(), None);
+        }
         self.advance(secs);
         times[3] = Instant::now();
         self.frame += 1;
@@ -240,7 +247,7 @@ impl Walkers {
         walkers.zip(leads).with_min_len(FEWEST_PER_THREAD).for_each(
             |(((walker, (placement, stride)), (position, velocity)), ((lead, phase), orders))| {
                 walker.follow(lead, *phase, secs);
-                walker.step(&gaits[orders.gaits as usize], secs);
+                walker.step(&gaits[orders.gaits as usize], secs, None);
                 (placement.1, stride.1) = (walker.placement(), walker.stride);
                 (*position, *velocity) = (lead.position, lead.velocity);
             },
@@ -319,14 +326,14 @@ impl Walkers {
         let Self { settings, gaits, avoidance, .. } = self;
         let ground = self.ground.as_ref();
         let places = self.positions.par_iter_mut().zip(&mut self.velocities);
-        let orders = self.orders.par_iter().zip(&self.radii_m);
+        let orders = self.orders.par_iter().zip(&self.radii_m).zip(&self.phases);
         let wishes = self.preferred.par_iter().zip(&self.steered).zip(&self.evades).zip(orders);
         let shown = self.placements.par_iter_mut().zip(&mut self.strides);
         let walkers = self.walkers.par_iter_mut().zip(shown).zip(places);
         walkers.zip(wishes).with_min_len(FEWEST_PER_THREAD).for_each(
             |(
                 ((walker, (placement, stride)), (position, velocity)),
-                (steers, (orders, radius)),
+                (steers, ((orders, radius), phase)),
             )| {
                 if orders.manner == Manner::Rests {
                     return;
@@ -341,7 +348,7 @@ impl Walkers {
                     avoidance.slide(from, wanted.to_array(), *radius).into()
                 });
                 walker.arrive(at, wanted, ground, secs);
-                walker.step(&gaits[orders.gaits as usize], secs);
+                walker.step(&gaits[orders.gaits as usize], secs, ground.zip(*phase));
                 (placement.1, stride.1) = (walker.placement(), walker.stride);
                 (*position, *velocity) = (walker.position.to_array(), walker.velocity.to_array());
             },

@@ -46,6 +46,10 @@ fn a_built_in_person_hardly_skates() {
     let all = Skate::measure(&person, &clips).unwrap();
     assert_eq!(all.len(), 24);
     holds(&all, &Targets { mean_m_per_sec: 0.01, p95_m_per_sec: 0.04 });
+    // Feet come down on treads, and rise to them without a jerk.
+    let [planted, bare] = [true, false].map(|planting| find(&all, "stairs", planting));
+    assert!(planted.sole_error < 0.005 && planted.acceleration_ratio < 1.0, "{planted:?}");
+    assert!(bare.sole_error > 0.02, "{bare:?}");
 }
 
 #[test]
@@ -120,6 +124,15 @@ fn retargeted_clips_hardly_skate() {
     let person = cast().unwrap().remove(0);
     let clips = GaitClips::among(&human, &person.clips).unwrap();
     let all = Skate::measure(&human, &clips).unwrap();
+    holds(&all, &Targets { mean_m_per_sec: 0.02, p95_m_per_sec: 0.08 });
+}
+
+#[test]
+fn bodies_that_rest_in_the_middle_of_a_run_stand_by_their_bind_pose() {
+    let Some(girl) = load("girl.glb") else { return };
+    let person = cast().unwrap().remove(0);
+    let clips = GaitClips::among(&girl, &person.clips).unwrap();
+    let all = Skate::measure(&girl, &clips).unwrap();
     holds(&all, &Targets { mean_m_per_sec: 0.02, p95_m_per_sec: 0.08 });
 }
 

@@ -42,7 +42,13 @@ struct Parts {
     size_m: f32,
     reach_m: Vec<f32>,
     soles: Vec<Vec<[f32; 3]>>,
+    /// `None` if it is the rest.
+    bind_pose: Option<Skeleton>,
 }
+
+/// Angle between a joint's rotations at rest and in the bind pose up to which they count as equal,
+/// in radians.
+const SAME_ROTATION_RAD: f64 = 0.05;
 
 impl Skeleton {
     /// Sorts the joints into level order. Joints of one level keep the order of their parents, then
@@ -81,6 +87,7 @@ impl Skeleton {
             size_m,
             reach_m,
             soles,
+            bind_pose: None,
         };
         Ok(Self { parts: Arc::new(parts) })
     }
@@ -97,16 +104,46 @@ impl Skeleton {
     }
 
     /// Sets the points of each joint, in level order, that may touch the ground
-    /// (`sole_points` of populace-character): positions at rest in model space, in metres. They
+    /// (`sole_points` of populace-character): positions in the bind pose
+    /// ([`in_bind_pose`](Self::in_bind_pose)) in model space, in metres. They
     /// keep the feet of retargeted clips above the ground
     /// (`Binding::retarget` of populace-retarget). Points that are not finite are ignored.
     #[must_use]
     pub fn with_soles(mut self, soles: &[Vec<[f32; 3]>]) -> Self {
-        for (own, given) in Arc::make_mut(&mut self.parts).soles.iter_mut().zip(soles) {
+        let parts = Arc::make_mut(&mut self.parts);
+        for (own, given) in parts.soles.iter_mut().zip(soles) {
             *own =
                 given.iter().copied().filter(|place| place.iter().all(|c| c.is_finite())).collect();
         }
+        parts.bind_pose = parts.bind_pose.take().map(|pose| pose.with_soles(soles));
         self
+    }
+
+    /// Sets the pose in which meshes were bound to the joints, as the local transform of each
+    /// joint, in level order. A file that was written in the middle of a movement has another rest.
+    /// Missing transforms and those that are not finite are at rest. A pose without a joint that
+    /// turns visibly from its rest counts as the rest.
+    #[must_use]
+    pub fn with_bind_pose(mut self, locals: &[Trs]) -> Self {
+        let mut pose = self.clone();
+        let parts = Arc::make_mut(&mut pose.parts);
+        parts.bind_pose = None;
+        for (own, given) in parts.rest.iter_mut().zip(locals).filter(|(_, of)| of.is_finite()) {
+            *own = Trs { rotation: f64math::normalized(given.rotation), ..*given };
+        }
+        let rotation = |of: &Trs| f64math::quat(of.rotation);
+        let turns =
+            |(a, b): (&Trs, &Trs)| rotation(a).angle_between(rotation(b)) > SAME_ROTATION_RAD;
+        let differs = parts.rest.iter().zip(&self.parts.rest).any(turns);
+        Arc::make_mut(&mut self.parts).bind_pose = differs.then_some(pose);
+        self
+    }
+
+    /// The skeleton with its bind pose as its rest; the skeleton itself if both are the same.
+    /// Bodies stand in it with flat soles.
+    #[must_use]
+    pub fn in_bind_pose(&self) -> &Self {
+        self.parts.bind_pose.as_ref().unwrap_or(self)
     }
 
     /// Number of joints; at least one.
@@ -247,7 +284,8 @@ impl Skeleton {
         &self.parts.reach_m
     }
 
-    /// Points of a joint that may touch the ground, at rest in model space; empty if unknown.
+    /// Points of a joint that may touch the ground, in the bind pose in model space; empty if
+    /// unknown.
     #[must_use]
     pub fn soles(&self, joint: JointIndex) -> &[[f32; 3]] {
         &self.parts.soles[joint.index()]
@@ -383,6 +421,32 @@ mod tests {
             |i: usize| JointSource { name: i.to_string(), parent: i.checked_sub(1), rest: up };
         let skeleton = Skeleton::new(&(0..200_000).map(link).collect::<Vec<_>>()).unwrap();
         assert_eq!(skeleton.rest_model(JointIndex(199_999)).origin(), [0.0, 200_000.0, 0.0]);
+    }
+
+    #[test]
+    fn bind_pose_is_kept_beside_the_rest_where_it_differs() {
+        let bent = |half_rad: f32| Trs {
+            rotation: [2.0 * half_rad.sin(), 0.0, 0.0, 2.0 * half_rad.cos()],
+            ..Trs::IDENTITY
+        };
+        let skeleton = Skeleton::new(&[joint("hips", None), joint("knee", Some(0))]).unwrap();
+        let soles = [vec![], vec![[0.0, -1.0, 0.0]]];
+        let same = skeleton.clone().with_bind_pose(&[Trs::IDENTITY, bent(0.01)]);
+        assert_eq!(same, skeleton);
+        let nan = Trs { scale: [f32::NAN; 3], ..Trs::IDENTITY };
+        let bound = skeleton.clone().with_bind_pose(&[nan, bent(0.5)]).with_soles(&soles);
+        let pose = bound.in_bind_pose();
+        assert_eq!(
+            (bound.rest(JointIndex(1)), pose.rest(JointIndex(0))),
+            (&Trs::IDENTITY, &Trs::IDENTITY)
+        );
+        let [x, _, _, w] = pose.rest(JointIndex(1)).rotation;
+        assert!((x - 0.5_f32.sin()).abs() < 1e-6 && (w - 0.5_f32.cos()).abs() < 1e-6);
+        assert_eq!(pose.in_bind_pose(), pose);
+        assert_eq!(
+            (bound.soles(JointIndex(1)), pose.soles(JointIndex(1))),
+            (&soles[1][..], &soles[1][..])
+        );
     }
 
     proptest! {

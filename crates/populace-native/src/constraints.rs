@@ -13,6 +13,7 @@ mod chain;
 mod contacts;
 mod feet;
 mod foot;
+mod foothold;
 mod gaze;
 mod limb;
 mod motion;

@@ -44,12 +44,12 @@ INLINE float4 ground_at(const ConstraintTables *tables, float x, float z)
 // A foot's state after the previous frame, in world space. If planted: the horizontal position of the
 // pivot and its index, the direction from heel to toes along X and Z, and the height of the pivot
 // above the true ground. Else the offset from the clip, and the tangent of half the angle by which the
-// foot is turned from it. Then the height of the ground that the foot is shown on. A lock may have
-// been let go within a contact that has not ended.
+// foot is turned from it. Then the height of the ground that the foot is shown on, and the speed at
+// which it rises to it. A lock may have been let go within a contact that has not ended.
 typedef struct {
     float4 vector;
     float2 direction;
-    float height, above;
+    float height, above, climb;
     uint pivot;
     bool planted, released, known;
 } FootState;
@@ -62,6 +62,7 @@ INLINE FootState foot_state(const Solver *s, float4 left, float4 turned)
                               known ? turned.xy : (float2)(0.0f),
                               left.y,
                               turned.z,
+                              turned.w,
                               bits >> 1 & 15u,
                               known && (bits & 1u),
                               known && (bits & 32u),
@@ -75,7 +76,7 @@ INLINE void keep_foot_state(const Solver *s, uint foot, FootState state)
     const uint bits = s->control.epoch << FOOT_STATE_BITS | flags | state.pivot << 1;
     __global float4 *states = s->tables->states + s->index * STATES_PER_CONTROL + foot;
     states[0] = (float4)(state.vector.x, state.height, state.vector.z, as_float(bits));
-    states[FOOT_TURN_STATE] = (float4)(state.direction, state.above, 0.0f);
+    states[FOOT_TURN_STATE] = (float4)(state.direction, state.above, state.climb);
 }
 
 // Returns the tangent of half the angle by which a foot is turned from where the clip has it. `own`
@@ -195,19 +196,30 @@ INLINE float eased(float part)
     return part * part * (3.0f - 2.0f * part);
 }
 
-// Returns a height on the way from that of the frame before, at a limited speed.
-INLINE float climbs(const Solver *s, float before, float wanted)
+// Returns a height on the way from that of the frame before, at a limited speed, whose gain and loss
+// are limited. It comes to rest at the height. *climb is the speed of the frame before, then that of
+// the way.
+INLINE float climbs(const Solver *s, float before, float *climb, float wanted)
 {
-    const float climb = FOOT_CLIMB_M_PER_SEC * s->tables->elapsed_secs;
-    const float low = before - climb, high = before + climb;
-    return wanted > high ? high : wanted < low ? low : wanted;
+    const float secs = s->tables->elapsed_secs;
+    const float way = wanted - before, far = way < 0.0f ? -way : way;
+    const float stopping = root(2.0f * FOOT_CLIMB_GAIN * far);
+    float most = stopping < FOOT_CLIMB_M_PER_SEC ? stopping : FOOT_CLIMB_M_PER_SEC;
+    most = most * secs > far ? far / secs : most;
+    const float gain = FOOT_CLIMB_GAIN * secs, low = *climb - gain, high = *climb + gain;
+    const float aim = way < 0.0f ? -most : most;
+    *climb = aim > high ? high : aim < low ? low : aim;
+    return before + *climb * secs;
 }
 
 // Returns the ground beneath a lifted foot: its true height or that a little ahead, whichever is
-// higher, reached from the height of the frame before at a limited speed.
-INLINE float ground_beneath(const Solver *s, FootState state, float4 at, float height, float most)
+// higher. The foot rises to it at the speed *climb.
+INLINE float ground_beneath(const Solver *s, FootState state, float4 at, float height, float most,
+                            float *climb)
 {
+    *climb = 0.0f;
     if (!state.known) return height;
+    *climb = state.climb;
     float wanted = height;
     if (s->tables->ground->per_metre > 0.0f) {
         const float4 stride = s->control.stride, facing = s->control.facing;
@@ -217,19 +229,39 @@ INLINE float ground_beneath(const Solver *s, FootState state, float4 at, float h
         const float next = ground_at(s->tables, x, z).w;
         wanted = next > height ? next : height;
     }
-    return climbs(s, state.height, wanted);
+    return climbs(s, state.height, climb, wanted);
 }
 
-// Returns the ground's unit normal in x, y, z and its height in w under a sole from `heel` to `toes`,
-// of which the pivot stands on `ground`. *on_edge tells whether it is on the edge of a step.
-INLINE float4 ground_under(const Solver *s, float4 ground, float4 heel, float4 toes, bool *on_edge)
+// Returns the height that a planted foot is shown at. It rises at the speed *climb.
+INLINE float height_planted(const Solver *s, FootState state, float ground, bool on_edge,
+                            float *climb)
 {
-    const float at_heel = ground_at(s->tables, heel.x, heel.z).w,
-                at_toes = ground_at(s->tables, toes.x, toes.z).w;
-    const float x = toes.x - heel.x, z = toes.z - heel.z, rise = at_toes - at_heel;
-    if (rise * rise <= FOOT_EDGE * FOOT_EDGE * (x * x + z * z)) return ground;
-    *on_edge = true;
-    return (float4)(0.0f, 1.0f, 0.0f, at_toes > at_heel ? at_toes : at_heel);
+    *climb = 0.0f;
+    if (!state.known) return ground;
+    *climb = state.climb;
+    if (state.planted && !on_edge) return ground + climbs(s, state.above, climb, 0.0f);
+    return climbs(s, state.height, climb, ground);
+}
+
+// The ground under a sole of which the pivot stands. On an edge the ground under a point of the sole
+// is far off the plane through the pivot, and the sole is level.
+typedef struct {
+    float4 pivot;
+    float height, level, tilted, fall_x, fall_z, edge;
+    bool on_edge;
+} Under;
+
+// Takes a point of the sole into account. The sole is so high that the point is not in the ground.
+INLINE void stand_on(const Solver *s, Under *under, float4 at)
+{
+    const float x = at.x - under->pivot.x, z = at.z - under->pivot.z;
+    const float ground = ground_at(s->tables, at.x, at.z).w;
+    const float above = at.y - under->pivot.y, fall = under->fall_x * x + under->fall_z * z;
+    const float level = ground - above, tilted = ground + fall - above;
+    under->level = level > under->level ? level : under->level;
+    under->tilted = tilted > under->tilted ? tilted : under->tilted;
+    const float off = ground + fall - under->height;
+    under->on_edge = under->on_edge || off * off > under->edge * under->edge;
 }
 
 // Returns whether an offset takes an ankle too far from its hip, horizontally.
@@ -297,24 +329,30 @@ INLINE float4 foot_goal(const Solver *s, uint foot, __global const Constraint *c
     bool on_edge = false;
     float4 ground = ground_at(s->tables, place.x, place.z);
     if (s->tables->ground->per_metre > 0.0f && points > 0) {
-        const float4 heel = sole_arm(leg, constraint, soles, 0, turn),
-                     toes = sole_arm(leg, constraint, soles, points - 1, turn);
-        ground = ground_under(s, ground, to_world(s->control, stepped.ankle + heel) + behind,
-                              to_world(s->control, stepped.ankle + toes) + behind, &on_edge);
+        Under under = { place,    ground.w,
+                        ground.w, ground.w,
+                        ground.x / ground.y, ground.z / ground.y,
+                        FOOT_EDGE * most, false };
+        for (uint point = 0; point < points; point++) {
+            const float4 of_point = sole_arm(leg, constraint, soles, point, turn);
+            stand_on(s, &under, to_world(s->control, stepped.ankle + of_point) + behind);
+        }
+        on_edge = under.on_edge;
+        if (on_edge)
+            ground = (float4)(0.0f, 1.0f, 0.0f, under.level);
+        else
+            ground.w = under.tilted;
     }
     if (moved_elsewhere) state.known = false;
-    float height = ground.w;
-    if (!planted)
-        height = ground_beneath(s, state, place, ground.w, most);
-    else if (state.known && state.planted && !on_edge) // it loses what it is above or below
-        height = ground.w + state.above * decay;
-    else if (state.known)
-        height = climbs(s, state.height, ground.w);
+    float climb;
+    const float height = planted ? height_planted(s, state, ground.w, on_edge, &climb)
+                                 : ground_beneath(s, state, place, ground.w, most, &climb);
     const float4 direction = turned(turn_of(lag), vec(own.x, 0.0f, own.y));
     const FootState next = { planted ? place : behind,
                              planted ? (float2)(direction.x, direction.z) : (float2)(lag, 0.0f),
                              height,
                              planted ? height - ground.w : 0.0f,
+                             climb,
                              pivot,
                              planted,
                              released,

@@ -203,7 +203,8 @@ impl Binding {
     /// with +Y up.
     ///
     /// The skeleton is first brought to a common pose: its own rest, with arms and legs rotated to
-    /// the directions they have at rest in the clip's own skeleton. Head, feet, back and the shape
+    /// the directions they have at rest in the clip's own skeleton. The rest is the bind pose
+    /// ([`Skeleton::in_bind_pose`]) for both, also in what follows. Head, feet, back and the shape
     /// of the hands stay as they are. Then each joint with a role rotates away from that pose as
     /// its partner rotates away from rest, regardless of the joints in between on either side.
     /// Other joints keep their local rest. Translations move only the root and the hips. They are
@@ -233,8 +234,9 @@ impl Binding {
                 return refused(BindingFault::OtherSkeleton { wanted, joints });
             }
         }
-        let mut common =
-            Common::new(Figure::new(clip.skeleton(), clip_roles), Figure::new(skeleton, roles));
+        let source = Figure::new(clip.skeleton().in_bind_pose(), clip_roles);
+        let standing = skeleton.in_bind_pose();
+        let mut common = Common::new(source, Figure::new(standing, roles));
         let driven =
             |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.drives(source));
         let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
@@ -261,7 +263,7 @@ impl Binding {
             Self { bound_joint_count, foot_correction, ..Self::empty(motion_scale, report) };
         let motion = |joint: JointIndex| motion(clip, joint);
         for joint in skeleton.joints() {
-            binding.push(clip, skeleton.rest(joint), common.chain(joint, &motion));
+            binding.push(clip, standing.rest(joint), common.chain(joint, &motion));
         }
         Ok(binding)
     }

@@ -54,7 +54,7 @@ fn outline(skeleton: &Skeleton, joint: JointIndex) -> Vec<Float4> {
         (low.min(point[0]), high.max(point[0]))
     });
     let middle = f32::midpoint(bounds.0, bounds.1);
-    let joint_from_model = skeleton.rest_models()[joint.index()].inverse();
+    let joint_from_model = skeleton.in_bind_pose().rest_models()[joint.index()].inverse();
     let mut found: Vec<[f32; 3]> = Vec::new();
     for nth in 0..MAX_SOLE_POINTS {
         let part = f64::from(nth) / f64::from(MAX_SOLE_POINTS - 1);

@@ -7,21 +7,14 @@
 //! A standing foot is locked in world space: at the lowest point of its sole, over which it rolls,
 //! and in its direction. Once lifted, it catches up with the clip.
 
-use populace_device::Tables;
 use populace_device::layout::{
-    Constraint, FOOT_AHEAD, FOOT_CLIMB_M_PER_SEC, FOOT_EDGE, FOOT_MAX_TURN, FOOT_NEAR_SECS,
-    FOOT_PIVOT_SLACK, FOOT_REACH, FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_STATE_BITS, FOOT_TURN_STATE,
-    Float4,
+    Constraint, FOOT_EDGE, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH,
+    FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_STATE_BITS, FOOT_TURN_STATE, Float4,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
 
 use super::targets::Solver;
-
-/// Returns the ground's height and upward unit normal at a position, in world space.
-fn ground_at(tables: &Tables, x: f32, z: f32) -> (f32, [f32; 3]) {
-    tables.ground().as_slice()[0].at(tables.heights().as_slice(), x, z)
-}
 
 /// Goal of a foot.
 pub(super) struct FootGoal {
@@ -35,7 +28,7 @@ pub(super) struct FootGoal {
 
 /// State of a foot as of the frame before, in world space.
 #[derive(Clone, Copy)]
-struct FootState {
+pub(super) struct FootState {
     /// Horizontal: the pivot's position if planted, else the offset from where the clip has the
     /// foot.
     vector: [f32; 3],
@@ -43,16 +36,18 @@ struct FootState {
     /// angle by which the foot is turned from the clip, then 0.
     direction: [f32; 2],
     /// Height of the ground that the foot is shown on.
-    height: f32,
+    pub(super) height: f32,
     /// Height of the planted pivot above the true ground.
-    above: f32,
+    pub(super) above: f32,
+    /// Speed at which the foot rises to the height of the ground, in metres per second.
+    pub(super) climb: f32,
     /// The point of the sole that stands, if planted.
     pivot: u32,
-    planted: bool,
+    pub(super) planted: bool,
     /// The lock was let go within a contact that has not ended.
     released: bool,
     /// False if the member had no such state in the frame before.
-    known: bool,
+    pub(super) known: bool,
 }
 
 /// A leg before the constraint, in model space.
@@ -169,7 +164,7 @@ fn sole_arm(leg: &Leg, foot: &Constraint, soles: &[Float4], point: u32, turn: Tu
 
 /// Returns the nearest number of a range.
 #[inline(always)]
-fn within(value: f32, least: f32, most: f32) -> f32 {
+pub(super) fn within(value: f32, least: f32, most: f32) -> f32 {
     if value > most {
         most
     } else if value < least {
@@ -223,7 +218,7 @@ fn offset(state: &FootState, pivot: [f32; 3], decay: f32, most: f32) -> ([f32; 3
 impl Solver<'_> {
     fn foot_state(&self, foot: u32) -> FootState {
         let [x, height, z, bits] = self.state(foot).0;
-        let [along_x, along_z, above, _] = self.state(FOOT_TURN_STATE + foot).0;
+        let [along_x, along_z, above, climb] = self.state(FOOT_TURN_STATE + foot).0;
         let bits = bits.to_bits();
         let known = bits >> FOOT_STATE_BITS == self.control.epoch;
         FootState {
@@ -231,6 +226,7 @@ impl Solver<'_> {
             direction: if known { [along_x, along_z] } else { [0.0; 2] },
             height,
             above,
+            climb,
             pivot: bits >> 1 & 15,
             planted: known && bits & 1 != 0,
             released: known && bits & 32 != 0,
@@ -243,7 +239,7 @@ impl Solver<'_> {
         let flags = u32::from(state.released) << 5 | u32::from(state.planted);
         let bits = self.control.epoch << FOOT_STATE_BITS | flags | state.pivot << 1;
         self.keep_state(foot, Float4([x, state.height, z, f32::from_bits(bits)]));
-        let turned = Float4([along_x, along_z, state.above, 0.0]);
+        let turned = Float4([along_x, along_z, state.above, state.climb]);
         self.keep_state(FOOT_TURN_STATE + foot, turned);
     }
 
@@ -265,55 +261,6 @@ impl Solver<'_> {
         let [sin, cos, ..] = self.control.facing.0;
         let along = vec3::unit_or([cos * x + sin * z, 0.0, cos * z - sin * x], [0.0, 0.0, 1.0]);
         [along[0], along[2]]
-    }
-
-    /// Returns the ground beneath a lifted foot: its true height or that a little ahead, whichever
-    /// is higher, reached from the height of the frame before at a limited speed.
-    fn ground_beneath(&self, state: &FootState, at: [f32; 3], height: f32, most: f32) -> f32 {
-        if !state.known {
-            return height;
-        }
-        let mut wanted = height;
-        if self.tables.ground().as_slice()[0].per_metre > 0.0 {
-            let [along_x, along_z, ..] = self.control.stride.0;
-            let [sine, cosine, ..] = self.control.facing.0;
-            let ahead = FOOT_AHEAD * most;
-            let (x, z) = (
-                at[0] + (cosine * along_x + sine * along_z) * ahead,
-                at[2] + (cosine * along_z - sine * along_x) * ahead,
-            );
-            let (next, _) = ground_at(self.tables, x, z);
-            wanted = if next > height { next } else { height };
-        }
-        self.climbs(state.height, wanted)
-    }
-
-    /// Returns the ground's height and normal under a sole of `points`, of which `pivot` stands and
-    /// `end` gives the first and the last, and whether it is on the edge of a step.
-    fn ground_under(
-        &self,
-        pivot: [f32; 3],
-        end: impl Fn(u32) -> [f32; 3],
-        points: u32,
-    ) -> (f32, [f32; 3], bool) {
-        let (height, normal) = ground_at(self.tables, pivot[0], pivot[2]);
-        if self.tables.ground().as_slice()[0].per_metre <= 0.0 || points == 0 {
-            return (height, normal, false);
-        }
-        let ends = [end(0), end(points - 1)];
-        let [heel, toes] = ends.map(|end| ground_at(self.tables, end[0], end[2]).0);
-        let (x, z) = (ends[1][0] - ends[0][0], ends[1][2] - ends[0][2]);
-        let rise = toes - heel;
-        if rise * rise <= FOOT_EDGE * FOOT_EDGE * (x * x + z * z) {
-            return (height, normal, false);
-        }
-        (if toes > heel { toes } else { heel }, [0.0, 1.0, 0.0], true)
-    }
-
-    /// Returns a height on the way from that of the frame before, at a limited speed.
-    fn climbs(&self, before: f32, wanted: f32) -> f32 {
-        let climb = FOOT_CLIMB_M_PER_SEC * self.inputs.frame.elapsed_secs();
-        within(wanted, before - climb, before + climb)
     }
 
     /// Returns the goal of a foot, and writes its state. `within_secs` is the time within its
@@ -348,12 +295,12 @@ impl Solver<'_> {
         let pivot = if kept { state.pivot } else { stepped.lowest };
         let pivot_arm = if kept { kept_arm } else { arm(pivot) };
         let place = vec3::add(in_world(pivot_arm), vector);
-        let end = |point: u32| vec3::add(in_world(arm(point)), vector);
-        let points = constraint.sole_count + constraint.toe_count;
-        let (ground, normal, on_edge) = self.ground_under(place, end, points);
+        let points = (0..constraint.sole_count + constraint.toe_count)
+            .map(|point| vec3::add(in_world(arm(point)), vector));
+        let (ground, normal, on_edge) = self.ground_under(place, points, FOOT_EDGE * most);
         state.known &= !moved_elsewhere;
-        let height = if planted {
-            self.height_planted(&state, ground, on_edge, decay)
+        let [height, climb] = if planted {
+            self.height_planted(&state, ground, on_edge)
         } else {
             self.ground_beneath(&state, place, ground, most)
         };
@@ -365,6 +312,7 @@ impl Solver<'_> {
                 direction: if planted { [direction[0], direction[2]] } else { [lag, 0.0] },
                 height,
                 above: if planted { height - ground } else { 0.0 },
+                climb,
                 pivot,
                 planted,
                 released,
@@ -376,18 +324,6 @@ impl Solver<'_> {
         let [x, y, z] = ankle;
         let [nx, ny, nz] = self.direction_to_model(normal);
         FootGoal { ankle: [x, y, z, turn.half_tan], follows: [nx, ny, nz, near] }
-    }
-
-    /// Returns the height that a planted foot is shown at.
-    fn height_planted(&self, state: &FootState, ground: f32, on_edge: bool, decay: f32) -> f32 {
-        if !state.known {
-            ground
-        } else if state.planted && !on_edge {
-            // What the foot is above or below the ground, it loses.
-            ground + state.above * decay
-        } else {
-            self.climbs(state.height, ground)
-        }
     }
 
     /// Returns the ankle's position in model space above the place of its pivot. A lifted foot is

@@ -190,6 +190,44 @@ fn sole_rolls_over_the_point_that_stands() {
     });
 }
 
+/// A step up along +Z: 15 cm from z = 0 to z = 5 cm.
+fn step() -> Ground {
+    let heights = (0..80_u16).flat_map(|row| [if row > 40 { 0.15 } else { 0.0 }; 2]).collect();
+    Ground::height_field([-2.0, -2.0], 0.05, 2, heights).expect("a height field")
+}
+
+#[test]
+fn soles_stand_on_what_they_meet_of_a_step() {
+    everywhere(|scene| {
+        scene.crowd.set_ground(&step()).expect("ground");
+        let soled = scene.crowd.add_character(with_soles()).expect("enough capacity");
+        let skeleton = scene.crowd.character(soled).expect("a character").asset().skeleton.clone();
+        let mut lifted = 0;
+        for nth in 0..12_u8 {
+            let z = 0.03 * f32::from(nth) - 0.25;
+            let placement = Placement::at([0.0, 0.0, z]).facing(0.3);
+            let member = scene.crowd.spawn(soled, placement).expect("enough capacity");
+            scene.edit(member).plant_feet_with(&feet()).expect("feet");
+            scene.update(1.0 / 60.0);
+            let world = placement.world_from_model();
+            for foot in ["leftFoot", "rightFoot"].map(joint) {
+                let (rest, model) = (skeleton.rest_model(foot), scene.models(member)[foot.index()]);
+                let points = skeleton.soles(foot).iter().map(|point| {
+                    let at = model.transform_point(to_joint(&rest, *point));
+                    let [x, y, z] = world.transform_point(at);
+                    (y, y - step().height_at(x, z))
+                });
+                let points: Vec<_> = points.collect();
+                let least = points.iter().map(|point| point.1).fold(f32::INFINITY, f32::min);
+                assert!(least.abs() < 2e-3, "at {z} m a sole is {least} m above the ground");
+                lifted += u32::from(points[0].0 > 0.1 && points[0].1 > 0.1);
+            }
+            scene.crowd.despawn(member).expect("a member");
+        }
+        assert!(lifted > 3, "{lifted} heels are over the lower side");
+    });
+}
+
 /// Returns a point of model space in the space of a joint without scale.
 fn to_joint(model_from_joint: &Affine, point: [f32; 3]) -> [f32; 3] {
     let from = vec3::sub(point, model_from_joint.origin());

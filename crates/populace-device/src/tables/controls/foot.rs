@@ -33,7 +33,8 @@ pub(super) fn foot_row(
         let ankle = skeleton.name(foot.ankle).to_owned();
         return bad(ConstraintFault::LegAtPelvis { ankle });
     }
-    let [hip, knee, ankle] = legs.map(|joint| skeleton.rest_place(joint));
+    let standing = skeleton.in_bind_pose();
+    let [hip, knee, ankle] = legs.map(|joint| standing.rest_place(joint));
     let [length, rest_height, rest_z] =
         f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y, ankle.z]);
     let own = soles.of(foot.ankle).unwrap_or_default();
@@ -43,7 +44,7 @@ pub(super) fn foot_row(
     links.extend(toes.iter().map(|joint| Link { joint: joint.0, share: 0.0 }));
     let height = if own.count + toe.count == 0 { rest_height } else { 0.0 };
     let row = layout::Constraint {
-        axis: float4(in_joint(skeleton, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
+        axis: float4(in_joint(standing, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
         up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
         limits: Float4([FOOT_SOFT, feet.weight, rest_z, height]),
         middle,

@@ -1,0 +1,160 @@
+//! Footholds on treads: a step that would end on an edge is made longer or shorter.
+
+use glam::Vec2;
+use populace::Ground;
+
+use crate::footing::Landing;
+
+/// Distance between the points at which the ground under a sole is looked at, in metres.
+const FINE_M: f32 = 0.025;
+/// Slope of the ground from which it is the riser of a step.
+const RISER: f32 = 1.0;
+/// The farthest that a foothold is moved, in half lengths of the sole.
+const MOST: f32 = 1.0;
+/// The longest step, in half lengths of the sole.
+const STEP: f32 = 6.0;
+/// The least difference of two treads in height, in metres.
+const RISE_M: f32 = 0.05;
+/// The most points under half a sole.
+const MOST_POINTS: f32 = 40.0;
+
+/// The places where feet stand.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Footholds {
+    /// The foot in the air, which will stand at its place.
+    swings: Option<usize>,
+    /// The middle of each sole, `[x, z]` in metres.
+    middles: [Option<Vec2>; 2],
+}
+
+/// A body that walks over the ground, at the end of a frame.
+pub(crate) struct Gait<'a> {
+    pub(crate) ground: &'a Ground,
+    pub(crate) position: Vec2,
+    pub(crate) velocity: Vec2,
+    /// The direction of the heading.
+    pub(crate) ahead: Vec2,
+    pub(crate) scale: f32,
+    /// The phase of its cycle, and cycles in a second.
+    pub(crate) phase: f32,
+    pub(crate) cycles_per_sec: f32,
+    /// Where its steps lead: see [`Stride::lead`](populace::Stride::lead).
+    pub(crate) lead: [f32; 2],
+}
+
+impl Gait<'_> {
+    /// Chooses where the foot in the air will stand, or keeps to the choice of the frame before.
+    /// Returns what the lead of ankles ahead gains for it.
+    pub(crate) fn step_onto(&self, landings: &[Landing; 2], footholds: &mut Footholds) -> f32 {
+        let in_the_air = landings.iter().enumerate().filter_map(|(foot, landing)| {
+            Some((landing.in_the_air(self.phase)? - landing.until_over, foot, landing))
+        });
+        let Some((until, foot, landing)) = in_the_air.min_by(|a, b| a.0.total_cmp(&b.0)) else {
+            footholds.swings = None;
+            return 0.0;
+        };
+        let secs = until / self.cycles_per_sec;
+        let [aside, along] = self.lead;
+        let aside = landing.aside_m + landing.stepped_m * aside;
+        let along = landing.ahead_m + landing.stepped_m * (along - 1.0);
+        let side = Vec2::new(self.ahead.y, -self.ahead.x);
+        let body = self.position + self.velocity * secs;
+        let usual = body + (self.ahead * along + side * aside) * self.scale;
+        let half_m = landing.half_m * self.scale;
+        let most = MOST * half_m;
+        let near = |other: &Vec2, most: f32| (*other - usual).length_squared() <= most * most;
+        let kept = footholds.middles[foot]
+            .filter(|kept| footholds.swings == Some(foot) && near(kept, 1.5 * most));
+        let middle = kept.unwrap_or_else(|| {
+            let other = footholds.middles[1 - foot].filter(|other| near(other, STEP * half_m));
+            let taken = other.map(|other| self.ground.height_at(other.x, other.y));
+            usual + self.ahead * shift_to_tread(self.ground, usual, self.ahead, half_m, taken)
+        });
+        *footholds = Footholds { swings: Some(foot), ..*footholds };
+        footholds.middles[foot] = Some(middle);
+        let shift = (middle - usual).dot(self.ahead) / self.scale;
+        // The first half of its way the foot is behind the body, where a longer lead would hold it
+        // back.
+        let goes = until < 0.5 * landing.swing();
+        if goes { shift / landing.stepped_m } else { 0.0 }
+    }
+}
+
+/// Returns the least way ahead, in metres, after which a sole stands on one tread; 0 if it does so
+/// already, or if none is near. Its heel or its toes may be over a lower tread. A tread of another
+/// height than the one that the other foot has `taken` is better: each foot has its own.
+fn shift_to_tread(
+    ground: &Ground,
+    middle: Vec2,
+    ahead: Vec2,
+    half_m: f32,
+    taken: Option<f32>,
+) -> f32 {
+    let count = (half_m / FINE_M).ceil().clamp(1.0, MOST_POINTS);
+    let spacing = half_m / count;
+    let at = |nth: f32| {
+        let at = middle + ahead * (nth * spacing);
+        ground.height_at(at.x, at.y)
+    };
+    let rises = |from: f32, to: f32| at(to) - at(from) > RISER * spacing;
+    let points = || (0_u16..).map(f32::from).take_while(|nth| *nth < count);
+    let fits = |shift: f32| {
+        let next = [shift - 1.0, shift + 1.0];
+        let on_riser = next.iter().any(|next| rises(*next, shift));
+        let outwards = |side: f32| {
+            let mut pairs = points().map(|nth| [shift + side * nth, shift + side * (nth + 1.0)]);
+            pairs.any(|[from, to]| rises(from, to))
+        };
+        !on_riser && !outwards(1.0) && !outwards(-1.0)
+    };
+    let shifts = (0_u16..).map(f32::from).take_while(|nth| *nth <= MOST * count);
+    let both: Vec<f32> = shifts.flat_map(|nth| [nth, -nth]).filter(|shift| fits(*shift)).collect();
+    let free = |shift: &&f32| taken.is_none_or(|taken| (at(**shift) - taken).abs() > RISE_M);
+    let least = both.iter().find(free).or(both.first());
+    least.map_or(0.0, |shift| shift * spacing)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Treads of 30 cm with a rise of 15 cm; risers take 5 cm.
+    fn stairs() -> Ground {
+        let height = |row: u16| 0.15 * ((0.05 * f32::from(row) - 1.0) / 0.3).ceil().max(0.0);
+        let heights = (0..200).flat_map(|row| [height(row); 2]).collect();
+        Ground::height_field([-10.0, 0.0], 0.05, 2, heights).unwrap()
+    }
+
+    #[test]
+    fn soles_come_to_stand_on_one_tread() {
+        let ground = stairs();
+        for nth in 0..60_u8 {
+            let z = 2.0 + 0.01 * f32::from(nth);
+            for ahead in [Vec2::Y, -Vec2::Y] {
+                let shift = shift_to_tread(&ground, Vec2::new(0.0, z), ahead, 0.13, None);
+                assert!(shift.abs() <= 0.11, "{shift} at {z}");
+                let middle = z + shift * ahead.y;
+                let own = ground.height_at(0.0, middle);
+                let ends = [-0.13, 0.13].map(|end| ground.height_at(0.0, middle + end));
+                assert!(ends.iter().all(|end| *end <= own + 0.02), "{own} {ends:?} at {z}");
+            }
+        }
+    }
+
+    #[test]
+    fn soles_stay_on_slopes_and_on_treads_that_are_too_short() {
+        let slope = Ground::height_field([0.0; 2], 1.0, 2, vec![0.0, 0.0, 0.5, 0.5]).unwrap();
+        assert!(shift_to_tread(&slope, Vec2::new(0.5, 0.5), Vec2::Y, 0.13, None) == 0.0);
+        assert!(shift_to_tread(&stairs(), Vec2::new(0.0, 2.0), Vec2::Y, 0.4, None) == 0.0);
+    }
+
+    #[test]
+    fn each_foot_has_a_tread_of_its_own() {
+        let ground = stairs();
+        // Treads begin at 2.0, 2.3 and so on; the sole fits well behind the next riser.
+        let shift = |taken| shift_to_tread(&ground, Vec2::new(0.0, 2.12), Vec2::Y, 0.13, taken);
+        let own = ground.height_at(0.0, 2.12 + shift(None));
+        let other = ground.height_at(0.0, 2.12 + shift(Some(own)));
+        assert!((other - own).abs() > 0.1, "{own} {other}");
+    }
+}
