@@ -16,13 +16,24 @@
 
 use std::fmt;
 use std::num::NonZeroU32;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use crate::backend_error::BackendError;
 use crate::layout::Float4;
 
 /// Sets of pages in flight: one is written while OpenGL draws from the other.
 pub const PAGE_SETS: usize = 2;
+
+/// Waits until no other thread starts a driver, and keeps others from it while the guard lives.
+///
+/// Drivers start while OpenCL lists its devices for the first time, and while an OpenGL context is
+/// created. Meanwhile PoCL sets an environment variable (`HWLOC_PLUGINS_PATH`) and Mesa reads
+/// others, which the C library does not allow on two threads at once: the process may end with
+/// SIGSEGV.
+pub fn driver_start() -> MutexGuard<'static, ()> {
+    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+    ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// A transport of palettes to OpenGL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]

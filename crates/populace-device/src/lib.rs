@@ -32,7 +32,7 @@ pub use fault::{ConstraintFault, ConstraintPart, StageFault};
 pub use instance::{DrawSource, Instance};
 pub use interop::{
     EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, SharedPage, TargetMark,
+    ReleasedPalettes, SharedPage, TargetMark, driver_start,
 };
 pub use look::MemberLook;
 pub use place::Place;

@@ -1,13 +1,11 @@
 //! Discovery of the OpenCL devices of this machine, and of the reasons why a driver lists none.
 
-use std::sync::{Mutex, PoisonError};
-
 use opencl3::device::{
     CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_ALL, CL_DEVICE_TYPE_CPU, CL_DEVICE_TYPE_GPU, Device,
 };
 use opencl3::error_codes::ClError;
 use opencl3::platform::get_platforms;
-use populace_device::BackendError;
+use populace_device::{BackendError, driver_start};
 
 use crate::drivers::DriverFault;
 use crate::errors::failed;
@@ -112,9 +110,8 @@ struct Found {
 
 fn find() -> Result<Found, BackendError> {
     // The loader's initialization is not thread-safe: two threads that ask at once for the first
-    // time may both be told that there is no platform.
-    static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
-    let _guard = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
+    // time may both be told that there is no platform. Nor is that of drivers.
+    let _starting = driver_start();
     let platforms = match get_platforms() {
         Err(ClError(NO_LIBRARY)) => {
             return Err(BackendError::NoRuntime { cause: NO_LOADER.into() });

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::{Arc, OnceLock};
 
 use khronos_egl as egl;
-use populace_device::{EglHandles, GlContext};
+use populace_device::{EglHandles, GlContext, driver_start};
 
 use super::window::{NativeWindow, WindowTarget};
 use crate::Error;
@@ -32,6 +32,7 @@ impl Context {
     /// Returns the first context that can be created on, in this order: hardware devices, software
     /// devices, Mesa's surfaceless platform, the default display.
     pub(super) fn headless() -> Result<Self, Error> {
+        let _starting = driver_start();
         let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
         let mut tried = Vec::new();
         for (name, open) in candidates(egl) {
@@ -66,6 +67,7 @@ impl Context {
 
     /// Returns a context that draws into a window of `size` pixels (width, height).
     pub(super) fn in_window(target: Arc<dyn WindowTarget>, size: [u32; 2]) -> Result<Self, Error> {
+        let _starting = driver_start();
         let egl = library().map_err(|cause| no_gl(format!("libEGL: {cause}")))?;
         Self::on_window(egl, target, size).map_err(|cause| no_gl(format!("the window: {cause}")))
     }
