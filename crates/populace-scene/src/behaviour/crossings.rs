@@ -63,6 +63,26 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     Ok(true)
 }
 
+/// Lets the vehicles stand that begin at a crossing on which people begin.
+pub(crate) fn hold(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
+    for index in 0..world.crossings.len() {
+        let crossing = &world.crossings[index];
+        if is_open(crossing, world.now) {
+            let half = 0.5 * crossing.plan.width_m;
+            for (lane, along_m) in crossing.lanes.clone() {
+                let stretch = [along_m - half - STOP_M, along_m + half];
+                world.traffic.hold(crowd, lane, stretch)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Returns true if people may be on a crossing.
+fn is_open(crossing: &Crossing, now: f64) -> bool {
+    !crossing.plan.lights || lights(crossing, now).0 == Lights::Walk
+}
+
 /// Begins on a crossing, or before one that cannot be crossed now. Returns false without a place.
 pub(crate) fn settle(
     world: &mut World,
@@ -85,7 +105,7 @@ pub(crate) fn settle(
     let of = &world.crossings[crossing];
     let [from, to] = [end(of, side, aside), end(of, 1 - side, -aside)];
     let (yaw_rad, footway) = (heading_rad(of, side), of.footways[side]);
-    let crosses = may_cross(world, crossing);
+    let crosses = is_open(of, world.now);
     let at = if crosses { from.lerp(to, 0.85 * along) } else { from };
     if !settling.is_free(at, BESIDE_M) {
         return Ok(false);

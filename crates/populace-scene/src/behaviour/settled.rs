@@ -58,6 +58,7 @@ pub(crate) fn settle(
     people: &[usize],
 ) -> Result<(), Error> {
     let mut settling = Settling { footways, ground, taken: HashMap::new() };
+    crossings::hold(world, crowd)?;
     let (mut walk, mut talk) = (Vec::new(), Vec::new());
     for who in people.iter().copied() {
         let activity = choose(habits, world.people[who].random.part());

@@ -287,6 +287,33 @@ impl Traffic {
         Ok(())
     }
 
+    /// Lets a vehicle that begins on a stretch of a lane, or cannot stop before it, stand there.
+    pub(crate) fn hold(
+        &mut self,
+        crowd: &mut Crowd,
+        lane: usize,
+        [from_m, until_m]: [f32; 2],
+    ) -> Result<(), Error> {
+        for index in 0..self.vehicles.len() {
+            let half = 0.5 * self.models[self.vehicles[index].model].length_m;
+            let vehicle = &mut self.vehicles[index];
+            let needed = vehicle.speed.powi(2) / (2.0 * LOSS);
+            let is_near = vehicle.along_m + half > from_m - needed;
+            if vehicle.lane == lane
+                && vehicle.drive == Drive::Cruises
+                && is_near
+                && vehicle.along_m - half < until_m
+            {
+                (vehicle.along_m, vehicle.speed) = (from_m - half, 0.0);
+                let along_m = vehicle.along_m;
+                let placement = self.placement(lane, along_m, Drive::Cruises);
+                self.vehicles[index].placement = placement;
+                crowd.member_mut(self.vehicles[index].member)?.set_placement(placement)?;
+            }
+        }
+        Ok(())
+    }
+
     /// Sorts the vehicles on the road by lane and length along it.
     fn sort(&mut self) {
         let vehicles = &self.vehicles;
