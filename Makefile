@@ -5,12 +5,17 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test setup setup-tests lint doc release
+.PHONY: demo test test-long setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail.
 test:
 	@sh scripts/setup.sh --check || true
 	cargo test --workspace --no-fail-fast
+
+# Faults on purpose: each builds the kernels with one fault, which a check must catch. For nightly
+# runs.
+test-long:
+	cargo test -p populace-opencl --lib faults -- --ignored
 
 # An OpenCL driver for the CPU, EGL and Mesa's software driver, as root or with sudo.
 setup:

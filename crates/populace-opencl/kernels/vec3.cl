@@ -138,12 +138,14 @@ INLINE float4 rotation_between(float4 from, float4 to, float4 about)
     const float4 axis = vec_cross(from, to);
     const float w = 1.0f + vec_dot(from, to);
     if (w > 1e-6f) return rotation_unit((float4)(axis.xyz, w));
-    return unit_or(across(about, from), any_across(from));
+    const float4 over = unit_or(across(about, from), any_across(from));
+    return (float4)(over.xyz, 0.0f);
 }
 
 // Returns a fraction of a rotation, the short way.
 INLINE float4 part_of(float4 rotation, float k)
 {
-    const float4 near = rotation * (rotation.w < 0.0f ? -1.0f : 1.0f);
+    const bool far = rotation_dot(rotation, IDENTITY_ROTATION) < 0.0f;
+    const float4 near = rotation * (far ? -1.0f : 1.0f);
     return rotation_unit(IDENTITY_ROTATION + (near - IDENTITY_ROTATION) * k);
 }

@@ -81,7 +81,7 @@ pub struct OpenClDevice {
     pub(crate) context: Context,
     pub(crate) device: Device,
     /// By form and the text of users' stages.
-    programs: Mutex<HashMap<(Form, String), Program>>,
+    pub(crate) programs: Mutex<HashMap<(Form, String), Program>>,
     /// Cache of programs for later processes; `None` if the driver caches them itself.
     pub(crate) cache: Option<Cache>,
     /// The OpenGL context that is shared with. Declared last, since it must outlive the context.

@@ -3,7 +3,7 @@
 use populace_device::layout::{Float4, NONE};
 use populace_device::{
     Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark,
+    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
 };
 use populace_model::convert::single;
 
@@ -147,6 +147,10 @@ impl<B: Backend> Backend for Broken<B> {
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
         self.inner.update(tables)
+    }
+
+    fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {
+        self.inner.set_stages(stages)
     }
 
     fn run_stage(

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 
 use populace_device::layout::{Layer, NONE, Slot};
-use populace_device::{Backend, BodyIndex, Frame, LayerSettings, Schedule, Stage, Tables, far_row};
+use populace_device::{Backend, BodyIndex, Frame, LayerSettings, Schedule, Stage, Tables};
 use populace_model::Mask;
 use populace_retarget::Binding;
 
@@ -149,24 +149,22 @@ impl<'a> TestCrowd<'a> {
         self.slot_of(play, bound_clip)
     }
 
-    /// Returns the time at which a play is sampled and the time of the neighbouring row, in seconds
-    /// on the clip's own axis.
-    pub(crate) fn sampled_secs(&self, play: &Play, body: usize, tick: u64) -> [f64; 2] {
-        let bound = self.bound_clips[&(play.clip, body)];
-        let state = self.tables.sampled_state(&self.slot_of(play, bound), tick);
-        let clip = self.tables.clips().as_slice()[self.clips[&play.clip] as usize];
-        let neighbour = far_row(state.row, clip.row_count - 1);
-        let neighbour_secs = if clip.row_count == 1 {
-            f64::from(clip.start_secs)
-        } else if clip.rows_per_sec > 0.0 {
-            f64::from(clip.start_secs) + f64::from(neighbour) / f64::from(clip.rows_per_sec)
-        } else {
-            f64::from(self.tables.row_times().as_slice()[(clip.time_first + neighbour) as usize])
+    /// Returns the time at which a play is sampled, and the time towards which its velocity is
+    /// measured, in seconds on the clip's own axis: of the two keys around it the one further away,
+    /// so that the velocity is that of the gap between both. After the last key it is the key
+    /// before.
+    pub(crate) fn sampled_secs(&self, play: &Play, tick: u64) -> [f64; 2] {
+        let clip = &self.scene.clips[play.clip];
+        let secs = play.timing.time_secs(tick, &clip.clip);
+        let keys: Vec<f64> = clip.exact_times.iter().map(|key| f64::from(*key)).collect();
+        let next = keys.partition_point(|key| *key <= secs).max(1);
+        let far = match (keys[next - 1], keys.get(next)) {
+            (before, Some(after)) if secs - before < after - secs => *after,
+            (before, Some(_)) => before,
+            (_, None) => keys[next.saturating_sub(2)],
         };
-        let secs = play.timing.time_secs(tick, &self.scene.clips[play.clip].clip);
-        // At a STEP key two rows share a time. The earlier row is meant, so the time is moved
-        // slightly before the key.
-        [secs, if neighbour_secs > secs { neighbour_secs - 1e-9 } else { neighbour_secs }]
+        // A STEP key jumps. The gap ends before the jump, so the time is moved slightly before it.
+        [secs, if far > secs { far - 1e-9 } else { far }]
     }
 
     fn slot_of(&self, play: &Play, bound_clip: u32) -> Slot {

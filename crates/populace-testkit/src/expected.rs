@@ -60,7 +60,7 @@ impl<'a> TestCrowd<'a> {
 
     fn sampled_state(&self, play: &Play, body: usize, tick: u64) -> OracleSampledState<'a> {
         let clip = &self.scene.clips[play.clip].clip;
-        let [secs, neighbour_secs] = self.sampled_secs(play, body, tick);
+        let [secs, neighbour_secs] = self.sampled_secs(play, tick);
         let distance = neighbour_secs - secs;
         OracleSampledState {
             clip: clip.source(),

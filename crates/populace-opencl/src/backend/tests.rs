@@ -4,6 +4,9 @@ use populace_device::layout::device_structs;
 
 use super::*;
 
+mod faults;
+mod parity;
+
 /// One context for all tests of this process.
 fn device() -> Arc<OpenClDevice> {
     static DEVICE: OnceLock<Arc<OpenClDevice>> = OnceLock::new();

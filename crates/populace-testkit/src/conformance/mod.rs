@@ -7,6 +7,7 @@
 mod agreement;
 mod blend;
 mod clock;
+mod controls;
 mod inertialize;
 mod layers;
 mod mixed;
@@ -19,6 +20,10 @@ mod stages;
 pub use agreement::{check_agreement, check_same_frames};
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
+pub use controls::{
+    check_attachments, check_chains, check_gaze, check_limbs, check_overrides, check_root_motion,
+    check_user_stages,
+};
 pub use inertialize::check_inertialization;
 pub use layers::{check_additive_layers, check_far_rotations, check_override_layers};
 pub use mixed::{check_churn, check_mixed_dispatch};
@@ -70,6 +75,13 @@ macro_rules! fused_conformance {
             one check_retarget retarget_holds retarget_can_fail coarse_rotation;
             one check_inertialization
                 inertialization_holds inertialization_can_fail coarse_rotation;
+            scene check_gaze gaze_holds;
+            scene check_limbs limbs_hold;
+            scene check_chains chains_hold;
+            scene check_overrides overrides_hold;
+            scene check_user_stages user_stages_hold;
+            scene check_attachments attachments_hold;
+            scene check_root_motion root_motion_holds;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;
@@ -78,10 +90,17 @@ macro_rules! fused_conformance {
         }
     };
     (@checks $attributes:tt $backend:expr;
-        $($kind:ident $check:ident $holds:ident $can_fail:ident $wrong:ident;)*) => {
+        $($kind:ident $check:ident $holds:ident $($can_fail:ident $wrong:ident)?;)*) => {
         $( $crate::fused_conformance! {
-            @check $attributes $kind $backend, $check $holds $can_fail $wrong
+            @check $attributes $kind $backend, $check $holds $($can_fail $wrong)?
         } )*
+    };
+    (@check [$($attribute:meta),*] scene $backend:expr, $check:ident $holds:ident) => {
+        #[test]
+        $(#[$attribute])*
+        fn $holds() {
+            $crate::conformance::$check(&mut $backend);
+        }
     };
     (@check [$($attribute:meta),*]
         one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {

@@ -6,9 +6,12 @@
 //! and `retarget.rs` for clips of other bodies. Joints are in source order, not in level order, and
 //! no data is flattened or packed.
 
+mod controls;
 mod evaluate;
 mod inertialize;
 mod local;
+mod motion;
+mod noise;
 mod pose;
 mod retarget;
 mod sample;
@@ -22,13 +25,16 @@ use populace_character::{Character, PaletteEntry};
 use populace_device::LayerMode;
 use populace_model::{ClipSource, JointSource, Skeleton};
 
+pub use controls::{OracleFrame, OracleMember, OraclePlace, OracleStage};
 pub use evaluate::{Timing, Weighting};
 pub use inertialize::{OracleInertialization, OracleSampledState};
 pub use local::{Gain, Local};
+pub use motion::{OracleMover, root_move};
+pub use noise::{Bounded, Noise, bounded};
 pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};
 pub use transform::model_from_joints;
-pub use write_back::palettes;
+pub use write_back::{palettes, palettes_with};
 
 /// A skeleton and its palette entries in source order.
 #[derive(Clone, Debug)]

@@ -27,7 +27,7 @@ fn model_from_joint(body: &OracleBody, locals: &[Local], joint: usize, below: us
 }
 
 /// Returns the matrix of translation times rotation times scale (glTF 2.0, section 3.5.3).
-fn parent_from_joint(local: &Local) -> DAffine3 {
+pub(super) fn parent_from_joint(local: &Local) -> DAffine3 {
     let rotation = DMat3::from_quat(local.rotation);
     DAffine3 {
         matrix3: rotation * DMat3::from_diagonal(local.scale),

@@ -3,6 +3,7 @@
 use glam::{DAffine3, DMat4};
 
 use super::OracleBody;
+use super::noise::Noise;
 
 /// Returns `model_from_joint * joint_from_bind` of each palette entry, 3x4, row-major.
 ///
@@ -15,6 +16,24 @@ pub fn palettes(body: &OracleBody, model_from_joint: &[DAffine3]) -> Vec<[f64; 1
         .iter()
         .map(|(joint, bind)| rows(DMat4::from(model_from_joint[*joint]) * square(bind)))
         .collect()
+}
+
+/// Returns the same with the errors of one operation.
+///
+/// # Panics
+///
+/// As [`palettes`].
+#[must_use]
+pub fn palettes_with(
+    body: &OracleBody,
+    model_from_joint: &[DAffine3],
+    noise: &mut Noise,
+) -> Vec<[f64; 12]> {
+    let entry = |(joint, bind): &(usize, [f64; 12])| {
+        let model = &model_from_joint[*joint];
+        rows(DMat4::from(noise.product(model, &DAffine3::from_mat4(square(bind)))))
+    };
+    body.palette.iter().map(entry).collect()
 }
 
 /// Returns the 4x4 matrix of a row-major 3x4 matrix.

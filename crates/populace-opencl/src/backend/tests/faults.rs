@@ -1,0 +1,194 @@
+//! Single faults in the kernels' text, each of which a named check of the conformance suite must
+//! catch. A check that passes with its fault does not exercise what it claims to.
+//!
+//! Each fault costs a build of the staged program, so all are ignored by default:
+//! `cargo test -p populace-opencl --lib faults -- --ignored`.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use populace_testkit::conformance::*;
+
+use super::*;
+
+/// Fails unless `check` notices that `right`, which the text holds once, reads `wrong`.
+fn caught(right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
+    let source = Form::Staged.source("");
+    assert_eq!(source.matches(right).count(), 1, "the kernels' text holds this once: {right}");
+    // A device of its own, since devices keep their programs.
+    let device = OpenClDevice::open(0).unwrap();
+    let program = device.build(&source.replacen(right, wrong, 1)).unwrap();
+    device.programs.lock().unwrap().insert((Form::Staged, String::new()), program);
+    let mut backend = OpenClBackend::new(&device, Schedule::Staged).unwrap();
+    let result = catch_unwind(AssertUnwindSafe(|| check(&mut backend)));
+    let cause = result.expect_err("the check must notice the fault");
+    let said = cause.downcast_ref::<String>().map_or("", String::as_str);
+    assert!(said.contains("off by"), "it failed for another reason: {said}");
+}
+
+macro_rules! faults {
+    ($($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
+        $($(
+            #[ignore = "a build of the kernels for each fault; make test-long runs all"]
+            #[test]
+            fn $name() {
+                caught($right, $wrong, $check);
+            }
+        )*)*
+    };
+}
+
+faults! {
+    check_clock {
+        loops_ignore_their_phase:
+            "((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate" =>
+            "elapsed * slot.phase_rate";
+        clips_that_play_once_go_on: "if (mul_hi(elapsed, rate) != 0)" => "if (false)";
+    }
+    check_weights {
+        ramps_do_not_end: "(rising && weight > end)" => "(rising && weight > 1e9f)";
+        ramps_do_not_begin: "start + rate * ((float)elapsed_ticks * TICK_SECS)" => "end";
+    }
+    check_blends {
+        means_are_not_divided: "const float k = 1.0f / sum.total;" => "const float k = 1.0f;";
+        translations_are_not_weighted:
+            "vec3_scale(sample.trs.t, weight)" => "sample.trs.t";
+        scales_are_not_weighted: "vec3_scale(sample.trs.s, weight)" => "sample.trs.s";
+    }
+    check_small_totals {
+        small_totals_are_divided:
+            "sum.total > 1e-3f ? mean_of(sum, rest) : rest" => "mean_of(sum, rest)";
+    }
+    check_override_layers {
+        masks_do_not_count:
+            "layer.weight * LOAD(tables->masks + mask + joint)" => "(Real)(layer.weight)";
+        weak_layers_cover_all: "layer_weight * (total < 1.0f ? total : 1.0f)" => "layer_weight";
+    }
+    check_far_rotations {
+        layers_turn_the_long_way: "quat_hemisphere(beneath.r, rest.r)" => "beneath.r";
+    }
+    check_additive_layers {
+        differences_are_reversed:
+            "change(quotient(normalized(sample), reference," =>
+            "change(quotient(reference, normalized(sample),";
+        additions_turn_in_the_parent: "quat_mul(beneath.r, delta)" => "quat_mul(delta, beneath.r)";
+        scales_are_added:
+            "beneath.s.y * (1.0f + sum.s.y * layer_weight)" =>
+            "beneath.s.y + sum.s.y * layer_weight";
+        differences_turn_in_the_parent:
+            "quat_mul(quat_conjugate(reference.r), value.r)" =>
+            "quat_mul(value.r, quat_conjugate(reference.r))";
+        ratios_are_not_divided: "return divides ? value / reference" => "return divides ? value";
+    }
+    check_inertialization {
+        velocities_take_the_near_row: "at - (float)row >= 0.5f" => "at - (float)row < 0.5f";
+        poses_decay_too_fast: "6.0f * inertialized * inertialized" => "5.0f * inertialized * inertialized";
+        velocities_decay_too_fast:
+            "inertialized * cube * (1.0f + 3.0f * inertialized)" => "inertialized * cube";
+        shares_do_not_change: "moving * slot.share_change" => "0.0f";
+        velocities_turn_beneath: "b = after(b, a);" => "b = after(a, b);";
+        incoming_velocities_stay: "return sum + (outgoing - incoming);" => "return sum + outgoing;";
+    }
+    check_transform_alone {
+        rotations_are_transposed:
+            "m[1] = (2.0f * (x * y - w * z))" => "m[1] = (2.0f * (x * y + w * z))";
+        scales_stretch_rows: "(2.0f * (x * z + w * y)) * trs.s.z" =>
+            "(2.0f * (x * z + w * y)) * trs.s.x";
+    }
+    check_write_back_alone {
+        bind_rows_are_swapped:
+            "affine_mul_rows(model_from_joint, entry.row0, entry.row1, entry.row2)" =>
+            "affine_mul_rows(model_from_joint, entry.row0, entry.row2, entry.row1)";
+    }
+    check_gaze {
+        pitch_is_not_relative:
+            "start.level * height - start.up * level" => "start.level * height + start.up * level";
+        left_is_taken_for_right: "yaw < (Real)(0.0f) ? -kept : kept" => "kept";
+        gaze_does_not_return_from_behind:
+            "behind = 0.5f * (limit + HALF_TURN)" => "behind = HALF_TURN";
+        steep_targets_turn_sideways: "seen.level * (1.0f / GAZE_STEEP)" => "(Real)(1.0f)";
+        gaze_has_no_lower_limit: "(raised < least ? least : raised)" => "raised";
+        gaze_has_no_upper_limit: "raised = up > most ? most : up" => "raised = up";
+        last_target_alone_counts: "yaw += counts ? to_side : none" => "yaw = counts ? to_side : yaw";
+        angles_are_not_divided: "const Real k = 1.0f / total;\n    sin_cos" =>
+            "const Real k = 1.0f;\n    sin_cos";
+        gaze_ignores_weights:
+            "*weight = total < (Real)(1.0f) ? total : (Real)(1.0f);" => "*weight = 1.0f;";
+        shares_do_not_add_up: "shared += takes_part ? share : (Real)(0.0f);" => "shared = share;";
+        eyes_stay_behind: "aim(&g, place, &weight_there)" =>
+            "aim(&g, g.places[g.links_most - 1], &weight_there)";
+        necks_do_not_carry: "place = vec3_add(place, quat_rotated(so_far, on));" =>
+            "place = vec3_add(place, on);";
+        gaze_forgets_its_carrier:
+            "at->has_parent ? transform_vector(at->parent, above) : above" => "above";
+        yaw_is_reversed: "start.front * to.left - start.left * to.front" =>
+            "start.left * to.front - start.front * to.left";
+        headings_are_reversed:
+            "cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z" =>
+            "cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x";
+        targets_do_not_ease: "w * w * (3.0f - 2.0f * w)" => "w";
+        targets_begin_early: "tick > target.weight_tick ? tick - target.weight_tick : 0" =>
+            "tick - target.weight_tick";
+        rotations_move_joints: "    result.s7 = m.s7;\n" => "";
+    }
+    check_limbs {
+        limbs_straighten_at_once: "far = length - length * soft" => "far = length";
+        limbs_fold_at_once: "near = least + (length - least) * soft" => "near = least";
+        limbs_ease_by_a_clamp: "room * over / (room + over)" => "over < room ? over : room";
+        limbs_fold_to_nothing:
+            "soft_distance(distance, a + b, longer - shorter, soft)" =>
+            "soft_distance(distance, a + b, 0.0f, soft)";
+        limbs_have_no_preferred_bend: "LIMB_OWN_BEND), chain)" => "0.0f), chain)";
+        limbs_bend_the_other_way: "const Real s = square_root((1.0f - c)" =>
+            "const Real s = -square_root((1.0f - c)";
+        limbs_forget_the_hinge: "* 0.5f * nn - still) * k" => "* 0.5f * nn) * k";
+        poles_are_not_across: "vec3_across(pole, ahead)" => "pole";
+        poles_do_not_count:
+            "quat_choose(has_pole, quat_mul(pole_rotation(limb, first, axis, pole), first), first)" =>
+            "first";
+        middles_bend_about_the_old_axis:
+            "vec3_scale(quat_rotated(first, axis), x * half_unit)" =>
+            "vec3_scale(axis, x * half_unit)";
+        ends_do_not_keep: "keeps_end ? quat_in(undone, m) : IDENTITY_ROTATION" =>
+            "keeps_end ? IDENTITY_ROTATION : IDENTITY_ROTATION";
+        ends_are_undone_in_the_wrong_order: "quat_conjugate(quat_mul(second, first))" =>
+            "quat_conjugate(quat_mul(first, second))";
+        limbs_ignore_weights: "first = quat_choose(partly, quat_part(first, weight), first);" => "";
+        places_have_no_scale: "direction_to_model(control, d) * (1.0f / control.place.w)" =>
+            "direction_to_model(control, d)";
+        goals_are_not_weighted: "sum = add_scaled(sum, place, own);" =>
+            "sum = add_scaled(sum, place, 1.0f);";
+    }
+    check_chains {
+        chains_stop_early: "pass < CHAIN_PASSES" => "pass < 1u";
+        chains_leave_their_root: "            points[0] = places[0];\n" => "";
+        chains_turn_twice: "rotation_mul(rotation, rotated_by)" =>
+            "rotation_mul(rotated_by, rotation)";
+        chains_ignore_weights: "part_of(rotation_between(was, is, any_across(is)), weight)" =>
+            "rotation_between(was, is, any_across(is))";
+        chains_are_not_soft: "soft_distance(distance, total, 0.0f, constraint->limits.x)" =>
+            "distance";
+        directions_end_near: "direction_to_model(s->control, point), TARGET_FAR_M)" =>
+            "direction_to_model(s->control, point), 1.0f)";
+    }
+    check_overrides {
+        overrides_have_no_weight: "weight >= 1.0f ? to : part_of_the_way(own, to, weight)" => "to";
+        overrides_do_not_scale: "1.0f + (new / old - 1.0f) * k" => "1.0f";
+        overrides_move_at_once: "m.s7 = from.s7 + (to.s7 - from.s7) * k;" => "m.s7 = to.s7;";
+        overrides_turn_one_axis: "part_of(rotation_mul(second, first), k)" => "part_of(first, k)";
+        local_overrides_turn_the_long_way: "quat_hemisphere(there.r, trs.r), t4.w)" =>
+            "there.r, t4.w)";
+    }
+    check_attachments {
+        attachments_have_no_offset:
+            "affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.operand])), own)" =>
+            "affine_mul(parent, own)";
+        carried_joints_are_in_the_world:
+            "case STEP_CARRY: keep_watched(s, step.index, own);" =>
+            "case STEP_CARRY: keep_watched(s, step.index, affine_mul(world_from_model(s), own));";
+        watched_joints_have_no_offset:
+            "vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z)" =>
+            "vec(a.w, rows[1].w, rows[2].w)";
+        watched_joints_have_no_scale: "const float sine = s->control.facing.x * place.w, cosine" =>
+            "const float sine = s->control.facing.x, cosine";
+    }
+}

@@ -1,0 +1,156 @@
+//! Random controls.
+
+use populace_clip::ticks_from_secs;
+use populace_device::layout::Target;
+use populace_device::{Chain, Constraint, Gaze, GazeLimits, JointOverride, Limb, Place, Space};
+use populace_model::convert::single;
+use populace_model::{JointIndex, Skeleton, Trs};
+
+use crate::oracle::{Timing, Weighting};
+use crate::scenes::body;
+use crate::{MemberPlan, Rng};
+
+/// Bodies with chains that are long enough.
+pub(super) const BODIES: [usize; 4] = [body::SMALL, body::TWO_ROOTS, body::SCALED, body::LARGE];
+
+/// Places a member anywhere near the origin, of 0.7 to 1.4 times its size.
+pub(super) fn place(rng: &mut Rng) -> Place {
+    let (sin, cos) = rng.between(-3.1, 3.1).sin_cos();
+    Place {
+        position: rng.vector(-3.0, 3.0).to_array().map(single),
+        sin_cos: [sin, cos].map(single),
+        scale: single(rng.between(0.7, 1.4)),
+    }
+}
+
+/// Returns a random run of `least` to `most` joints, each the parent of the next.
+fn run(rng: &mut Rng, skeleton: &Skeleton, least: usize, most: usize) -> Vec<JointIndex> {
+    loop {
+        let end = JointIndex(u32::try_from(rng.below(skeleton.joint_count())).expect("few joints"));
+        let wanted = least + rng.below(most - least + 1);
+        let up = std::iter::successors(Some(end), |joint| skeleton.parent(*joint));
+        let mut run: Vec<_> = up.take(wanted).collect();
+        if run.len() == wanted {
+            run.reverse();
+            return run;
+        }
+    }
+}
+
+/// Returns one to three targets of all kinds but joints. Together they may weigh more than 1.
+fn targets(rng: &mut Rng) -> Vec<Target> {
+    (0..1 + rng.below(3)).map(|_| target(rng)).collect()
+}
+
+fn target(rng: &mut Rng) -> Target {
+    let point = rng.vector(-1.5, 1.5).to_array().map(single);
+    let target = match rng.below(3) {
+        0 => Target::in_model(point),
+        1 => Target::in_world(point),
+        _ => Target::direction(point),
+    };
+    let (from, to) = (single(rng.between(0.0, 1.0)), single(rng.between(0.2, 1.0)));
+    let to = if rng.chance(0.4) { 1.0 } else { to };
+    let began = ticks_from_secs(rng.between(5.0, 6.2));
+    target.with_ramp(began, from, to, single(rng.between(0.0, 0.8)))
+}
+
+/// A gaze at random targets.
+pub(super) fn gaze(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
+    let targets = targets(rng);
+    gaze_at(rng, skeleton, targets)
+}
+
+/// A gaze of one to six joints, some of which take no part.
+pub(super) fn gaze_at(rng: &mut Rng, skeleton: &Skeleton, targets: Vec<Target>) -> Constraint {
+    let joints = run(rng, skeleton, 1, 6);
+    let share = |rng: &mut Rng| if rng.chance(0.2) { 0.0 } else { rng.between(0.1, 1.0) };
+    let mut chain: Vec<_> = joints.into_iter().map(|joint| (joint, single(share(rng)))).collect();
+    chain.last_mut().expect("at least one joint").1 = 0.4;
+    Constraint::Gaze(Gaze {
+        chain,
+        facing: rng.direction().to_array().map(single),
+        limits: GazeLimits {
+            yaw_rad: single(rng.between(0.3, 2.2)),
+            up_rad: single(rng.between(0.1, 1.3)),
+            down_rad: single(rng.between(0.1, 1.3)),
+        },
+        targets,
+    })
+}
+
+/// A limb whose bones have one to three joints each.
+pub(super) fn limb(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
+    let joints = run(rng, skeleton, 3, 5);
+    let middle = 1 + rng.below(joints.len() - 2);
+    Constraint::Limb(Limb {
+        first: joints[0],
+        middle: joints[middle],
+        end: joints[joints.len() - 1],
+        bend: rng.direction().to_array().map(single),
+        pole: rng.chance(0.5).then(|| rng.direction().to_array().map(single)),
+        keeps_end: rng.chance(0.5),
+        soft: single(rng.between(0.02, 0.3)),
+        targets: targets(rng),
+    })
+}
+
+/// A chain of two to seven joints.
+pub(super) fn chain(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
+    let joints = run(rng, skeleton, 2, 7);
+    Constraint::Chain(Chain {
+        first: joints[0],
+        end: joints[joints.len() - 1],
+        soft: single(rng.between(0.02, 0.3)),
+        targets: targets(rng),
+    })
+}
+
+/// Returns `count` different joints.
+pub(super) fn joints(rng: &mut Rng, skeleton: &Skeleton, count: usize) -> Vec<JointIndex> {
+    let mut all: Vec<_> = skeleton.joints().collect();
+    rng.shuffle(&mut all);
+    all.truncate(count);
+    all
+}
+
+/// Lets some clips of a member start, and some weights change, within the frames of a check.
+pub(super) fn change_within_frames(rng: &mut Rng, plan: &mut MemberPlan) {
+    for play in &mut plan.plays {
+        if let (Timing::Loop { start_tick, .. } | Timing::Once { start_tick, .. }, true) =
+            (&mut play.timing, rng.chance(0.4))
+        {
+            *start_tick = ticks_from_secs(rng.between(5.96, 6.06));
+        }
+        if rng.chance(0.4) {
+            play.weighting = Weighting::Ramp {
+                tick: ticks_from_secs(rng.between(5.95, 6.05)),
+                from: single(rng.between(0.1, 1.0)),
+                to: single(rng.between(0.1, 1.0)),
+                secs: single(rng.between(0.005, 0.2)),
+            };
+        }
+    }
+}
+
+/// A transform that a host might give.
+pub(super) fn transform(rng: &mut Rng) -> Trs {
+    Trs {
+        translation: rng.vector(-0.5, 0.5).to_array().map(single),
+        rotation: rng.rotation().to_array().map(single),
+        scale: rng.vector(0.7, 1.3).to_array().map(single),
+    }
+}
+
+/// Overrides of up to `most` joints, in either space.
+pub(super) fn overrides(rng: &mut Rng, skeleton: &Skeleton, most: usize) -> Vec<JointOverride> {
+    let count = 1 + rng.below(most);
+    let joints = joints(rng, skeleton, count);
+    let given = |joint| JointOverride {
+        joint,
+        space: if rng.chance(0.5) { Space::Local } else { Space::Model },
+        transform: transform(rng),
+        weight: if rng.chance(0.3) { 1.0 } else { single(rng.between(0.0, 1.0)) },
+    };
+    joints.into_iter().map(given).collect()
+}
