@@ -94,6 +94,10 @@ impl Solver<'_> {
         let secs = self.inputs.frame.elapsed_secs();
         let way = wanted - before;
         let far = if way < 0.0 { -way } else { way };
+        // A slope, along which feet do not lag.
+        if far * 3.0 <= FOOT_CLIMB_M_PER_SEC * secs {
+            return [wanted, if secs > 0.0 { way / secs } else { climb }];
+        }
         let stopping = vec3::root(2.0 * FOOT_CLIMB_GAIN * far);
         let most = if stopping < FOOT_CLIMB_M_PER_SEC { stopping } else { FOOT_CLIMB_M_PER_SEC };
         let most = if most * secs > far { far / secs } else { most };
