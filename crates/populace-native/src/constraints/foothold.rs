@@ -88,8 +88,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Returns a height on the way from that of the frame before, and the speed of the way: limited,
-    /// as is what it gains and loses. It comes to rest at the height.
+    /// Returns a height on the way from that of the frame before, and the speed of the way. The
+    /// speed is limited, as is what it gains and loses. The way ends at rest.
     fn climbs(&self, before: f32, climb: f32, wanted: f32) -> [f32; 2] {
         let secs = self.inputs.frame.elapsed_secs();
         let way = wanted - before;
