@@ -203,7 +203,7 @@ INLINE float climbs(const Solver *s, float before, float *climb, float wanted)
 {
     const float secs = s->tables->elapsed_secs;
     const float way = wanted - before, far = way < 0.0f ? -way : way;
-    if (far * 3.0f <= FOOT_CLIMB_M_PER_SEC * secs) { // a slope, along which feet do not lag
+    if (far * 1.5f <= FOOT_CLIMB_M_PER_SEC * secs) { // a slope, along which feet do not lag
         *climb = secs > 0.0f ? way / secs : *climb;
         return wanted;
     }

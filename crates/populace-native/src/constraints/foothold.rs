@@ -95,7 +95,7 @@ impl Solver<'_> {
         let way = wanted - before;
         let far = if way < 0.0 { -way } else { way };
         // A slope, along which feet do not lag.
-        if far * 3.0 <= FOOT_CLIMB_M_PER_SEC * secs {
+        if far * 1.5 <= FOOT_CLIMB_M_PER_SEC * secs {
             return [wanted, if secs > 0.0 { way / secs } else { climb }];
         }
         let stopping = vec3::root(2.0 * FOOT_CLIMB_GAIN * far);
