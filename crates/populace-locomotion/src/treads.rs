@@ -11,6 +11,9 @@ const FINE_M: f32 = 0.025;
 const RISER: f32 = 1.0;
 /// The farthest that a foothold is moved, in half lengths of the sole.
 const MOST: f32 = 1.0;
+/// The least distance from the middle of a sole to a riser, in metres, also for small feet: a foot
+/// in the air rises for a riser that is near.
+const LEAST_M: f32 = 0.12;
 /// The longest step, in half lengths of the sole.
 const STEP: f32 = 6.0;
 /// The least difference of two treads in height, in metres.
@@ -60,7 +63,7 @@ impl Gait<'_> {
         let side = Vec2::new(self.ahead.y, -self.ahead.x);
         let body = self.position + self.velocity * secs;
         let usual = body + (self.ahead * along + side * aside) * self.scale;
-        let half_m = landing.half_m * self.scale;
+        let half_m = (landing.half_m * self.scale).max(LEAST_M);
         let most = MOST * half_m;
         let near = |other: &Vec2, most: f32| (*other - usual).length_squared() <= most * most;
         let kept = footholds.middles[foot]
@@ -151,10 +154,10 @@ mod tests {
     #[test]
     fn each_foot_has_a_tread_of_its_own() {
         let ground = stairs();
-        // Treads begin at 2.0, 2.3 and so on; the sole fits well behind the next riser.
-        let shift = |taken| shift_to_tread(&ground, Vec2::new(0.0, 2.12), Vec2::Y, 0.13, taken);
-        let own = ground.height_at(0.0, 2.12 + shift(None));
-        let other = ground.height_at(0.0, 2.12 + shift(Some(own)));
+        // The tread ends at 2.2, and the next one begins at 2.25.
+        let shift = |taken| shift_to_tread(&ground, Vec2::new(0.0, 2.15), Vec2::Y, 0.13, taken);
+        let own = ground.height_at(0.0, 2.15 + shift(None));
+        let other = ground.height_at(0.0, 2.15 + shift(Some(own)));
         assert!((other - own).abs() > 0.1, "{own} {other}");
     }
 }

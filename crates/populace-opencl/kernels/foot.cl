@@ -203,6 +203,10 @@ INLINE float climbs(const Solver *s, float before, float *climb, float wanted)
 {
     const float secs = s->tables->elapsed_secs;
     const float way = wanted - before, far = way < 0.0f ? -way : way;
+    if (far * 1.5f <= FOOT_CLIMB_M_PER_SEC * secs) { // a slope, along which feet do not lag
+        *climb = secs > 0.0f ? way / secs : *climb;
+        return wanted;
+    }
     const float stopping = root(2.0f * FOOT_CLIMB_GAIN * far);
     float most = stopping < FOOT_CLIMB_M_PER_SEC ? stopping : FOOT_CLIMB_M_PER_SEC;
     most = most * secs > far ? far / secs : most;

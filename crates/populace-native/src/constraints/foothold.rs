@@ -88,12 +88,16 @@ impl Solver<'_> {
         }
     }
 
-    /// Returns a height on the way from that of the frame before, and the speed of the way: limited,
-    /// as is what it gains and loses. It comes to rest at the height.
+    /// Returns a height on the way from that of the frame before, and the speed of the way. The
+    /// speed is limited, as is what it gains and loses. The way ends at rest.
     fn climbs(&self, before: f32, climb: f32, wanted: f32) -> [f32; 2] {
         let secs = self.inputs.frame.elapsed_secs();
         let way = wanted - before;
         let far = if way < 0.0 { -way } else { way };
+        // A slope, along which feet do not lag.
+        if far * 1.5 <= FOOT_CLIMB_M_PER_SEC * secs {
+            return [wanted, if secs > 0.0 { way / secs } else { climb }];
+        }
         let stopping = vec3::root(2.0 * FOOT_CLIMB_GAIN * far);
         let most = if stopping < FOOT_CLIMB_M_PER_SEC { stopping } else { FOOT_CLIMB_M_PER_SEC };
         let most = if most * secs > far { far / secs } else { most };
