@@ -36,7 +36,7 @@ pub(crate) fn is_cache(path: &Path) -> bool {
 }
 
 impl Levels {
-    /// Returns a character with levels of detail if they are wanted and it has none yet. `files` are
+    /// Returns a character with levels of detail if they are wanted and it has none. `files` are
     /// the file that it was loaded from and all files that this one refers to; empty if it comes
     /// from elsewhere. A cache that cannot be written is reported, and the character is used.
     pub(crate) fn of(
