@@ -119,8 +119,9 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("angle", "angle_of", "populace-model/src/math/angle.rs", "of"),
     ("constraints", "solve_joint", "populace-native/src/constraints.rs", "descend"),
     ("feet", "sink", "populace-native/src/constraints/feet.rs", "sinks"),
-    ("fused", "play", "populace-native/src/fused.rs", "play_all"),
+    ("fused", "play", "populace-native/src/abreast.rs", "play_all"),
     ("fused_grouped", "fused_grouped", "populace-native/src/fused.rs", "fused"),
+    ("fused_grouped", "play_all", "populace-native/src/abreast.rs", "play_all"),
     ("gaze", "frame_of", "populace-native/src/constraints/gaze.rs", "of"),
     ("gaze", "see_target", "populace-native/src/constraints/gaze.rs", "seen_in"),
     (

@@ -9,7 +9,7 @@ use populace_device::{
 };
 
 use crate::buffers::StageBuffers;
-use crate::dispatch::Dispatch;
+use crate::dispatch::{Machine, MemberLanes};
 use crate::errors::failed;
 use crate::evaluate::evaluate;
 use crate::floor::write_floor;
@@ -29,7 +29,7 @@ use crate::write_back::write_back;
 pub struct NativeBackend {
     pool: rayon::ThreadPool,
     schedule: Schedule,
-    dispatch: Dispatch,
+    machine: Machine,
     scratch: ScratchPool,
     /// The member that a fused schedule last read stage buffers of.
     reading: Option<Reading>,
@@ -60,12 +60,14 @@ const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 impl NativeBackend {
     /// Starts a pool of `threads` threads; 0 starts one for each core.
     ///
-    /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here.
+    /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here. They put as many members
+    /// side by side as the processor's registers have lanes. The environment variable
+    /// `POPULACE_LANES` (4, 8 or 16) overrides that number; results are the same.
     ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] if the system cannot start the threads, and for
-    /// [`Schedule::FusedGrouped`], which is for GPUs.
+    /// [`BackendError::Failed`] if the system cannot start the threads, for
+    /// [`Schedule::FusedGrouped`], which is for GPUs, and for another `POPULACE_LANES`.
     pub fn new(threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
         if schedule == Schedule::FusedGrouped {
             return Err(failed(
@@ -82,7 +84,7 @@ impl NativeBackend {
         Ok(Self {
             pool,
             schedule,
-            dispatch: Dispatch::detect(),
+            machine: machine()?,
             scratch,
             reading: None,
             last: None,
@@ -114,7 +116,7 @@ impl NativeBackend {
             self.history.begin_frame();
         }
         let staged = self.is_staged();
-        let Self { pool, dispatch, stages, buffers, pages, scratch, history, .. } = self;
+        let Self { pool, machine, stages, buffers, pages, scratch, history, .. } = self;
         for phase in frame.phases(tables) {
             let frame = frame.of_phase(phase);
             let inputs = FrameInputs { tables, frame, stages, history };
@@ -122,7 +124,7 @@ impl NativeBackend {
                 if staged {
                     transform(&inputs, &buffers.joints, scratch, &mut buffers.models);
                 } else {
-                    fused(&inputs, *dispatch, scratch, pages);
+                    fused(&inputs, *machine, scratch, pages);
                 }
             });
             for own in scratch.iter_mut() {
@@ -147,6 +149,25 @@ impl NativeBackend {
     }
 }
 
+/// Environment variable that overrides the number of members side by side.
+const LANES: &str = "POPULACE_LANES";
+
+/// Returns the widest registers of this machine, or what the environment variable asks for.
+fn machine() -> Result<Machine, BackendError> {
+    let Some(lanes) = std::env::var_os(LANES).filter(|value| !value.is_empty()) else {
+        return Ok(Machine::detect());
+    };
+    match lanes.to_str() {
+        Some("4") => Ok(Machine::of_lanes(MemberLanes::Four)),
+        Some("8") => Ok(Machine::of_lanes(MemberLanes::Eight)),
+        Some("16") => Ok(Machine::of_lanes(MemberLanes::Sixteen)),
+        _ => {
+            let given = lanes.display();
+            Err(failed("put members side by side", format!("{LANES} is {given}; write 4, 8 or 16")))
+        }
+    }
+}
+
 /// Returns whether all schedules store a buffer.
 fn is_always_stored(buffer: StageBuffer) -> bool {
     matches!(
@@ -161,7 +182,7 @@ fn past_the_end(operation: &str, buffer: StageBuffer, element: usize) -> Backend
 
 impl Backend for NativeBackend {
     fn device_name(&self) -> String {
-        let (count, registers) = (self.thread_count(), self.dispatch.name());
+        let (count, registers) = (self.thread_count(), self.machine.registers.name());
         format!("native ({count} {}, {registers})", if count == 1 { "thread" } else { "threads" })
     }
 
@@ -250,7 +271,7 @@ impl Backend for NativeBackend {
             let frame = self.last.ok_or(BackendError::NotEvaluated)?;
             let (stages, history) = (&self.stages, &self.history);
             let inputs = FrameInputs { tables, frame, stages, history };
-            let evaluated = (&inputs, self.dispatch);
+            let evaluated = (&inputs, self.machine.registers);
             return reading::read(&mut self.reading, evaluated, buffer, first, into);
         }
         if buffer == StageBuffer::Palette && self.last.is_none() {

@@ -8,6 +8,14 @@
               processor has it"
 )]
 
+#[cfg(target_arch = "x86_64")]
+use std::arch::x86_64::{__m256, __m512};
+
+use crate::lanes::Lanes;
+#[cfg(target_arch = "x86_64")]
+use crate::registers::Registers;
+use crate::rows::JointLanes;
+
 /// Widest registers that both the processor and this crate support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Dispatch {
@@ -19,58 +27,120 @@ pub(crate) enum Dispatch {
     Avx512,
 }
 
+/// Members side by side in the fused schedule, one in each lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MemberLanes {
+    Four = 4,
+    Eight = 8,
+    Sixteen = 16,
+}
+
+/// Registers, and the members that the fused schedule puts side by side in them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Machine {
+    pub(crate) registers: Dispatch,
+    pub(crate) lanes: MemberLanes,
+}
+
+/// Returns whether work is compiled for registers of a number of lanes.
+#[cfg(target_arch = "x86_64")]
+const fn is_compiled<W: Work>(lanes: usize) -> bool {
+    match W::LANES {
+        Some(only) => only == lanes,
+        None => true,
+    }
+}
+
+impl Machine {
+    /// Puts as many members side by side as the widest registers of this machine have lanes.
+    pub(crate) fn detect() -> Self {
+        let registers = Dispatch::detect();
+        Self { registers, lanes: registers.lanes() }
+    }
+
+    /// Puts a number of members side by side, in registers of as many lanes if this machine has
+    /// them.
+    pub(crate) fn of_lanes(lanes: MemberLanes) -> Self {
+        let found = Dispatch::available().into_iter().find(|registers| registers.lanes() == lanes);
+        Self { registers: found.unwrap_or(Dispatch::Baseline), lanes }
+    }
+}
+
 /// Work that [`Dispatch::run`] compiles once for each kind of registers.
 ///
 /// A closure would not do: it is compiled for the baseline unless the compiler chooses to inline
 /// it.
 pub(crate) trait Work {
+    /// Lanes of the only registers, besides the baseline's, that the work is compiled for; `None`
+    /// for all.
+    const LANES: Option<usize> = None;
+
     /// Does the work. Must be `#[inline(always)]`, as must be the functions that it calls, to be
     /// compiled for the caller's registers.
-    fn run(self);
+    ///
+    /// `J` holds the lanes of sixteen joints.
+    fn run<J: JointLanes>(self);
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
 fn run_avx2<W: Work>(work: W) {
-    work.run();
+    work.run::<Registers<__m256, 2>>();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 fn run_avx512<W: Work>(work: W) {
-    work.run();
+    work.run::<Registers<__m512, 1>>();
 }
 
 impl Dispatch {
-    /// Detects what this machine has.
-    pub(crate) fn detect() -> Self {
+    /// Lists what this machine has, the widest registers last.
+    pub(crate) fn available() -> Vec<Self> {
+        let mut all = vec![Self::Baseline];
         #[cfg(target_arch = "x86_64")]
         {
+            if is_x86_feature_detected!("avx2") {
+                all.push(Self::Avx2);
+            }
             let wide = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl");
             if wide {
-                return Self::Avx512;
-            }
-            if is_x86_feature_detected!("avx2") {
-                return Self::Avx2;
+                all.push(Self::Avx512);
             }
         }
-        Self::Baseline
+        all
     }
 
-    /// Does work, compiled for these registers.
+    /// Detects the widest registers of this machine.
+    pub(crate) fn detect() -> Self {
+        Self::available().pop().unwrap_or(Self::Baseline)
+    }
+
+    /// Returns the lanes of a register.
+    fn lanes(self) -> MemberLanes {
+        match self {
+            Self::Baseline => MemberLanes::Four,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => MemberLanes::Eight,
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => MemberLanes::Sixteen,
+        }
+    }
+
+    /// Does work, compiled for these registers or for the baseline.
     pub(crate) fn run<W: Work>(self, work: W) {
         match self {
-            Self::Baseline => work.run(),
-            // SAFETY: `detect` makes this value only where the processor has AVX2.
+            // SAFETY: `available` has this value only where the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => unsafe { run_avx2(work) },
-            // SAFETY: `detect` makes this value only where the processor has these parts of
+            Self::Avx2 if const { is_compiled::<W>(8) } => unsafe { run_avx2(work) },
+            // SAFETY: `available` has this value only where the processor has these parts of
             // AVX-512.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => unsafe { run_avx512(work) },
+            Self::Avx512 if const { is_compiled::<W>(16) } => unsafe { run_avx512(work) },
+            _ => work.run::<Lanes>(),
         }
     }
 

@@ -1,34 +1,39 @@
-//! Fused schedule: a member's whole frame at once. Sixteen joints at a time go from rows to local
-//! transforms, then joint by joint, parents first, down the hierarchy and out to the palette. Twin
-//! of `kernels/fused_wide.cl`.
+//! Fused schedule: a member's whole frame at once. Twin of `kernels/fused_wide.cl`.
+//!
+//! Members of one body that only clips move stand side by side; see [`abreast`](crate::abreast). A
+//! member with a control goes alone: sixteen joints at a time from rows to local transforms, then
+//! joint by joint, parents first, down the hierarchy and out to the palette.
 //!
 //! Reads all that [`joint`](crate::joint) and [`constraints`](crate::constraints) read, and
 //! entries. Writes each palette entry of the frame's members once, and deferred states and watched
 //! joints. Intermediate results stay in the core's caches.
 
-use populace_device::MAX_SLOTS;
-use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::components;
 
+use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
 use crate::constraints::Solver;
-use crate::dispatch::{Dispatch, Work};
+use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::{Hierarchy, descend};
-use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{LANES, Lanes, Simd};
 use crate::local::Local;
-use crate::machines::slot_now;
-use crate::members::{body_of, control_of, member_layers, member_slots, parents_of};
+use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
-use crate::playback::{Playing, inertialization_of};
-use crate::rows::Joints;
+use crate::rows::{JointLanes, Joints};
 use crate::scratch::{Scratch, ScratchPool};
-use crate::slot::sample_of;
 use crate::split;
+use crate::transposition::Square;
 
 /// `Float4` elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
+/// Parts of the work for each thread: enough to balance the load.
+const PARTS: usize = 8;
+/// Least `Float4` elements of a part: enough to hide the cost of scheduling.
+const LEAST: usize = 4096;
+
+const ZERO: Lanes = Simd([0.0; LANES]);
 
 /// Inputs of one member.
 #[derive(Clone, Copy)]
@@ -60,21 +65,6 @@ impl Hierarchy for InPlace<'_> {
     }
 }
 
-/// Collects the member's slots that have weight now, in order. Returns their number.
-fn play_all(of: MemberInputs, playing: &mut [Playing; MAX_SLOTS]) -> usize {
-    let FrameInputs { tables, frame, history, .. } = *of.inputs;
-    let mut count = 0;
-    for slot in member_slots(tables, of.member) {
-        let slot = slot_now(tables, &history.running, slot, frame.tick);
-        let at = sample_of(tables, &slot, frame.tick);
-        if at.weight > 0.0 {
-            playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
-            count += 1;
-        }
-    }
-    count
-}
-
 /// Computes a member's `model_from_joint` into the scratch. Passes the local transforms of each
 /// block to `keep`, with the index of its first joint.
 #[inline(always)]
@@ -88,15 +78,14 @@ pub(crate) fn member_models(
     let body = body_of(tables, member);
     let padded = (body.joint_count as usize).next_multiple_of(LANES);
     scratch.models.resize(padded, Affine::IDENTITY);
-    let mut playing = [Playing::default(); MAX_SLOTS];
-    let count = play_all(of, &mut playing);
-    let (playing, layers) = (&playing[..count], member_layers(tables, member));
-    let inertialization = inertialization_of(tables, member, inputs.frame.tick);
-    let control = control_of(tables, member);
+    let play = Play::play_all(inputs, member);
     for (block, matrices) in scratch.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
         let joints = Joints { tables, body, first: block * LANES };
-        let posing = Posing { inputs, joints, playing, inertialization, layers, control, dispatch };
-        let local = posing.pose_joint::<Lanes>();
+        let (posing, mut posed) =
+            (play.posing(inputs, member, joints, dispatch), [ZERO; COMPONENTS]);
+        dispatch.run(PoseBlock { posing, posed: &mut posed, stride: 1 });
+        let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz] = posed;
+        let local = Local { t: [tx, ty, tz], r: [rx, ry, rz, rw], s: [sx, sy, sz] };
         keep(joints.first, &local);
         let m = components(local.t, local.r, local.s);
         for (lane, matrix) in matrices.iter_mut().enumerate() {
@@ -135,28 +124,81 @@ struct WritePalette<'a> {
 
 impl Work for WritePalette<'_> {
     #[inline(always)]
-    fn run(self) {
+    fn run<J: JointLanes>(self) {
         write_palette(self.of, self.scratch, self.palette);
     }
+}
+
+/// Writes the palettes of members of one body that only clips move, `COUNT` at a time. Those that
+/// would leave most lanes empty go one by one.
+fn write_groups<const COUNT: usize>(
+    inputs: &FrameInputs,
+    registers: Dispatch,
+    seats: &mut [Seat],
+    scratch: &mut Scratch,
+) where
+    Simd<COUNT>: Square<COUNT>,
+{
+    for seats in seats.chunks_mut(COUNT) {
+        if seats.len() * 4 < COUNT {
+            for seat in seats {
+                write_alone(inputs, registers, seat, scratch);
+            }
+        } else {
+            let body = body_of(inputs.tables, seats[0].member);
+            let desk = &mut scratch.desk;
+            registers.run(Group::<COUNT> { inputs, registers, body, seats, desk });
+        }
+    }
+}
+
+/// Writes the palette of one member.
+fn write_alone(inputs: &FrameInputs, registers: Dispatch, seat: &mut Seat, scratch: &mut Scratch) {
+    let of = MemberInputs { inputs, member: seat.member, dispatch: registers };
+    registers.run(WritePalette { of, scratch, palette: seat.palette });
 }
 
 /// Writes the palettes of the frame's members.
 pub(crate) fn fused(
     inputs: &FrameInputs,
-    dispatch: Dispatch,
+    machine: Machine,
     scratch: &ScratchPool,
     pages: &mut Pages,
 ) {
     let FrameInputs { tables, frame, .. } = *inputs;
     let (all, members) = (tables.palette_blocks().as_slice(), tables.members().as_slice());
+    let grain = (all.len() * BLOCK / (rayon::current_num_threads() * PARTS)).max(LEAST);
     for (page, palettes) in pages.iter_mut().enumerate() {
         let first = page * (PAGE_ENTRIES / PALETTE_BLOCK) as usize;
         let blocks = &all[first..first + palettes.len() / BLOCK];
-        split::for_each_member::<BLOCK, 1>(blocks, [palettes], &|member, _, [palette]| {
-            if frame.evaluates(member) && frame.reaches(&members[member as usize]) {
-                let of = MemberInputs { inputs, member, dispatch };
-                let scratch = &mut scratch.of_current_thread();
-                dispatch.run(WritePalette { of, scratch, palette });
+        split::for_each_part::<BLOCK, 1>(blocks, grain, [palettes], &|part| {
+            let mut seats = Vec::new();
+            part.for_each_member(|member, _, [palette]| {
+                if frame.evaluates(member) && frame.reaches(&members[member as usize]) {
+                    seats.push(Seat { member, palette });
+                }
+            });
+            // Members with a control last, the others by body.
+            let place = |seat: &Seat| {
+                let member = &members[seat.member as usize];
+                (member.control != NONE, member.posed, seat.member)
+            };
+            seats.sort_unstable_by_key(place);
+            let scratch = &mut scratch.of_current_thread();
+            let alike = |a: &Seat, b: &Seat| {
+                let (a, b) = (place(a), place(b));
+                !a.0 && (a.0, a.1) == (b.0, b.1)
+            };
+            for seats in seats.chunk_by_mut(alike) {
+                let Machine { registers, lanes } = machine;
+                match lanes {
+                    _ if place(&seats[0]).0 => {
+                        write_alone(inputs, registers, &mut seats[0], scratch);
+                    }
+                    MemberLanes::Four => write_groups::<4>(inputs, registers, seats, scratch),
+                    MemberLanes::Eight => write_groups::<8>(inputs, registers, seats, scratch),
+                    MemberLanes::Sixteen => write_groups::<16>(inputs, registers, seats, scratch),
+                }
             }
         });
     }

@@ -12,10 +12,10 @@ use populace_model::math::{Real, quat};
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::inertialize::inertialize;
-use crate::lanes::Lanes;
+use crate::lanes::{Lanes, Width};
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::playback::{Inertialization, Playing};
-use crate::rows::{Joints, RowWidth, load_quat, load_vec3};
+use crate::rows::{JointLanes, Joints, RowWidth, load_quat, load_vec3};
 use crate::sample::sample_joint;
 use crate::stages::stage_locals;
 
@@ -76,7 +76,7 @@ pub(crate) struct Posing<'a> {
 }
 
 /// A width that poses are computed in.
-pub(crate) trait PoseWidth: RowWidth {
+pub(crate) trait PoseWidth: RowWidth + Width {
     /// Calls [`Posing::lay_over`] without inlining it: few members have layers, and the path of the
     /// others must not pay for the registers of this one.
     fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
@@ -105,7 +105,7 @@ struct LayOver<'a, 'b> {
 
 impl Work for LayOver<'_, '_> {
     #[inline(always)]
-    fn run(self) {
+    fn run<J: JointLanes>(self) {
         self.posing.lay_over(self.rest, self.pose);
     }
 }
@@ -151,7 +151,7 @@ impl Posing<'_> {
 
     /// Applies the layers above 0 to the pose of those beneath. Called by [`PoseWidth::lay_over`].
     #[inline(always)]
-    fn lay_over<R: RowWidth>(&self, rest: &Local<R>, pose: &mut Local<R>) {
+    fn lay_over<R: PoseWidth>(&self, rest: &Local<R>, pose: &mut Local<R>) {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
@@ -186,7 +186,7 @@ impl Posing<'_> {
 
     /// Applies the member's bone-length scaling, overrides in local space, and user stages.
     #[inline(never)]
-    fn adjust<R: RowWidth>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
+    fn adjust<R: PoseWidth>(&self, control: &Control, mut pose: Local<R>) -> Local<R> {
         let Joints { tables, first: joint, .. } = self.joints;
         if control.scale_first != NONE {
             let factor =
@@ -222,9 +222,9 @@ impl Posing<'_> {
         pose
     }
 
-    /// Computes the local transforms of the joints.
+    /// Computes layer 0. Returns the rest pose, and the mean of the slots.
     #[inline(always)]
-    pub(crate) fn pose_joint<R: PoseWidth>(&self) -> Local<R> {
+    fn pose_base<R: RowWidth>(&self) -> (Local<R>, Local<R>) {
         let body = self.joints.body;
         let padded = body.padded_count as usize;
         let rest = self.joints.planes(body.rest_first);
@@ -236,18 +236,60 @@ impl Posing<'_> {
         let sum = self.sum_layer::<R>(0, false, &rest);
         // Layer 0 is always divided by its total weight, so that weights below 1 do not show the
         // rest pose.
-        let pose = if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest };
+        (rest, if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest })
+    }
+
+    /// Returns whether anything but the slots of layer 0 changes the pose.
+    #[inline(always)]
+    fn is_changed(&self) -> bool {
+        !self.inertialization.slots.is_empty()
+            || self.layers.len() > 1
+            || self.control.is_some_and(is_adjusted)
+    }
+
+    /// Applies all but the slots of layer 0.
+    #[inline(always)]
+    fn change_pose<R: PoseWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R> {
         let mut pose = if self.inertialization.slots.is_empty() {
             pose
         } else {
-            inertialize(&self.joints, self.inertialization, 0, false, &rest, pose)
+            inertialize(&self.joints, self.inertialization, 0, false, rest, pose)
         };
         if self.layers.len() > 1 {
-            R::lay_over(self, &rest, &mut pose);
+            R::lay_over(self, rest, &mut pose);
         }
         match self.control {
             Some(control) if is_adjusted(control) => self.adjust(control, pose),
             _ => pose,
         }
+    }
+
+    /// Computes the local transform of one joint.
+    #[inline(always)]
+    pub(crate) fn pose_joint(&self) -> Local<f32> {
+        let (rest, pose) = self.pose_base();
+        self.change_pose(&rest, pose)
+    }
+
+    /// Computes the local transforms of sixteen joints.
+    #[inline(always)]
+    pub(crate) fn pose_block<J: JointLanes>(&self) -> Local<Lanes> {
+        let (rest, pose) = self.pose_base::<J>();
+        if self.is_changed() {
+            self.change_pose(&lanes_of(rest), lanes_of(pose))
+        } else {
+            lanes_of(pose)
+        }
+    }
+}
+
+/// Stores local transforms.
+#[inline(always)]
+fn lanes_of<J: JointLanes>(pose: Local<J>) -> Local<Lanes> {
+    let Local { t: [tx, ty, tz], r: [rx, ry, rz, rw], s: [sx, sy, sz] } = pose;
+    Local {
+        t: [tx.to_lanes(), ty.to_lanes(), tz.to_lanes()],
+        r: [rx.to_lanes(), ry.to_lanes(), rz.to_lanes(), rw.to_lanes()],
+        s: [sx.to_lanes(), sy.to_lanes(), sz.to_lanes()],
     }
 }

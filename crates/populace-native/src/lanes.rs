@@ -13,20 +13,28 @@ use populace_model::math::Real;
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;
 
 /// A vector of `COUNT` lanes.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
+#[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(transparent)]
 pub(crate) struct Simd<const COUNT: usize>(pub(crate) [f32; COUNT]);
+
+/// A line of the cache, so that vectors in memory do not cross two.
+#[derive(Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+pub(crate) struct Line(pub(crate) [f32; 16]);
 
 /// One lane for each joint of a block.
 pub(crate) type Lanes = Simd<LANES>;
 
+/// A number of joints computed together, loaded from consecutive floats.
+pub(crate) trait Load: Real {
+    /// Loads a float for each joint from the start of a slice.
+    fn load(from: &[f32]) -> Self;
+}
+
 /// A number of joints computed together: one, or the sixteen of a block.
-pub(crate) trait Width: Real {
+pub(crate) trait Width: Load {
     /// Joints computed together.
     const COUNT: usize;
-
-    /// Loads the first [`COUNT`](Self::COUNT) floats of a slice.
-    fn load(from: &[f32]) -> Self;
 
     /// Returns one lane.
     fn lane(self, lane: usize) -> f32;
@@ -38,13 +46,15 @@ pub(crate) trait Width: Real {
     fn any(which: Self::Choice) -> bool;
 }
 
-impl Width for f32 {
-    const COUNT: usize = 1;
-
+impl Load for f32 {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
     }
+}
+
+impl Width for f32 {
+    const COUNT: usize = 1;
 
     #[inline(always)]
     fn lane(self, _lane: usize) -> f32 {
@@ -62,13 +72,15 @@ impl Width for f32 {
     }
 }
 
-impl Width for Lanes {
-    const COUNT: usize = LANES;
-
+impl Load for Lanes {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from.first_chunk().map_or(Self([0.0; LANES]), |numbers| Self(*numbers))
     }
+}
+
+impl Width for Lanes {
+    const COUNT: usize = LANES;
 
     #[inline(always)]
     fn lane(self, lane: usize) -> f32 {

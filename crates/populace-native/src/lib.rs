@@ -4,8 +4,8 @@
 //!
 //! - *Staged*: evaluate, pose, transform and write-back, each for all members, through the same
 //!   buffers as the OpenCL kernels of the same names.
-//! - *Fused*: a member's whole frame at once, sixteen joints at a time. It is compiled for several
-//!   processors, and the best version is chosen at run time.
+//! - *Fused*: a member's whole frame at once, with members of one body side by side in lanes. It is
+//!   compiled for several processors, and the best version is chosen at run time.
 //!
 //! The arithmetic is the same everywhere, and results do not depend on the number of threads.
 //!
@@ -21,10 +21,11 @@
 //! # Ok::<(), populace_device::BackendError>(())
 //! ```
 
-// Each module uses only modules above it.
-mod dispatch;
+// Each module uses only modules above it; `corrections` and `rows` use each other.
 mod errors;
 mod lanes;
+#[cfg(target_arch = "x86_64")]
+mod registers;
 mod split;
 
 mod buffers;
@@ -35,15 +36,16 @@ mod user_stages;
 mod frame;
 mod hierarchy;
 mod members;
-mod scratch;
 
+mod corrections;
 mod local;
 mod playback;
 mod rows;
 mod slot;
 
-mod corrections;
+mod dispatch;
 mod sample;
+mod transposition;
 
 mod inertialize;
 mod machines;
@@ -51,6 +53,10 @@ mod stages;
 
 mod constraints;
 mod joint;
+
+mod abreast;
+
+mod scratch;
 
 mod evaluate;
 mod fused;

@@ -4,6 +4,7 @@ use populace_model::math::{Real, quat};
 
 /// Translation, rotation (x, y, z, w) and scale, relative to the parent joint.
 #[derive(Clone, Copy)]
+#[repr(C, align(64))]
 pub(crate) struct Local<R> {
     pub(crate) t: [R; 3],
     pub(crate) r: [R; 4],

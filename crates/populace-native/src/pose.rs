@@ -47,7 +47,7 @@ pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut Jo
         };
         for joint in 0..body.joint_count as usize {
             posing.joints.first = joint;
-            let local = posing.pose_joint::<f32>();
+            let local = posing.pose_joint();
             translations[joint] = Float4::from_xyz(local.t);
             rotations[joint] = Float4(local.r);
             scales[joint] = Float4::from_xyz(local.s);

@@ -11,6 +11,7 @@ use crate::fused::{MemberInputs, member_models};
 use crate::lanes::LANES;
 use crate::machines::slot_now;
 use crate::members::{body_of, member_slots};
+use crate::rows::JointLanes;
 use crate::scratch::Scratch;
 use crate::slot::sample_of;
 
@@ -32,7 +33,7 @@ struct Evaluate<'a> {
 
 impl Work for Evaluate<'_> {
     #[inline(always)]
-    fn run(self) {
+    fn run<J: JointLanes>(self) {
         member_models(self.of, self.scratch, |first, local| {
             for (lane, joint) in self.locals.iter_mut().skip(first).take(LANES).enumerate() {
                 *joint = [

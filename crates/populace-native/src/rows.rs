@@ -12,7 +12,10 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::Real;
 
-use crate::lanes::{LANES, Lanes, Simd, Width};
+use crate::corrections::correct;
+use crate::lanes::{LANES, Lanes, Load, Simd};
+#[cfg(target_arch = "x86_64")]
+use crate::registers::{Register, Registers};
 
 /// Joints computed together: those of one [`Width`] from `first` on.
 #[derive(Clone, Copy)]
@@ -37,12 +40,27 @@ impl<'a> Joints<'a> {
 }
 
 /// A width that finds its columns in a clip's rows.
-pub(crate) trait RowWidth: Width {
+pub(crate) trait RowWidth: Load {
     /// Positions of the columns.
     type Columns<'a>: Columns<Self>;
 
     /// Finds the columns of the joints.
     fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> Self::Columns<'a>;
+
+    /// Calls [`correct`] without registers of its own.
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [Self; 3],
+        r: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]);
+}
+
+/// A width of sixteen joints, for the path that every member takes.
+pub(crate) trait JointLanes: RowWidth {
+    /// Stores the lanes.
+    fn to_lanes(self) -> Lanes;
 }
 
 /// Positions in a clip's rows of the columns of joints computed together.
@@ -162,6 +180,17 @@ impl RowWidth for f32 {
         }
         JointColumn { rows: tables.rows().as_slice(), block, lane: (column % JOINT_BLOCK) as usize }
     }
+
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [f32; 3],
+        r: [f32; 4],
+    ) -> ([f32; 3], [f32; 4]) {
+        correct(joints, bound, at, t, r)
+    }
 }
 
 impl Columns<f32> for JointColumn<'_> {
@@ -193,6 +222,59 @@ impl RowWidth for Lanes {
     #[inline(always)]
     fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> BlockColumns<'a> {
         BlockColumns { tables: joints.tables, bound: joints.bound_block(bound) }
+    }
+
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [Self; 3],
+        r: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]) {
+        correct(joints, bound, at, t, r)
+    }
+}
+
+impl JointLanes for Lanes {
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes {
+        self
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Register, const COUNT: usize> RowWidth for Registers<V, COUNT> {
+    type Columns<'a> = BlockColumns<'a>;
+
+    #[inline(always)]
+    fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> BlockColumns<'a> {
+        <Lanes as RowWidth>::columns(joints, bound)
+    }
+
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        [tx, ty, tz]: [Self; 3],
+        [rx, ry, rz, rw]: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]) {
+        let t = [tx.to_lanes(), ty.to_lanes(), tz.to_lanes()];
+        let r = [rx.to_lanes(), ry.to_lanes(), rz.to_lanes(), rw.to_lanes()];
+        let ([tx, ty, tz], [rx, ry, rz, rw]) = correct(joints, bound, at, t, r);
+        (
+            [Self::load(&tx.0), Self::load(&ty.0), Self::load(&tz.0)],
+            [Self::load(&rx.0), Self::load(&ry.0), Self::load(&rz.0), Self::load(&rw.0)],
+        )
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Register, const COUNT: usize> JointLanes for Registers<V, COUNT> {
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes {
+        Self::to_lanes(self)
     }
 }
 
@@ -234,6 +316,27 @@ impl<'a> BlockColumns<'a> {
     }
 }
 
+impl BlockColumns<'_> {
+    /// Returns a component's words in two rows, and their encoding; `None` if the columns are
+    /// scattered.
+    #[inline(always)]
+    fn straight(
+        &self,
+        property: Property,
+        at: &SlotSample,
+        component: usize,
+    ) -> Option<(&[u32], &[u32], Encoding)> {
+        if self.bound.flags & BLOCK_STRAIGHT == 0 {
+            return None;
+        }
+        let planes = Planes::of(&self.bound.rows(), property);
+        let (from, encoding) = planes.plane_at(property, at.row0, component);
+        let (to, _) = planes.plane_at(property, at.row1, component);
+        let rows = self.tables.rows().as_slice();
+        Some((&rows[from..from + LANES], &rows[to..to + LANES], encoding))
+    }
+}
+
 impl Columns<Lanes> for BlockColumns<'_> {
     #[inline(always)]
     fn planes(&self, property: Property) -> Planes {
@@ -242,14 +345,9 @@ impl Columns<Lanes> for BlockColumns<'_> {
 
     #[inline(always)]
     fn steps(&self, property: Property, at: &SlotSample, component: usize) -> Lanes {
-        if self.bound.flags & BLOCK_STRAIGHT == 0 {
+        let Some((from, to, encoding)) = self.straight(property, at, component) else {
             return self.gathered_steps(property, at, component);
-        }
-        let planes = self.planes(property);
-        let (from, encoding) = planes.plane_at(property, at.row0, component);
-        let (to, _) = planes.plane_at(property, at.row1, component);
-        let rows = self.tables.rows().as_slice();
-        let (from, to) = (&rows[from..from + LANES], &rows[to..to + LANES]);
+        };
         // One branch holds all that depends on the encoding, so that its values stay in registers.
         match encoding {
             Encoding::Float => Encoding::Float.between(from, to, at.between),
@@ -257,6 +355,31 @@ impl Columns<Lanes> for BlockColumns<'_> {
             Encoding::HighHalf => Encoding::HighHalf.between(from, to, at.between),
             Encoding::Packed => Encoding::Packed.between(from, to, at.between),
         }
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Register, const COUNT: usize> Columns<Registers<V, COUNT>> for BlockColumns<'_> {
+    #[inline(always)]
+    fn planes(&self, property: Property) -> Planes {
+        Planes::of(&self.bound.rows(), property)
+    }
+
+    #[inline(always)]
+    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> Registers<V, COUNT> {
+        let Some((from, to, encoding)) = self.straight(property, at, component) else {
+            return Registers::load(&self.gathered_steps(property, at, component).0);
+        };
+        let (from, to) = match encoding {
+            Encoding::Float => (
+                Registers::load(bytemuck::cast_slice(from)),
+                Registers::load(bytemuck::cast_slice(to)),
+            ),
+            Encoding::LowHalf => (Registers::low_halves(from), Registers::low_halves(to)),
+            Encoding::HighHalf => (Registers::high_halves(from), Registers::high_halves(to)),
+            Encoding::Packed => (Registers::packed(from), Registers::packed(to)),
+        };
+        from.mix(to, Registers::splat(at.between))
     }
 }
 
@@ -278,7 +401,7 @@ pub(crate) fn component<R: RowWidth>(
 
 /// Loads a quaternion from four planes of `padded` floats.
 #[inline(always)]
-pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
+pub(crate) fn load_quat<R: Load>(planes: &[f32], padded: usize) -> [R; 4] {
     [
         R::load(planes),
         R::load(&planes[padded..]),
@@ -289,7 +412,7 @@ pub(crate) fn load_quat<R: Width>(planes: &[f32], padded: usize) -> [R; 4] {
 
 /// Loads a vector from three planes of `padded` floats.
 #[inline(always)]
-pub(crate) fn load_vec3<R: Width>(planes: &[f32], padded: usize) -> [R; 3] {
+pub(crate) fn load_vec3<R: Load>(planes: &[f32], padded: usize) -> [R; 3] {
     [R::load(planes), R::load(&planes[padded..]), R::load(&planes[2 * padded..])]
 }
 

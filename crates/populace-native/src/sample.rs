@@ -7,7 +7,6 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
-use crate::corrections::correct;
 use crate::local::Local;
 use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
 
@@ -61,7 +60,7 @@ pub(crate) fn sample_joint<R: RowWidth>(
         s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
     }
     if flags & BLOCK_CORRECTED != 0 {
-        (t, r) = correct::<R>(joints, bound, at, t, r);
+        (t, r) = R::corrected(joints, bound, at, t, r);
     }
     let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
     Sample { local: Local { r, t, s }, unit, at_rest }

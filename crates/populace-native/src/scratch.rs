@@ -4,6 +4,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use populace_model::Affine;
 
+use crate::abreast::Desk;
 use crate::history::DeferredWrites;
 
 /// Scratch buffers of one worker thread.
@@ -11,6 +12,8 @@ use crate::history::DeferredWrites;
 pub(crate) struct Scratch {
     /// `model_from_joint` of the member in work; until a joint is reached, its local transform.
     pub(crate) models: Vec<Affine>,
+    /// Of members side by side.
+    pub(crate) desk: Desk,
     /// Writes of the phase's members.
     pub(crate) writes: DeferredWrites,
 }

@@ -6,52 +6,70 @@ use populace_device::layout::{Float4, NONE};
 /// balance the load.
 const GRAIN: usize = 4096;
 
-/// Calls `job(member, first_block, slices)` for each member, on all threads.
+/// Part of the work, which one thread does: blocks of `BLOCK` elements of `N` arrays.
 ///
-/// `blocks` names the member that owns each block of `BLOCK` elements of the arrays, or [`NONE`]. A
-/// member's blocks are consecutive. `slices` are the member's part of each of the `N` arrays.
+/// `blocks` names the member that owns each block, or [`NONE`]. A member's blocks are consecutive.
+pub(crate) struct Part<'a, const BLOCK: usize, const N: usize> {
+    blocks: &'a [u32],
+    /// Index of the first block among all.
+    first: usize,
+    arrays: [&'a mut [Float4]; N],
+}
+
+impl<'a, const BLOCK: usize, const N: usize> Part<'a, BLOCK, N> {
+    /// Calls `job(member, first_block, slices)` for each member. `slices` are the member's part of
+    /// each of the arrays.
+    pub(crate) fn for_each_member(self, mut job: impl FnMut(u32, usize, [&'a mut [Float4]; N])) {
+        let Self { mut blocks, mut first, mut arrays } = self;
+        while let Some(&member) = blocks.first() {
+            let end = run_end(blocks, 1);
+            let (run, rest) = halves::<BLOCK, N>(arrays, end);
+            if member != NONE {
+                job(member, first, run);
+            }
+            blocks = &blocks[end..];
+            first += end;
+            arrays = rest;
+        }
+    }
+
+    /// Does a job on all threads, for parts of at most `grain` elements or of one member.
+    fn split(self, grain: usize, job: &(impl Fn(Self) + Sync)) {
+        let Self { blocks, first, arrays } = self;
+        let middle = run_end(blocks, blocks.len() / 2);
+        if blocks.len() * BLOCK <= grain || middle == blocks.len() {
+            return job(Self { blocks, first, arrays });
+        }
+        let (left, right) = halves::<BLOCK, N>(arrays, middle);
+        let (left_blocks, right_blocks) = blocks.split_at(middle);
+        rayon::join(
+            || Self { blocks: left_blocks, first, arrays: left }.split(grain, job),
+            || {
+                Self { blocks: right_blocks, first: first + middle, arrays: right }
+                    .split(grain, job);
+            },
+        );
+    }
+}
+
+/// Calls `job` for parts of at most `grain` elements or of one member, on all threads.
+pub(crate) fn for_each_part<'a, const BLOCK: usize, const N: usize>(
+    blocks: &'a [u32],
+    grain: usize,
+    arrays: [&'a mut [Float4]; N],
+    job: &(impl Fn(Part<'a, BLOCK, N>) + Sync),
+) {
+    Part { blocks, first: 0, arrays }.split(grain, job);
+}
+
+/// Calls `job(member, first_block, slices)` for each member, on all threads; see [`Part`].
 pub(crate) fn for_each_member<const BLOCK: usize, const N: usize>(
     blocks: &[u32],
     arrays: [&mut [Float4]; N],
     job: &(impl Fn(u32, usize, [&mut [Float4]; N]) + Sync),
 ) {
-    split::<BLOCK, N>(blocks, 0, arrays, job);
-}
-
-fn split<const BLOCK: usize, const N: usize>(
-    blocks: &[u32],
-    first: usize,
-    arrays: [&mut [Float4]; N],
-    job: &(impl Fn(u32, usize, [&mut [Float4]; N]) + Sync),
-) {
-    let middle = run_end(blocks, blocks.len() / 2);
-    if blocks.len() * BLOCK <= GRAIN || middle == blocks.len() {
-        return each::<BLOCK, N>(blocks, first, arrays, job);
-    }
-    let (left, right) = halves::<BLOCK, N>(arrays, middle);
-    let (left_blocks, right_blocks) = blocks.split_at(middle);
-    rayon::join(
-        || split::<BLOCK, N>(left_blocks, first, left, job),
-        || split::<BLOCK, N>(right_blocks, first + middle, right, job),
-    );
-}
-
-fn each<const BLOCK: usize, const N: usize>(
-    mut blocks: &[u32],
-    mut first: usize,
-    mut arrays: [&mut [Float4]; N],
-    job: &(impl Fn(u32, usize, [&mut [Float4]; N]) + Sync),
-) {
-    while let Some(&member) = blocks.first() {
-        let end = run_end(blocks, 1);
-        let (run, rest) = halves::<BLOCK, N>(arrays, end);
-        if member != NONE {
-            job(member, first, run);
-        }
-        blocks = &blocks[end..];
-        first += end;
-        arrays = rest;
-    }
+    let each = |part: Part<BLOCK, N>| part.for_each_member(job);
+    for_each_part::<BLOCK, N>(blocks, GRAIN, arrays, &each);
 }
 
 /// Returns the first border between members at or after block `at`.

@@ -4,8 +4,8 @@ fn staged(threads: usize) -> NativeBackend {
     NativeBackend::new(threads, Schedule::Staged).unwrap()
 }
 
-fn fused(threads: usize, dispatch: Dispatch) -> NativeBackend {
-    NativeBackend { dispatch, ..NativeBackend::new(threads, Schedule::Fused).unwrap() }
+fn fused(threads: usize, machine: Machine) -> NativeBackend {
+    NativeBackend { machine, ..NativeBackend::new(threads, Schedule::Fused).unwrap() }
 }
 
 mod conformance {
@@ -17,15 +17,35 @@ mod conformance_on_1_thread {
 }
 
 mod conformance_fused {
-    populace_testkit::fused_conformance!(super::fused(3, super::Dispatch::detect()));
+    populace_testkit::fused_conformance!(super::fused(3, super::Machine::detect()));
 }
 
 mod conformance_fused_on_16_threads {
-    populace_testkit::fused_conformance!(super::fused(16, super::Dispatch::detect()));
+    populace_testkit::fused_conformance!(super::fused(16, super::Machine::detect()));
 }
 
-mod conformance_fused_baseline {
-    populace_testkit::fused_conformance!(super::fused(1, super::Dispatch::Baseline));
+mod conformance_fused_of_4_lanes {
+    populace_testkit::fused_conformance!(super::fused(
+        1,
+        super::Machine::of_lanes(super::MemberLanes::Four)
+    ));
+}
+
+mod conformance_fused_of_8_lanes {
+    populace_testkit::fused_conformance!(super::fused(
+        1,
+        super::Machine::of_lanes(super::MemberLanes::Eight)
+    ));
+}
+
+mod conformance_fused_of_16_lanes_in_narrow_registers {
+    populace_testkit::fused_conformance!(super::fused(
+        1,
+        super::Machine {
+            registers: crate::dispatch::Dispatch::Baseline,
+            lanes: super::MemberLanes::Sixteen
+        }
+    ));
 }
 
 #[test]
