@@ -12,6 +12,7 @@ use populace_device::MAX_SLOTS;
 use populace_device::layout::{Body, Entry, Float4, Layer, NONE, PALETTE_BLOCK};
 use populace_model::math::{Real, components};
 
+use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::joint::Posing;
@@ -19,7 +20,7 @@ use crate::lanes::{LANES, Lanes, Line, Simd};
 use crate::machines::slot_now;
 use crate::members::{control_of, member_layers, member_slots, parents_of};
 use crate::playback::{Inertialization, Playing, inertialization_of};
-use crate::rows::{JointLanes, Joints};
+use crate::rows::Joints;
 use crate::slot::sample_of;
 use crate::transposition::Square;
 

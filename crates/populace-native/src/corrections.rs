@@ -7,6 +7,11 @@ use populace_device::layout::{BLOCK_CORRECTED, BoundClip, REST_TRANSLATION, Slot
 use populace_model::Property;
 use populace_model::math::{quat, vec3};
 
+use crate::lanes::Lanes;
+#[cfg(target_arch = "x86_64")]
+use crate::lanes::Load;
+#[cfg(target_arch = "x86_64")]
+use crate::registers::{Register, Registers};
 use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
 
 /// Returns the rows of a correction that has its own, for two rows of its clip.
@@ -63,4 +68,83 @@ pub(crate) fn correct<R: RowWidth>(
         r = quat::mul(quat::mul(r, q), load_quat::<R>(&planes[10 * padded..], padded));
     }
     (t, r)
+}
+
+/// A width that local transforms are sampled in.
+pub(crate) trait SampleWidth: RowWidth {
+    /// Calls [`correct`] without registers of its own.
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [Self; 3],
+        r: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]);
+}
+
+/// A width of sixteen joints, for the path that every member takes.
+pub(crate) trait JointLanes: SampleWidth {
+    /// Stores the lanes.
+    fn to_lanes(self) -> Lanes;
+}
+
+impl SampleWidth for f32 {
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [f32; 3],
+        r: [f32; 4],
+    ) -> ([f32; 3], [f32; 4]) {
+        correct(joints, bound, at, t, r)
+    }
+}
+
+impl SampleWidth for Lanes {
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        t: [Self; 3],
+        r: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]) {
+        correct(joints, bound, at, t, r)
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Register, const COUNT: usize> SampleWidth for Registers<V, COUNT> {
+    #[inline(always)]
+    fn corrected(
+        joints: &Joints,
+        bound: &BoundClip,
+        at: &SlotSample,
+        [tx, ty, tz]: [Self; 3],
+        [rx, ry, rz, rw]: [Self; 4],
+    ) -> ([Self; 3], [Self; 4]) {
+        let t = [tx.to_lanes(), ty.to_lanes(), tz.to_lanes()];
+        let r = [rx.to_lanes(), ry.to_lanes(), rz.to_lanes(), rw.to_lanes()];
+        let ([tx, ty, tz], [rx, ry, rz, rw]) = correct(joints, bound, at, t, r);
+        (
+            [Self::load(&tx.0), Self::load(&ty.0), Self::load(&tz.0)],
+            [Self::load(&rx.0), Self::load(&ry.0), Self::load(&rz.0), Self::load(&rw.0)],
+        )
+    }
+}
+
+impl JointLanes for Lanes {
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes {
+        self
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+impl<V: Register, const COUNT: usize> JointLanes for Registers<V, COUNT> {
+    #[inline(always)]
+    fn to_lanes(self) -> Lanes {
+        Self::to_lanes(self)
+    }
 }

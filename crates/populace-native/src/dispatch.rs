@@ -11,10 +11,10 @@
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{__m256, __m512};
 
+use crate::corrections::JointLanes;
 use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
 use crate::registers::Registers;
-use crate::rows::JointLanes;
 
 /// Widest registers that both the processor and this crate support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -14,6 +14,7 @@ use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
 use crate::constraints::Solver;
+use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::{Hierarchy, descend};
@@ -21,7 +22,7 @@ use crate::lanes::{LANES, Lanes, Simd};
 use crate::local::Local;
 use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
-use crate::rows::{JointLanes, Joints};
+use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 use crate::transposition::Square;

@@ -12,9 +12,10 @@ use populace_device::layout::{ClipRows, InertializationSlot, Slot, SlotSample};
 use populace_device::{SampledState, far_row, row_before};
 use populace_model::math::quat;
 
+use crate::corrections::SampleWidth;
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;
-use crate::rows::{Joints, RowWidth};
+use crate::rows::Joints;
 use crate::sample::sample_joint;
 
 /// Returns the sample of one row.
@@ -41,7 +42,7 @@ struct SampledPoses<R> {
     reference: Local<R>,
 }
 
-fn sampled_poses<R: RowWidth>(
+fn sampled_poses<R: SampleWidth>(
     joints: &Joints,
     state: SampledState,
     additive: bool,
@@ -78,7 +79,7 @@ fn decay(inertialized: f32) -> [f32; 2] {
 }
 
 #[inline(always)]
-fn inertialization_weights<R: RowWidth>(
+fn inertialization_weights<R: SampleWidth>(
     slot: &InertializationSlot,
     tick: u64,
     additive: bool,
@@ -93,7 +94,7 @@ fn inertialization_weights<R: RowWidth>(
 }
 
 /// Adds what is left of one slot's difference to a sum.
-fn add_inertialization<R: RowWidth>(
+fn add_inertialization<R: SampleWidth>(
     joints: &Joints,
     slot: &InertializationSlot,
     tick: u64,
@@ -130,7 +131,7 @@ fn add_inertialization<R: RowWidth>(
 /// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
 /// to the clip that the next one ended.
 #[inline(never)]
-pub(crate) fn inertialize<R: RowWidth>(
+pub(crate) fn inertialize<R: SampleWidth>(
     joints: &Joints,
     inertialization: Inertialization,
     layer: u32,

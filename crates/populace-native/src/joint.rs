@@ -9,13 +9,14 @@ use populace_device::layout::{
 };
 use populace_model::math::{Real, quat};
 
+use crate::corrections::{JointLanes, SampleWidth};
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::inertialize::inertialize;
 use crate::lanes::{Lanes, Width};
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::playback::{Inertialization, Playing};
-use crate::rows::{JointLanes, Joints, RowWidth, load_quat, load_vec3};
+use crate::rows::{Joints, load_quat, load_vec3};
 use crate::sample::sample_joint;
 use crate::stages::stage_locals;
 
@@ -76,7 +77,7 @@ pub(crate) struct Posing<'a> {
 }
 
 /// A width that poses are computed in.
-pub(crate) trait PoseWidth: RowWidth + Width {
+pub(crate) trait PoseWidth: SampleWidth + Width {
     /// Calls [`Posing::lay_over`] without inlining it: few members have layers, and the path of the
     /// others must not pay for the registers of this one.
     fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
@@ -120,7 +121,7 @@ impl Posing<'_> {
     /// Sums a layer's slots, each weighted. In an additive layer, the terms are differences from
     /// the clip's first row.
     #[inline(always)]
-    fn sum_layer<R: RowWidth>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
+    fn sum_layer<R: SampleWidth>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
         let (joints, tables) = (&self.joints, self.joints.tables);
         let mut sum =
             Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
@@ -224,7 +225,7 @@ impl Posing<'_> {
 
     /// Computes layer 0. Returns the rest pose, and the mean of the slots.
     #[inline(always)]
-    fn pose_base<R: RowWidth>(&self) -> (Local<R>, Local<R>) {
+    fn pose_base<R: SampleWidth>(&self) -> (Local<R>, Local<R>) {
         let body = self.joints.body;
         let padded = body.padded_count as usize;
         let rest = self.joints.planes(body.rest_first);

@@ -21,7 +21,7 @@
 //! # Ok::<(), populace_device::BackendError>(())
 //! ```
 
-// Each module uses only modules above it; `corrections` and `rows` use each other.
+// Each module uses only modules above it.
 mod errors;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
@@ -37,12 +37,12 @@ mod frame;
 mod hierarchy;
 mod members;
 
-mod corrections;
 mod local;
 mod playback;
 mod rows;
 mod slot;
 
+mod corrections;
 mod dispatch;
 mod sample;
 mod transposition;

@@ -4,6 +4,7 @@ use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
 use populace_model::Affine;
 
+use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::errors::failed;
 use crate::frame::FrameInputs;
@@ -11,7 +12,6 @@ use crate::fused::{MemberInputs, member_models};
 use crate::lanes::LANES;
 use crate::machines::slot_now;
 use crate::members::{body_of, member_slots};
-use crate::rows::JointLanes;
 use crate::scratch::Scratch;
 use crate::slot::sample_of;
 

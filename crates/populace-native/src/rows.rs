@@ -12,7 +12,6 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::Real;
 
-use crate::corrections::correct;
 use crate::lanes::{LANES, Lanes, Load, Simd};
 #[cfg(target_arch = "x86_64")]
 use crate::registers::{Register, Registers};
@@ -46,21 +45,6 @@ pub(crate) trait RowWidth: Load {
 
     /// Finds the columns of the joints.
     fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> Self::Columns<'a>;
-
-    /// Calls [`correct`] without registers of its own.
-    fn corrected(
-        joints: &Joints,
-        bound: &BoundClip,
-        at: &SlotSample,
-        t: [Self; 3],
-        r: [Self; 4],
-    ) -> ([Self; 3], [Self; 4]);
-}
-
-/// A width of sixteen joints, for the path that every member takes.
-pub(crate) trait JointLanes: RowWidth {
-    /// Stores the lanes.
-    fn to_lanes(self) -> Lanes;
 }
 
 /// Positions in a clip's rows of the columns of joints computed together.
@@ -180,17 +164,6 @@ impl RowWidth for f32 {
         }
         JointColumn { rows: tables.rows().as_slice(), block, lane: (column % JOINT_BLOCK) as usize }
     }
-
-    #[inline(always)]
-    fn corrected(
-        joints: &Joints,
-        bound: &BoundClip,
-        at: &SlotSample,
-        t: [f32; 3],
-        r: [f32; 4],
-    ) -> ([f32; 3], [f32; 4]) {
-        correct(joints, bound, at, t, r)
-    }
 }
 
 impl Columns<f32> for JointColumn<'_> {
@@ -223,24 +196,6 @@ impl RowWidth for Lanes {
     fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> BlockColumns<'a> {
         BlockColumns { tables: joints.tables, bound: joints.bound_block(bound) }
     }
-
-    #[inline(always)]
-    fn corrected(
-        joints: &Joints,
-        bound: &BoundClip,
-        at: &SlotSample,
-        t: [Self; 3],
-        r: [Self; 4],
-    ) -> ([Self; 3], [Self; 4]) {
-        correct(joints, bound, at, t, r)
-    }
-}
-
-impl JointLanes for Lanes {
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes {
-        self
-    }
 }
 
 #[cfg(target_arch = "x86_64")]
@@ -250,31 +205,6 @@ impl<V: Register, const COUNT: usize> RowWidth for Registers<V, COUNT> {
     #[inline(always)]
     fn columns<'a>(joints: &Joints<'a>, bound: &BoundClip) -> BlockColumns<'a> {
         <Lanes as RowWidth>::columns(joints, bound)
-    }
-
-    #[inline(always)]
-    fn corrected(
-        joints: &Joints,
-        bound: &BoundClip,
-        at: &SlotSample,
-        [tx, ty, tz]: [Self; 3],
-        [rx, ry, rz, rw]: [Self; 4],
-    ) -> ([Self; 3], [Self; 4]) {
-        let t = [tx.to_lanes(), ty.to_lanes(), tz.to_lanes()];
-        let r = [rx.to_lanes(), ry.to_lanes(), rz.to_lanes(), rw.to_lanes()];
-        let ([tx, ty, tz], [rx, ry, rz, rw]) = correct(joints, bound, at, t, r);
-        (
-            [Self::load(&tx.0), Self::load(&ty.0), Self::load(&tz.0)],
-            [Self::load(&rx.0), Self::load(&ry.0), Self::load(&rz.0), Self::load(&rw.0)],
-        )
-    }
-}
-
-#[cfg(target_arch = "x86_64")]
-impl<V: Register, const COUNT: usize> JointLanes for Registers<V, COUNT> {
-    #[inline(always)]
-    fn to_lanes(self) -> Lanes {
-        Self::to_lanes(self)
     }
 }
 

@@ -7,8 +7,9 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
+use crate::corrections::SampleWidth;
 use crate::local::Local;
-use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
+use crate::rows::{Columns, Joints, component, load_quat, sample_vector};
 
 /// Sample of a clip.
 pub(crate) struct Sample<R> {
@@ -31,7 +32,7 @@ impl<R: Real> Sample<R> {
 
 /// Samples local transforms between two rows.
 #[inline(always)]
-pub(crate) fn sample_joint<R: RowWidth>(
+pub(crate) fn sample_joint<R: SampleWidth>(
     joints: &Joints,
     bound: &BoundClip,
     at: &SlotSample,

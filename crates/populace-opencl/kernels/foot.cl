@@ -217,9 +217,10 @@ INLINE float climbs(const Solver *s, float before, float *climb, float wanted)
 }
 
 // Returns the ground beneath a lifted foot: its true height or that a little ahead, whichever is
-// higher. The foot rises to it at the speed *climb.
+// higher. The nearer the foot is to standing (`near` is 1), the less it looks ahead. The foot rises
+// to the ground at the speed *climb.
 INLINE float ground_beneath(const Solver *s, FootState state, float4 at, float height, float most,
-                            float *climb)
+                            float near, float *climb)
 {
     *climb = 0.0f;
     if (!state.known) return height;
@@ -230,8 +231,9 @@ INLINE float ground_beneath(const Solver *s, FootState state, float4 at, float h
         const float ahead = FOOT_AHEAD * most;
         const float x = at.x + (facing.y * stride.x + facing.x * stride.y) * ahead,
                     z = at.z + (facing.y * stride.y - facing.x * stride.x) * ahead;
-        const float next = ground_at(s->tables, x, z).w;
-        wanted = next > height ? next : height;
+        const float next = ground_at(s->tables, x, z).w - height;
+        const float rise = 0.0f > next ? 0.0f : next;
+        wanted = height + rise * (1.0f - near);
     }
     return climbs(s, state.height, climb, wanted);
 }
@@ -350,7 +352,7 @@ INLINE float4 foot_goal(const Solver *s, uint foot, __global const Constraint *c
     if (moved_elsewhere) state.known = false;
     float climb;
     const float height = planted ? height_planted(s, state, ground.w, on_edge, &climb)
-                                 : ground_beneath(s, state, place, ground.w, most, &climb);
+                                 : ground_beneath(s, state, place, ground.w, most, near, &climb);
     const float4 direction = turned(turn_of(lag), vec(own.x, 0.0f, own.y));
     const FootState next = { planted ? place : behind,
                              planted ? (float2)(direction.x, direction.z) : (float2)(lag, 0.0f),

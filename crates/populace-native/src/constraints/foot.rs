@@ -302,7 +302,7 @@ impl Solver<'_> {
         let [height, climb] = if planted {
             self.height_planted(&state, ground, on_edge)
         } else {
-            self.ground_beneath(&state, place, ground, most)
+            self.ground_beneath(&state, place, ground, [most, near])
         };
         let direction = Turn::turn_of(lag).turned([own[0], 0.0, own[1]]);
         self.keep_foot_state(

@@ -50,13 +50,14 @@ impl Solver<'_> {
     }
 
     /// Returns the ground beneath a lifted foot, and the speed at which the foot rises to it: its
-    /// true height or that a little ahead, whichever is higher.
+    /// true height or that a little ahead, whichever is higher. The nearer the foot is to standing
+    /// (`near` is 1), the less it looks ahead: it comes down where it is.
     pub(super) fn ground_beneath(
         &self,
         state: &FootState,
         at: [f32; 3],
         height: f32,
-        most: f32,
+        [most, near]: [f32; 2],
     ) -> [f32; 2] {
         if !state.known {
             return [height, 0.0];
@@ -70,7 +71,8 @@ impl Solver<'_> {
                 at[0] + (cosine * along_x + sine * along_z) * ahead,
                 at[2] + (cosine * along_z - sine * along_x) * ahead,
             );
-            wanted = larger(height, ground_at(self.tables, x, z).0);
+            let rise = larger(ground_at(self.tables, x, z).0 - height, 0.0);
+            wanted = height + rise * (1.0 - near);
         }
         self.climbs(state.height, state.climb, wanted)
     }
