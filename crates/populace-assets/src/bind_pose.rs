@@ -3,10 +3,6 @@
 use populace_character::{PaletteEntry, SkinInstance};
 use populace_model::{JointIndex, Skeleton, Trs, f64math};
 
-/// Largest difference between a transform and its decomposition into translation, rotation and
-/// scale; beyond it the transform is sheared.
-const SHEARED: f64 = 1e-3;
-
 /// Returns the local transform of each joint, in level order, in the pose in which skins were bound
 /// to them. A joint whose parent has no bind matrix in the same skin is at rest.
 pub(crate) fn bind_pose(skeleton: &Skeleton, skins: &[SkinInstance]) -> Vec<Trs> {
@@ -23,14 +19,7 @@ pub(crate) fn bind_pose(skeleton: &Skeleton, skins: &[SkinInstance]) -> Vec<Trs>
 /// Returns the transform from a joint to its parent when both were bound.
 fn between(parent: &PaletteEntry, joint: &PaletteEntry) -> Option<Trs> {
     let [parent, joint] = [parent, joint].map(|entry| f64math::affine_from(&entry.joint_from_bind));
-    let local = parent * joint.inverse();
-    let (scale, rotation, translation) = local.to_scale_rotation_translation();
-    let plain = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-    plain.abs_diff_eq(local, SHEARED).then(|| Trs {
-        translation: f64math::to_f32(translation.to_array()),
-        rotation: f64math::to_f32(rotation.to_array()),
-        scale: f64math::to_f32(scale.to_array()),
-    })
+    f64math::trs(parent * joint.inverse())
 }
 
 #[cfg(test)]

@@ -7,10 +7,6 @@ use populace_model::{
 use crate::Error;
 use crate::character::{Character, CharacterSource, PaletteEntry, SkinInstance};
 
-/// Tolerance: a transform that differs by more than this from its decomposition into translation,
-/// rotation and scale counts as sheared.
-const SHEARED: f64 = 1e-3;
-
 impl Character {
     /// Returns the character with feet that are children of their lower legs, for rigs in which
     /// they are not. Constraints on legs, such as foot IK, then move the feet as well.
@@ -76,18 +72,12 @@ fn on_legs(
     let models = skeleton.rest_models();
     for (shin, foot) in roles.loose_feet(skeleton) {
         let rest = models[shin.index()].inverse() * models[foot.index()];
-        let (scale, rotation, translation) = rest.to_scale_rotation_translation();
-        let plain = glam::DAffine3::from_scale_rotation_translation(scale, rotation, translation);
-        if !plain.abs_diff_eq(rest, SHEARED) {
+        let Some(rest) = f64math::trs(rest) else {
             let (joint, name) = (place(foot), skeleton.name(foot).to_owned());
             let what = "a shear, once it hangs on its leg";
             return Err(populace_model::Error::BadRest { joint, name, what });
-        }
-        joints[place(foot)].rest = Trs {
-            translation: f64math::to_f32(translation.to_array()),
-            rotation: f64math::to_f32(rotation.to_array()),
-            scale: f64math::to_f32(scale.to_array()),
         };
+        joints[place(foot)].rest = rest;
         joints[place(foot)].parent = Some(place(shin));
     }
     Ok(joints)

@@ -1,7 +1,8 @@
 //! Input files, and the limits on what they refer to and how much memory they take.
 
-use std::cell::Cell;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
 use populace_assets::{Imported, LoadOptions};
@@ -23,7 +24,7 @@ pub(crate) struct InputArgs {
     )]
     memory_limit: u32,
     #[arg(skip)]
-    stdin_is_read: Cell<bool>,
+    stdin_is_read: Arc<AtomicBool>,
 }
 
 impl InputArgs {
@@ -36,7 +37,7 @@ impl InputArgs {
         if file != Path::new("-") {
             return Ok(populace_assets::load_with(file, &options)?);
         }
-        if self.stdin_is_read.replace(true) {
+        if self.stdin_is_read.swap(true, Ordering::Relaxed) {
             return Err(Failure::usage("- is given twice; standard input can be read only once"));
         }
         Ok(populace_assets::load_from_reader(std::io::stdin().lock(), "standard input", &options)?)

@@ -42,6 +42,22 @@ pub fn affine(trs: &Trs) -> DAffine3 {
     )
 }
 
+/// Largest difference between the elements of a transform and of its decomposition into
+/// translation, rotation and scale; beyond it the transform is sheared.
+const SHEARED: f64 = 1e-3;
+
+/// Returns the local transform of a matrix, or `None` if the matrix is sheared.
+#[must_use]
+pub fn trs(matrix: DAffine3) -> Option<Trs> {
+    let (scale, rotation, translation) = matrix.to_scale_rotation_translation();
+    let plain = DAffine3::from_scale_rotation_translation(scale, rotation, translation);
+    plain.abs_diff_eq(matrix, SHEARED).then(|| Trs {
+        translation: to_f32(translation.to_array()),
+        rotation: to_f32(rotation.to_array()),
+        scale: to_f32(scale.to_array()),
+    })
+}
+
 /// Returns `model_from_joint` of each joint from local transforms; parents must come first.
 pub fn model_from_joints(
     parents: &[Option<JointIndex>],

@@ -425,9 +425,10 @@ mod tests {
 
     #[test]
     fn bind_pose_is_kept_beside_the_rest_where_it_differs() {
-        let bent = |half_rad: f32| Trs {
-            rotation: [2.0 * half_rad.sin(), 0.0, 0.0, 2.0 * half_rad.cos()],
-            ..Trs::IDENTITY
+        // Of twice the unit length.
+        let bent = |half_rad: f32| {
+            let (x, w) = half_rad.sin_cos();
+            Trs { rotation: [2.0 * x, 0.0, 0.0, 2.0 * w], ..Trs::IDENTITY }
         };
         let skeleton = Skeleton::new(&[joint("hips", None), joint("knee", Some(0))]).unwrap();
         let soles = [vec![], vec![[0.0, -1.0, 0.0]]];
@@ -441,7 +442,8 @@ mod tests {
             (&Trs::IDENTITY, &Trs::IDENTITY)
         );
         let [x, _, _, w] = pose.rest(JointIndex(1)).rotation;
-        assert!((x - 0.5_f32.sin()).abs() < 1e-6 && (w - 0.5_f32.cos()).abs() < 1e-6);
+        let (own_x, own_w) = 0.5_f32.sin_cos();
+        assert!((x - own_x).abs() < 1e-6 && (w - own_w).abs() < 1e-6);
         assert_eq!(pose.in_bind_pose(), pose);
         assert_eq!(
             (bound.soles(JointIndex(1)), pose.soles(JointIndex(1))),

@@ -57,31 +57,7 @@ const SHADING: &str = include_str!("shaders/shading.glsl");
 /// Returns the GLSL texts of the vertex and the fragment shader.
 fn sources(kind: Kind) -> [String; 2] {
     match kind {
-        Kind::Member(MemberKind {
-            influences,
-            alpha,
-            textured,
-            vertex_lit,
-            two_sided,
-            faded,
-            maps,
-        }) => {
-            let (light, shading) = match (vertex_lit, two_sided) {
-                (false, _) => ("", SHADING),
-                (true, false) => ("#define VERTEX_LIT\n", ""),
-                (true, true) => ("#define VERTEX_LIT\n#define TWO_SIDED\n", ""),
-            };
-            let texture = texture_define(textured);
-            let fade = if faded { "#define FADED\n" } else { "" };
-            let member = include_str!("shaders/member.frag");
-            [
-                skinned(influences, &[light, fade, LIGHT, include_str!("shaders/member.vert")]),
-                with_blocks(
-                    alpha,
-                    &[texture, &maps.defines(), light, fade, LIGHT, shading, member],
-                ),
-            ]
-        }
+        Kind::Member(kind) => member_sources(kind),
         Kind::Shadow { influences, alpha, textured } => [
             skinned(influences, &[include_str!("shaders/shadow.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
@@ -117,6 +93,22 @@ fn sources(kind: Kind) -> [String; 2] {
             ]
         }
     }
+}
+
+fn member_sources(kind: MemberKind) -> [String; 2] {
+    let MemberKind { influences, alpha, textured, vertex_lit, two_sided, faded, maps } = kind;
+    let (light, shading) = match (vertex_lit, two_sided) {
+        (false, _) => ("", SHADING),
+        (true, false) => ("#define VERTEX_LIT\n", ""),
+        (true, true) => ("#define VERTEX_LIT\n#define TWO_SIDED\n", ""),
+    };
+    let texture = texture_define(textured);
+    let fade = if faded { "#define FADED\n" } else { "" };
+    let member = include_str!("shaders/member.frag");
+    [
+        skinned(influences, &[light, fade, LIGHT, include_str!("shaders/member.vert")]),
+        with_blocks(alpha, &[texture, &maps.defines(), light, fade, LIGHT, shading, member]),
+    ]
 }
 
 fn texture_define(textured: bool) -> &'static str {

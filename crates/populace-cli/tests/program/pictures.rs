@@ -72,7 +72,7 @@ fn built_in_people() {
 }
 
 /// A crowd around the camera: some stand at the edges of the picture, and most behind it.
-const AMONG: [&str; 12] = [
+const AMONG: [&str; 10] = [
     "render",
     "@people",
     "--members",
