@@ -14,6 +14,7 @@ use crate::failure::Failure;
 use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::{Action, LEAD_IN_SECS};
 use crate::frames::{Frames, Shutter, single};
+use crate::levels::Levels;
 use crate::population::{Population, PopulationSettings};
 use crate::report::{counted, message};
 use crate::roles::{self, ClipChoice, LoadedRoles};
@@ -48,7 +49,7 @@ impl CrowdPlan<'_> {
             &args.clips,
             choice,
             args.height,
-            args.levels(),
+            Levels::wanted(args),
             !plain,
         )?;
         let settings =

@@ -10,6 +10,7 @@ use populace::character::{Character, Level, PaletteEntry, joints_needed};
 use populace_assets::{WriteOptions, to_glb};
 use sha2::{Digest, Sha256};
 
+use crate::cli::PictureArgs;
 use crate::failure::Failure;
 use crate::input::InputArgs;
 use crate::output;
@@ -36,6 +37,15 @@ pub(crate) fn is_cache(path: &Path) -> bool {
 }
 
 impl Levels {
+    /// Returns where the levels of a picture come from.
+    pub(crate) fn wanted(args: &PictureArgs) -> Self {
+        match (args.full_detail, args.cache_levels) {
+            (true, _) => Self::None,
+            (false, true) => Self::Cached,
+            (false, false) => Self::Made,
+        }
+    }
+
     /// Returns a character with levels of detail if they are wanted and it has none. `files` are
     /// the file that it was loaded from and all files that this one refers to; empty if it comes
     /// from elsewhere. A cache that cannot be written is reported, and the character is used.

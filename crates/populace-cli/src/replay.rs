@@ -152,7 +152,7 @@ impl ReplayJob<'_> {
             &args.clips,
             ClipChoice::default(),
             args.height,
-            if are_drawn { args.levels() } else { Levels::None },
+            if are_drawn { Levels::wanted(args) } else { Levels::None },
             !args.plain,
         )?;
         let roles = &loaded.roles;

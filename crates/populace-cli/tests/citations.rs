@@ -122,6 +122,7 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("fused", "play", "populace-native/src/abreast.rs", "play_all"),
     ("fused_grouped", "fused_grouped", "populace-native/src/fused.rs", "fused"),
     ("fused_grouped", "play_all", "populace-native/src/abreast.rs", "play_all"),
+    ("foot", "stand_on", "populace-native/src/constraints/foothold.rs", "ground_under"),
     ("gaze", "frame_of", "populace-native/src/constraints/gaze.rs", "of"),
     ("gaze", "see_target", "populace-native/src/constraints/gaze.rs", "seen_in"),
     (

@@ -4,8 +4,9 @@
 // Reads    the leg's transforms; soles; the ground; the foot's state after the previous frame
 // Writes   the foot's state after this frame
 //
-// Twin of populace-native/src/constraints/foot.rs and, for the ground,
-// populace-device/src/tables/controls/ground.rs: same arithmetic, same order of operations.
+// Twin of populace-native/src/constraints/foot.rs, populace-native/src/constraints/foothold.rs and,
+// for the ground, populace-device/src/tables/controls/ground.rs: same arithmetic, same order of
+// operations.
 
 // Returns the index of the last grid sample at or before `at` that has a successor. *between is the
 // fraction of the way to that successor.

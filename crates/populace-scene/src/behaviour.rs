@@ -13,6 +13,7 @@ mod phones;
 mod random;
 mod seats;
 mod settled;
+mod settling;
 mod stands;
 mod stroll;
 mod talks;

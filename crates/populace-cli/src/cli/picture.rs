@@ -10,7 +10,6 @@ use super::film::FilmArgs;
 use super::values::{Size, height, pixels};
 use crate::camera::View;
 use crate::input::InputArgs;
-use crate::levels::Levels;
 
 /// Width and height of a picture in pixels, if none are given.
 const SIZE: [u32; 2] = [1280, 720];
@@ -98,15 +97,6 @@ impl PictureArgs {
     /// Returns width and height of the picture in pixels.
     pub(crate) fn size(&self) -> [u32; 2] {
         self.size.map_or(SIZE, |size| size.0)
-    }
-
-    /// Returns where levels of detail come from.
-    pub(crate) fn levels(&self) -> Levels {
-        match (self.full_detail, self.cache_levels) {
-            (true, _) => Levels::None,
-            (false, true) => Levels::Cached,
-            (false, false) => Levels::Made,
-        }
     }
 
     /// Returns the error of levels of detail in pixels; `None` for full detail.

@@ -16,6 +16,7 @@ use crate::camera::{Cameras, Pose, Subject, View};
 use crate::failure::Failure;
 use crate::filming::check_hidden;
 use crate::frame_loop::{Action, in_foot_steps};
+use crate::levels::Levels;
 use crate::people::{EYES, appearances, gaits};
 use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
 
@@ -108,7 +109,7 @@ fn casts(
             &clips,
             ClipChoice::default(),
             args.height,
-            args.levels(),
+            Levels::wanted(args),
             cast.varied && !args.plain,
         )?;
         check_hidden(&loaded.roles, &args.hide)?;

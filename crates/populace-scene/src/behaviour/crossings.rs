@@ -6,7 +6,7 @@ use glam::Vec2;
 use populace::Crowd;
 
 use super::person::Doing;
-use super::settled::{Settling, index_at};
+use super::settling::{Settling, index_at};
 use super::traffic::Stop;
 use super::world::{Crossing, World};
 use crate::Error;

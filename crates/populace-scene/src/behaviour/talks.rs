@@ -8,7 +8,7 @@ use populace::{ClipPlayback, Crowd};
 use super::body::Use;
 use super::footways::Place;
 use super::person::Doing;
-use super::settled::Settling;
+use super::settling::Settling;
 use super::world::{Talk, UPPER, World};
 use crate::Error;
 

@@ -5,7 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
-use super::settled::Settling;
+use super::settling::Settling;
 use super::world::{WHOLE, World};
 use crate::Error;
 

@@ -81,7 +81,9 @@ faults! {
     }
     check_inertialization {
         velocities_take_the_near_row: "at - (float)row >= 0.5f" => "at - (float)row < 0.5f";
-        poses_decay_too_fast: "6.0f * inertialized * inertialized" => "5.0f * inertialized * inertialized";
+        poses_decay_too_fast:
+            "6.0f * inertialized * inertialized" =>
+            "5.0f * inertialized * inertialized";
         velocities_decay_too_fast:
             "inertialized * cube * (1.0f + 3.0f * inertialized)" => "inertialized * cube";
         shares_do_not_change: "moving * slot.share_change" => "0.0f";
@@ -108,7 +110,9 @@ faults! {
         steep_targets_turn_sideways: "seen.level * (1.0f / GAZE_STEEP)" => "(Real)(1.0f)";
         gaze_has_no_lower_limit: "(raised < least ? least : raised)" => "raised";
         gaze_has_no_upper_limit: "raised = up > most ? most : up" => "raised = up";
-        last_target_alone_counts: "yaw += counts ? to_side : none" => "yaw = counts ? to_side : yaw";
+        last_target_alone_counts:
+            "yaw += counts ? to_side : none" =>
+            "yaw = counts ? to_side : yaw";
         angles_are_not_divided: "const Real k = 1.0f / total;\n    sin_cos" =>
             "const Real k = 1.0f;\n    sin_cos";
         gaze_ignores_weights:
@@ -143,8 +147,8 @@ faults! {
         limbs_forget_the_hinge: "* 0.5f * nn - still) * k" => "* 0.5f * nn) * k";
         poles_are_not_across: "vec3_across(pole, ahead)" => "pole";
         poles_do_not_count:
-            "quat_choose(has_pole, quat_mul(pole_rotation(limb, first, axis, pole), first), first)" =>
-            "first";
+            "quat_choose(has_pole, quat_mul(pole_rotation(limb, first, axis, pole), first), first)"
+            => "first";
         middles_bend_about_the_old_axis:
             "vec3_scale(quat_rotated(first, axis), x * half_unit)" =>
             "vec3_scale(axis, x * half_unit)";
@@ -180,8 +184,7 @@ faults! {
     }
     check_attachments {
         attachments_have_no_offset:
-            "affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.operand])), own)" =>
-            "affine_mul(parent, own)";
+            "affine_mul(parent, given_transform(s->tables->overrides[step.operand]))" => "parent";
         carried_joints_are_in_the_world:
             "case STEP_CARRY: keep_watched(s, step.index, own);" =>
             "case STEP_CARRY: keep_watched(s, step.index, affine_mul(world_from_model(s), own));";

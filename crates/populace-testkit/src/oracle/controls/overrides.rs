@@ -73,8 +73,8 @@ pub(super) fn part_of_the_way(
         return DAffine3 { matrix3: noise.matrix(to.matrix3), ..to };
     }
     let between = DQuat::from_mat3(&(axes(&to.matrix3) * axes(&from.matrix3).transpose()));
-    // Devices turn x onto x, then y onto y. The first of these turns loses digits if both are nearly
-    // opposite: its quaternion is `2 cos(angle / 2)` long before it is normalised.
+    // Devices turn x onto x, then y onto y. The first of these turns loses digits if both are
+    // nearly opposite: its quaternion is `2 cos(angle / 2)` long before it is normalised.
     let [x, to_x] = [from.matrix3.x_axis, to.matrix3.x_axis].map(DVec3::normalize);
     let grown = (0.5 * (1.0 + x.dot(to_x))).sqrt().max(1e-6).recip();
     let rotation = noise.rotation_by(short_part_of(between.normalize(), part), grown);

@@ -1,0 +1,137 @@
+//! Places for people who begin in the middle of what they do.
+
+use std::collections::HashMap;
+
+use glam::Vec2;
+use populace::{Crowd, Ground, Placement};
+use populace_locomotion::Lead;
+
+use super::footways::Place;
+use super::world::World;
+use crate::Error;
+
+/// Tries to find a free place.
+const TRIES: usize = 24;
+/// Side of a cell of taken places in metres: the largest distance that is kept.
+const CELL_M: f32 = 2.0;
+
+/// Places for people who begin.
+pub(crate) struct Settling<'a> {
+    /// The footways on which they stroll.
+    pub(crate) footways: &'a [usize],
+    ground: &'a Ground,
+    taken: HashMap<[i32; 2], Vec<Vec2>>,
+}
+
+impl<'a> Settling<'a> {
+    pub(crate) fn new(footways: &'a [usize], ground: &'a Ground) -> Self {
+        Self { footways, ground, taken: HashMap::new() }
+    }
+
+    /// Returns the first free place from a part of all on that is beside one of the footways, and
+    /// the footway.
+    pub(crate) fn free(
+        &self,
+        world: &World,
+        places: &[Option<Vec2>],
+        part: f32,
+    ) -> Option<(usize, usize)> {
+        let first = index_at(places.len(), part);
+        let turned = (first..places.len()).chain(0..first);
+        let beside = |nth: usize| {
+            let at = places[nth]?;
+            let own = self.footways.iter().copied();
+            let footway = own.min_by(|a, b| {
+                let [a, b] = [a, b].map(|footway| world.footways[*footway].distance_m(at));
+                a.total_cmp(&b)
+            })?;
+            (world.footways[footway].distance_m(at) < 1.5).then_some((nth, footway))
+        };
+        turned.into_iter().find_map(beside)
+    }
+
+    /// Finds a place on one of the footways, `edge_m` from its edge and `apart_m` from others.
+    /// Returns the footway, the point, and the direction of the footway there.
+    pub(crate) fn place(
+        &self,
+        world: &mut World,
+        who: usize,
+        edge_m: f32,
+        apart_m: f32,
+    ) -> Option<(usize, Vec2, Vec2)> {
+        let all: f32 = self.footways.iter().map(|nth| world.footways[*nth].length_m()).sum();
+        for _ in 0..TRIES {
+            let random = &mut world.people[who].random;
+            let (mut along_m, aside) = (random.part() * all, random.between(-1.0, 1.0));
+            for footway in self.footways.iter().copied() {
+                let strip = &world.footways[footway];
+                if along_m > strip.length_m() {
+                    along_m -= strip.length_m();
+                    continue;
+                }
+                let aside_m = aside * (strip.half_m - edge_m).max(0.0);
+                let (at, line) = strip.at(Place { along_m, aside_m });
+                if self.is_free(at, apart_m) {
+                    return Some((footway, at, line));
+                }
+                break;
+            }
+        }
+        None
+    }
+
+    /// Returns true if nobody is within a distance of a point.
+    pub(crate) fn is_free(&self, at: Vec2, apart_m: f32) -> bool {
+        let [x, z] = cell(at);
+        let around = (x - 1..=x + 1).flat_map(|x| (z - 1..=z + 1).map(move |z| [x, z]));
+        around
+            .filter_map(|cell| self.taken.get(&cell))
+            .flatten()
+            .all(|other| other.distance_squared(at) > apart_m * apart_m)
+    }
+
+    /// Puts somebody who is on foot to a point, with a heading and a speed ahead in metres per
+    /// second.
+    pub(crate) fn put(
+        &mut self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        who: usize,
+        (at, yaw_rad, speed): (Vec2, f32, f32),
+    ) -> Result<(), Error> {
+        let (member, scale) = (world.member(who), world.people[who].scale);
+        let height_m = self.ground.height_at(at.x, at.y);
+        let placement = Placement::at([at.x, height_m, at.y]).facing(yaw_rad).scaled(scale);
+        crowd.member_mut(member)?.set_placement(placement)?;
+        let (sin, cos) = yaw_rad.sin_cos();
+        if speed > 0.0 {
+            let phase = world.people[who].random.part();
+            let lead = Lead {
+                position: at.to_array(),
+                velocity: [sin * speed, cos * speed],
+                soon_m_per_sec: speed,
+                yaw_rad,
+                height_m,
+                step: None,
+            };
+            world.walkers.add_led(crowd, member, &lead, phase)?;
+        } else {
+            world.walkers.add(crowd, member)?;
+        }
+        world.people[who].goal = at;
+        self.taken.entry(cell(at)).or_default().push(at);
+        Ok(())
+    }
+}
+
+fn cell(at: Vec2) -> [i32; 2] {
+    #[expect(clippy::cast_possible_truncation, reason = "floats saturate")]
+    (at / CELL_M).floor().to_array().map(|value| value as i32)
+}
+
+/// Returns the index at a part, 0 to 1, of a list.
+pub(crate) fn index_at(count: usize, part: f32) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative")]
+    let nth = (part * count as f32) as usize;
+    nth.min(count.saturating_sub(1))
+}
