@@ -104,8 +104,9 @@ impl Cameras {
             }
             View::Orbit => Self::orbit(&bounds, aspect),
             View::At { eye, target } => {
-                let up = upright(Vec3::from(*target) - Vec3::from(*eye)).to_array();
-                Mode::Fixed(Camera { eye: *eye, target: *target, up, near: NEAR_M, ..framed })
+                let [from, to] = [*eye, *target].map(Vec3::from);
+                let (up, far) = (upright(to - from).to_array(), far_m(&framed, from, to));
+                Mode::Fixed(Camera { eye: *eye, target: *target, up, near: NEAR_M, far, ..framed })
             }
             View::Follow { id } => Mode::Follow { id: known(id)? },
             View::Eye { id } => Mode::Eye { id: known(id)? },
@@ -147,10 +148,10 @@ impl Cameras {
         }
     }
 
-    /// Returns a camera among people, with the haze of the framed one.
+    /// Returns a camera among people, with the haze of the framed one or less.
     fn looking(&self, eye: Vec3, target: Vec3, fov_y_rad: f32) -> Camera {
         let up = upright(target - eye).to_array();
-        let far = self.framed.far.max(100.0 * NEAR_M);
+        let far = far_m(&self.framed, eye, target);
         Camera { eye: eye.to_array(), target: target.to_array(), up, fov_y_rad, near: NEAR_M, far }
     }
 
@@ -192,6 +193,12 @@ impl Cameras {
         // People look slightly down as they walk.
         self.looking(eye, eye + forward - 0.06 * Vec3::Y, EYE_FOV_RAD)
     }
+}
+
+/// Returns the distance of the far plane for an eye and its target: haze hides neither the target
+/// nor the people that a camera frames.
+fn far_m(framed: &Camera, eye: Vec3, target: Vec3) -> f32 {
+    framed.far.max(12.0 * eye.distance(target))
 }
 
 /// Returns a camera that shows all points from an elevation. The longer side of what they cover goes
