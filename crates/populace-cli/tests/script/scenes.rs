@@ -41,7 +41,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "state machines", start: state_machines, hash: 0xe7ca_27cd_5f7e_f902 },
     Scene { name: "live clips", start: live_clips, hash: 0x4d87_b57e_a08a_3908 },
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0xd2ce_e71d_ed9f_6a2f },
-    Scene { name: "feet", start: feet, hash: 0xa9fa_97bc_049d_3a54 },
+    Scene { name: "feet", start: feet, hash: 0x4a17_3ca9_8802_70b0 },
     Scene { name: "overrides and proportions", start: overrides, hash: 0x8ccb_dd0f_ed80_7ad6 },
     Scene { name: "attachments and root motion", start: attachments, hash: 0x5917_d1cb_cead_a343 },
     Scene { name: "user stages", start: user_stages, hash: 0x7928_05b4_5a76_7924 },
