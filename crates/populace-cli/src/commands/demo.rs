@@ -21,10 +21,7 @@ pub(crate) fn run(args: DemoArgs) -> Result<(), Failure> {
         return report::path(file);
     }
     #[cfg(feature = "viewer")]
-    if args.out.is_none()
-        && (args.script.is_some() || args.picture.is_still())
-        && has_display()
-    {
+    if args.out.is_none() && (args.script.is_some() || args.picture.is_still()) && has_display() {
         let DemoArgs { picture, cast, members, script, .. } = args;
         return super::view::run(&crate::cli::ViewArgs::of_street(picture, cast, members, script)?);
     }
