@@ -2,7 +2,8 @@
 //! the processor's registers have lanes.
 //!
 //! Sixteen joints go through short passes: poses of each member with joints in lanes, transposed;
-//! matrices; the hierarchy. The palettes follow, four entries at a time, which are whole lines of
+//! matrices; the hierarchy, unless constraint programs lead members down it after all blocks. The
+//! palettes follow, four entries at a time, which are whole lines of
 //! the cache. Each number takes the same arithmetic as that of a member alone.
 //!
 //! Reads all that [`joint`](crate::joint) reads, and parents and entries. Writes the members'
@@ -10,24 +11,27 @@
 
 use populace_device::MAX_SLOTS;
 use populace_device::layout::{Body, Entry, Float4, Layer, NONE, PALETTE_BLOCK};
+use populace_model::Affine;
 use populace_model::math::{Real, components};
 
+use crate::constraints::{Company, Programs};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
+use crate::hierarchy::Hierarchy;
 use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes, Line, Simd};
+use crate::lanes::{LANES, Lanes, Line, Simd, lane_of};
 use crate::machines::slot_now;
-use crate::members::{control_of, member_layers, member_slots, parents_of};
+use crate::matrices::{MATRIX, product, rotated};
+use crate::members::{control_of, member_layers, member_slots, parents_of, steps_of};
 use crate::playback::{Inertialization, Playing, inertialization_of};
 use crate::rows::Joints;
+use crate::scratch::Scratch;
 use crate::slot::sample_of;
 use crate::transposition::Square;
 
 /// Components of a local transform: translation, rotation, scale.
 pub(crate) const COMPONENTS: usize = 10;
-/// Elements of a matrix.
-const MATRIX: usize = 12;
 /// Numbers of the palette entries of a block.
 const BLOCK: usize = PALETTE_BLOCK as usize * MATRIX;
 
@@ -84,19 +88,6 @@ impl<'a> Play<'a> {
     }
 }
 
-/// Buffers of a group of members in work.
-#[derive(Default)]
-pub(crate) struct Desk {
-    /// Poses of a block of joints: for each component and member, a number for each joint.
-    posed: Vec<Line>,
-    /// The same transposed: for each component and joint, a number for each member.
-    locals: Vec<Line>,
-    /// `model_from_joint` of each joint: for each element, a number for each member.
-    models: Vec<Line>,
-    /// A block of the palettes: for each entry and element, a number for each member.
-    palettes: Vec<Line>,
-}
-
 /// Returns a buffer of at least `count` vectors.
 fn vectors<const COUNT: usize>(lines: &mut Vec<Line>, count: usize) -> &mut [Simd<COUNT>] {
     let needed = count * COUNT / LANES;
@@ -144,39 +135,70 @@ where
     }
 }
 
-/// Returns the product of two transforms, in the order of operations of `Affine::mul`.
-#[inline(always)]
-fn product<R: Real>(a: &[R; MATRIX], b: &[R; MATRIX]) -> [R; MATRIX] {
-    let mut result = [R::splat(0.0); MATRIX];
-    for row in 0..3 {
-        let [x, y, z, w] = [a[row * 4], a[row * 4 + 1], a[row * 4 + 2], a[row * 4 + 3]];
-        for column in 0..3 {
-            result[row * 4 + column] = x * b[column] + y * b[4 + column] + z * b[8 + column];
-        }
-        result[row * 4 + 3] = x * b[3] + y * b[7] + z * b[11] + w;
-    }
-    result
+/// Transforms of each joint of members side by side.
+struct SideBySide<'a, const COUNT: usize>(&'a mut [[Simd<COUNT>; MATRIX]]);
+
+/// Transforms of one of the members side by side.
+struct InLane<'a, const COUNT: usize> {
+    joints: &'a mut [[Simd<COUNT>; MATRIX]],
+    lane: usize,
 }
 
-/// Computes the matrices of a block of joints from their local transforms, and then takes them down
-/// the hierarchy.
+impl<const COUNT: usize> InLane<'_, COUNT> {
+    #[inline(always)]
+    fn transform(&self, joint: usize) -> Affine {
+        let mut transform = Affine::IDENTITY;
+        let numbers = lane_of(&self.joints[joint], self.lane);
+        transform.rows.as_flattened_mut().copy_from_slice(&numbers);
+        transform
+    }
+}
+
+impl<const COUNT: usize> Hierarchy for InLane<'_, COUNT> {
+    #[inline(always)]
+    fn model_of(&self, joint: usize) -> Affine {
+        self.transform(joint)
+    }
+
+    #[inline(always)]
+    fn local_of(&self, joint: usize) -> Affine {
+        self.transform(joint)
+    }
+
+    #[inline(always)]
+    fn keep_model(&mut self, joint: usize, model: Affine) {
+        for (element, number) in self.joints[joint].iter_mut().zip(model.rows.as_flattened()) {
+            element.0[self.lane] = *number;
+        }
+    }
+}
+
+impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
+    #[inline(always)]
+    fn member(&mut self, lane: usize) -> impl Hierarchy {
+        InLane { joints: &mut *self.0, lane }
+    }
+
+    #[inline(always)]
+    fn descend_to(&mut self, parents: &[u32], joint: usize) {
+        if parents[joint] != NONE {
+            self.0[joint] = product(&self.0[parents[joint] as usize], &self.0[joint]);
+        }
+    }
+
+    #[inline(always)]
+    fn rotate(&mut self, joint: usize, rotations: [Simd<COUNT>; 4]) {
+        self.0[joint] = rotated(&self.0[joint], rotations);
+    }
+}
+
+/// Computes the matrices of a block of joints from their local transforms.
 #[inline(always)]
-fn descend<const COUNT: usize>(
-    locals: &[Simd<COUNT>],
-    first: usize,
-    parents: &[u32],
-    models: &mut [[Simd<COUNT>; MATRIX]],
-) {
-    let end = parents.len().min(first + LANES);
-    for (at, matrix) in models[first..end].iter_mut().enumerate() {
+fn compose<const COUNT: usize>(locals: &[Simd<COUNT>], block: &mut [[Simd<COUNT>; MATRIX]]) {
+    for (at, matrix) in block.iter_mut().enumerate() {
         let of = |component: usize| locals[component * LANES + at];
         *matrix =
             components([of(0), of(1), of(2)], [of(3), of(4), of(5), of(6)], [of(7), of(8), of(9)]);
-    }
-    for joint in first..end {
-        if parents[joint] != NONE {
-            models[joint] = product(&models[parents[joint] as usize], &models[joint]);
-        }
     }
 }
 
@@ -213,13 +235,13 @@ fn write_block<const COUNT: usize>(
     }
 }
 
-/// Members of one body that only clips move, at most one for each lane.
+/// Members of one body whose programs are alike, at most one for each lane.
 pub(crate) struct Group<'a, 'b, const COUNT: usize> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     pub(crate) registers: Dispatch,
     pub(crate) body: &'a Body,
     pub(crate) seats: &'a mut [Seat<'b>],
-    pub(crate) desk: &'a mut Desk,
+    pub(crate) scratch: &'a mut Scratch,
 }
 
 impl<const COUNT: usize> Work for Group<'_, '_, COUNT>
@@ -231,7 +253,8 @@ where
     /// Writes the members' palettes.
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        let Self { inputs, registers, body, seats, desk } = self;
+        let Self { inputs, registers, body, seats, scratch } = self;
+        let Scratch { desk, rotations, writes, .. } = scratch;
         let tables = inputs.tables;
         let plays: [Option<Play>; COUNT] = std::array::from_fn(|lane| {
             seats.get(lane).map(|seat| Play::play_all(inputs, seat.member))
@@ -241,14 +264,33 @@ where
         let parents = parents_of(tables, body);
         let models = vectors::<COUNT>(&mut desk.models, parents.len() * MATRIX);
         let models = models.as_chunks_mut::<MATRIX>().0;
+        let is_led = !steps_of(tables, seats[0].member).is_empty();
         for first in (0..parents.len()).step_by(LANES) {
+            let end = parents.len().min(first + LANES);
             for (lane, (play, seat)) in plays.iter().flatten().zip(seats.iter()).enumerate() {
                 let joints = Joints { tables, body, first };
                 let posing = play.posing(inputs, seat.member, joints, registers);
                 registers.run(PoseBlock { posing, posed: &mut posed[lane..], stride: COUNT });
             }
             transpose(posed, locals, registers);
-            descend(locals, first, parents, models);
+            compose(locals, &mut models[first..end]);
+            if !is_led {
+                let mut joints = SideBySide(&mut *models);
+                for joint in first..end {
+                    joints.descend_to(parents, joint);
+                }
+            }
+        }
+        if is_led {
+            let mut members = [0; COUNT];
+            for (member, seat) in members.iter_mut().zip(seats.iter()) {
+                *member = seat.member;
+            }
+            let members = &members[..seats.len()];
+            let joints = &mut SideBySide(models);
+            let next = 0;
+            Programs { inputs, registers, members, parents, joints, rotations, writes, next }
+                .descend();
         }
         let first = body.entry_first as usize;
         let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];

@@ -17,17 +17,20 @@ mod foothold;
 mod gaze;
 mod limb;
 mod motion;
+mod programs;
 mod targets;
 
 use populace_device::layout::{
-    Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION, STEP_OVERRIDE,
-    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, WATCHED_ELEMENTS,
+    Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_MOTION, STEP_OVERRIDE, STEP_STAGE,
+    STEP_WATCH, Step, WATCHED_ELEMENTS,
 };
 use populace_model::math::{quat, vec3};
 use populace_model::{Affine, Trs};
 
-pub(crate) use self::targets::Solver;
-use crate::hierarchy::{Hierarchy, descend_to};
+pub(crate) use self::programs::{Alone, Company, Programs, are_alike, signature};
+use self::targets::Solver;
+pub(crate) use self::targets::StepRotations;
+use crate::hierarchy::Hierarchy;
 use crate::stages::stage_model;
 
 /// Returns a column of a transform: the direction of an axis.
@@ -115,20 +118,12 @@ impl Solver<'_> {
         }
     }
 
-    /// Runs one step of the program.
+    /// Takes a step that concerns one member.
     #[inline(always)]
-    fn take_step(&mut self, step: &Step, joints: &mut impl Hierarchy, parents: &[u32]) {
+    pub(super) fn take_step(&mut self, step: &Step, joints: &mut impl Hierarchy) {
         let joint = step.joint as usize;
         match step.kind {
-            STEP_ROTATION => {
-                let rotation = self.step_rotations[step.operand as usize];
-                joints.keep_model(joint, joints.model_of(joint).rotated(rotation));
-            }
-            STEP_GAZE => self.gaze(joints, joint, parents[joint], step),
-            STEP_REACH => self.reach(joints, joint, step),
             STEP_CHAIN => self.chain(joints, joint, step),
-            STEP_PELVIS => self.pelvis(joints, joint, step),
-            STEP_FOOT => self.foot(joints, joint, step),
             STEP_OVERRIDE => self.override_model(joints, joint, step.index),
             STEP_STAGE => {
                 let own = joints.model_of(joint);
@@ -145,23 +140,5 @@ impl Solver<'_> {
             STEP_MOTION => self.moves(joints, joint, step),
             _ => {}
         }
-    }
-
-    /// Computes the model transforms of all joints, parents first, and runs the member's steps on
-    /// the way.
-    #[inline(never)]
-    pub(crate) fn descend(&mut self, joints: &mut impl Hierarchy, parents: &[u32]) {
-        let first = self.control.step_first as usize;
-        let steps =
-            &self.tables.steps().as_slice()[first..first + self.control.step_count as usize];
-        let mut next = 0;
-        for step in steps {
-            while next <= step.joint as usize {
-                descend_to(joints, parents, next);
-                next += 1;
-            }
-            self.take_step(step, joints, parents);
-        }
-        (next..parents.len()).for_each(|joint| descend_to(joints, parents, joint));
     }
 }

@@ -1,26 +1,26 @@
 //! Fused schedule: a member's whole frame at once. Twin of `kernels/fused_wide.cl`.
 //!
-//! Members of one body that only clips move stand side by side; see [`abreast`](crate::abreast). A
-//! member with a control goes alone: sixteen joints at a time from rows to local transforms, then
-//! joint by joint, parents first, down the hierarchy and out to the palette.
+//! Members of one body with equal programs stand side by side; see [`abreast`](crate::abreast). Others
+//! go alone: sixteen joints at a time from rows to local transforms, then joint by joint, parents
+//! first, down the hierarchy and out to the palette.
 //!
 //! Reads all that [`joint`](crate::joint) and [`constraints`](crate::constraints) read, and
 //! entries. Writes each palette entry of the frame's members once, and deferred states and watched
 //! joints. Intermediate results stay in the core's caches.
 
-use populace_device::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
-use crate::constraints::Solver;
+use crate::constraints::{Alone, Programs, are_alike, signature};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
-use crate::hierarchy::{Hierarchy, descend};
+use crate::hierarchy::Hierarchy;
 use crate::lanes::{LANES, Lanes, Simd};
 use crate::local::Local;
-use crate::members::{body_of, parents_of};
+use crate::members::{body_of, parents_of, steps_of};
 use crate::pages::Pages;
 use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
@@ -95,11 +95,10 @@ pub(crate) fn member_models(
         }
     }
     let parents = parents_of(tables, body);
-    let mut models = InPlace(&mut scratch.models);
-    match Solver::new(inputs, member, &mut scratch.writes) {
-        Some(mut solver) => solver.descend(&mut models, parents),
-        None => descend(&mut models, parents),
-    }
+    let Scratch { models, rotations, writes, .. } = scratch;
+    let joints = &mut Alone(&mut InPlace(models));
+    let (members, registers, next) = (&[member], dispatch, 0);
+    Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();
 }
 
 /// Writes one member's palette.
@@ -130,7 +129,7 @@ impl Work for WritePalette<'_> {
     }
 }
 
-/// Writes the palettes of members of one body that only clips move, `COUNT` at a time. Those that
+/// Writes the palettes of members of one body with equal programs, `COUNT` at a time. Those that
 /// would leave most lanes empty go one by one.
 fn write_groups<const COUNT: usize>(
     inputs: &FrameInputs,
@@ -147,8 +146,7 @@ fn write_groups<const COUNT: usize>(
             }
         } else {
             let body = body_of(inputs.tables, seats[0].member);
-            let desk = &mut scratch.desk;
-            registers.run(Group::<COUNT> { inputs, registers, body, seats, desk });
+            registers.run(Group::<COUNT> { inputs, registers, body, seats, scratch });
         }
     }
 }
@@ -179,23 +177,20 @@ pub(crate) fn fused(
                     seats.push(Seat { member, palette });
                 }
             });
-            // Members with a control last, the others by body.
-            let place = |seat: &Seat| {
-                let member = &members[seat.member as usize];
-                (member.control != NONE, member.posed, seat.member)
-            };
-            seats.sort_unstable_by_key(place);
+            // By body, then by program.
+            seats.sort_by_cached_key(|seat| {
+                let steps = steps_of(tables, seat.member);
+                (members[seat.member as usize].posed, signature(steps), seat.member)
+            });
             let scratch = &mut scratch.of_current_thread();
             let alike = |a: &Seat, b: &Seat| {
-                let (a, b) = (place(a), place(b));
-                !a.0 && (a.0, a.1) == (b.0, b.1)
+                let [body, other] = [a, b].map(|seat| members[seat.member as usize].posed);
+                let [steps, others] = [a, b].map(|seat| steps_of(tables, seat.member));
+                body == other && are_alike(steps, others)
             };
             for seats in seats.chunk_by_mut(alike) {
                 let Machine { registers, lanes } = machine;
                 match lanes {
-                    _ if place(&seats[0]).0 => {
-                        write_alone(inputs, registers, &mut seats[0], scratch);
-                    }
                     MemberLanes::Four => write_groups::<4>(inputs, registers, seats, scratch),
                     MemberLanes::Eight => write_groups::<8>(inputs, registers, seats, scratch),
                     MemberLanes::Sixteen => write_groups::<16>(inputs, registers, seats, scratch),

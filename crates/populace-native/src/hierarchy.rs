@@ -15,6 +15,23 @@ pub(crate) trait Hierarchy {
     fn keep_model(&mut self, joint: usize, model: Affine);
 }
 
+impl<H: Hierarchy> Hierarchy for &mut H {
+    #[inline(always)]
+    fn model_of(&self, joint: usize) -> Affine {
+        (**self).model_of(joint)
+    }
+
+    #[inline(always)]
+    fn local_of(&self, joint: usize) -> Affine {
+        (**self).local_of(joint)
+    }
+
+    #[inline(always)]
+    fn keep_model(&mut self, joint: usize, model: Affine) {
+        (**self).keep_model(joint, model);
+    }
+}
+
 /// Computes a joint's model transform. Its parent must be stored.
 #[inline(always)]
 pub(crate) fn descend_to(joints: &mut impl Hierarchy, parents: &[u32], joint: usize) {
@@ -25,10 +42,4 @@ pub(crate) fn descend_to(joints: &mut impl Hierarchy, parents: &[u32], joint: us
         joints.model_of(parents[joint] as usize).mul(&local)
     };
     joints.keep_model(joint, model);
-}
-
-/// Computes the model transforms of all joints, parents first.
-#[inline(always)]
-pub(crate) fn descend(joints: &mut impl Hierarchy, parents: &[u32]) {
-    (0..parents.len()).for_each(|joint| descend_to(joints, parents, joint));
 }

@@ -110,6 +110,31 @@ impl<const COUNT: usize> Simd<COUNT> {
     }
 }
 
+/// Sets the components of one lane.
+#[inline(always)]
+pub(crate) fn put<const COUNT: usize, const SIZE: usize>(
+    all: &mut [Simd<COUNT>; SIZE],
+    lane: usize,
+    one: [f32; SIZE],
+) {
+    for (component, value) in all.iter_mut().zip(one) {
+        component.0[lane] = value;
+    }
+}
+
+/// Returns the components of one lane.
+#[inline(always)]
+pub(crate) fn lane_of<const COUNT: usize, const SIZE: usize>(
+    all: &[Simd<COUNT>; SIZE],
+    lane: usize,
+) -> [f32; SIZE] {
+    let mut one = [0.0; SIZE];
+    for (value, component) in one.iter_mut().zip(all) {
+        *value = component.0[lane];
+    }
+    one
+}
+
 macro_rules! operators {
     ($($operator:ident $method:ident $sign:tt),*) => {
         $(impl<const COUNT: usize> $operator for Simd<COUNT> {

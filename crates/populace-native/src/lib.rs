@@ -35,6 +35,7 @@ mod user_stages;
 
 mod frame;
 mod hierarchy;
+mod matrices;
 mod members;
 
 mod local;
@@ -53,10 +54,9 @@ mod stages;
 
 mod constraints;
 mod joint;
+mod scratch;
 
 mod abreast;
-
-mod scratch;
 
 mod evaluate;
 mod fused;

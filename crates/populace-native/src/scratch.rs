@@ -2,20 +2,51 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use populace_device::layout::MAX_STEP_ROTATIONS;
 use populace_model::Affine;
 
-use crate::abreast::Desk;
+use crate::constraints::StepRotations;
+use crate::dispatch::MemberLanes;
 use crate::history::DeferredWrites;
+use crate::lanes::Line;
+
+/// Buffers of members side by side.
+#[derive(Default)]
+pub(crate) struct Desk {
+    /// Poses of a block of joints: for each component and member, a number for each joint.
+    pub(crate) posed: Vec<Line>,
+    /// The same transposed: for each component and joint, a number for each member.
+    pub(crate) locals: Vec<Line>,
+    /// `model_from_joint` of each joint: for each element, a number for each member.
+    pub(crate) models: Vec<Line>,
+    /// A block of the palettes: for each entry and element, a number for each member.
+    pub(crate) palettes: Vec<Line>,
+}
 
 /// Scratch buffers of one worker thread.
-#[derive(Default)]
 pub(crate) struct Scratch {
     /// `model_from_joint` of the member in work; until a joint is reached, its local transform.
     pub(crate) models: Vec<Affine>,
     /// Of members side by side.
     pub(crate) desk: Desk,
+    /// Rotations that steps of members side by side hand down.
+    pub(crate) rotations: Vec<StepRotations>,
     /// Writes of the phase's members.
     pub(crate) writes: DeferredWrites,
+}
+
+/// Rotations that leave all joints as they are.
+const NONE_TURNED: StepRotations = [[0.0, 0.0, 0.0, 1.0]; MAX_STEP_ROTATIONS as usize];
+
+impl Default for Scratch {
+    fn default() -> Self {
+        Self {
+            models: Vec::new(),
+            desk: Desk::default(),
+            rotations: vec![NONE_TURNED; MemberLanes::Sixteen as usize],
+            writes: DeferredWrites::default(),
+        }
+    }
 }
 
 /// Scratch buffers of all worker threads.

@@ -10,11 +10,12 @@ use populace_device::layout::{Float4, JOINT_BLOCK};
 use populace_model::{Affine, Trs};
 
 use crate::buffers::{JointBuffer, ModelRows};
-use crate::constraints::Solver;
+use crate::constraints::{Alone, Programs};
+use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
-use crate::hierarchy::{Hierarchy, descend};
-use crate::members::{body_of, control_of, parents_of};
-use crate::scratch::ScratchPool;
+use crate::hierarchy::Hierarchy;
+use crate::members::{body_of, parents_of};
+use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 
 const BLOCK: usize = JOINT_BLOCK as usize;
@@ -67,13 +68,10 @@ pub(crate) fn transform(
         }
         let parents = parents_of(tables, body_of(tables, index));
         let mut rows = Rows { joints, first: first_block * BLOCK, rows };
-        if control_of(tables, index).is_none() {
-            return descend(&mut rows, parents);
-        }
-        let mut own = scratch.of_current_thread();
-        if let Some(mut solver) = Solver::new(inputs, index, &mut own.writes) {
-            solver.descend(&mut rows, parents);
-        }
+        let Scratch { rotations, writes, .. } = &mut *scratch.of_current_thread();
+        let joints = &mut Alone(&mut rows);
+        let (members, registers, next) = (&[index], Dispatch::Baseline, 0);
+        Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();
     };
     split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);
 }

@@ -43,6 +43,14 @@ pub trait Real:
         step(step(step(self.inverse_sqrt_guess())))
     }
 
+    /// Returns the absolute value.
+    #[inline(always)]
+    #[must_use]
+    fn abs(self) -> Self {
+        // The sum turns -0 into 0.
+        Self::choose(self.less(Self::splat(0.0)), -self, self) + Self::splat(0.0)
+    }
+
     /// Interpolates linearly: `self + (to - self) * t`.
     #[inline(always)]
     #[must_use]

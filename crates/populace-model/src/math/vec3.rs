@@ -109,11 +109,13 @@ pub fn between(from: Vec3, to: Vec3, about: Vec3) -> [f32; 4] {
 }
 
 /// Returns a unit vector perpendicular to a unit vector.
-#[inline]
+#[inline(always)]
 #[must_use]
-pub fn any_across(a: Vec3) -> Vec3 {
-    let along = if a[0] * a[0] < 0.5 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
-    unit_or(across(along, a), [0.0, 0.0, 1.0])
+pub fn any_across<R: Real>(a: Vec3<R>) -> Vec3<R> {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let leans = (a[0] * a[0]).less(R::splat(0.5));
+    let along = choose::<R>(leans, [one, zero, zero], [zero, one, zero]);
+    unit_or(across(along, a), [zero, zero, one])
 }
 
 /// Scales a rotation along the shorter arc: `k` of 0 gives the identity, 1 the whole rotation.

@@ -5,79 +5,92 @@
 //! the pelvis' state, and rotations for hips, knees and ankles.
 
 use populace_device::layout::{
-    Constraint, Float4, Link, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE, Step,
+    Constraint, Float4, Link, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
 
 use super::foot::{FootGoal, Leg};
 use super::limb::Limb;
+use super::programs::{Company, Programs, Stop};
 use super::targets::Solver;
 use crate::hierarchy::Hierarchy;
-use crate::lanes::Simd;
-
-/// A leg and its goal: one lane of [`Legs`].
-#[derive(Clone, Copy, Default)]
-struct Stride {
-    upper: [f32; 3],
-    lower: [f32; 3],
-    bend: [f32; 3],
-    to: [f32; 3],
-    turn: f32,
-    follows: [f32; 4],
-}
-
-impl Stride {
-    #[inline(always)]
-    fn new(leg: &Leg, goal: &FootGoal) -> Self {
-        let (upper, lower) =
-            (vec3::sub(leg.knee, leg.hip), vec3::sub(leg.ankle.origin(), leg.knee));
-        let [x, y, z, turn] = goal.ankle;
-        let to = vec3::sub([x, y, z], leg.hip);
-        Self { upper, lower, bend: leg.bend, to, turn, follows: goal.follows }
-    }
-}
+use crate::lanes::{Simd, lane_of, put};
 
 const FEET: usize = MAX_FEET as usize;
 
-/// One lane for each leg of a member.
-type Feet = Simd<FEET>;
-
-/// Legs of a member.
-struct Legs {
-    limb: Limb<Feet>,
-    /// As [`Stepped::turn`].
-    turn: Feet,
+/// Legs of members side by side, one of each member, and the settings of their constraints.
+#[derive(Clone, Copy)]
+struct Legs<const COUNT: usize> {
+    limb: Limb<Simd<COUNT>>,
+    /// Tangent of half the angle about +Y by which the foot turns.
+    turn: Simd<COUNT>,
     /// As [`FootGoal::follows`].
-    follows: [Feet; 4],
+    follows: [Simd<COUNT>; 4],
+    soft: Simd<COUNT>,
+    weight: Simd<COUNT>,
 }
 
-impl Legs {
+impl<const COUNT: usize> Legs<COUNT> {
+    /// Legs of no length.
+    const NONE: Self = {
+        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
+        Self {
+            limb: Limb::<Simd<COUNT>>::NONE,
+            turn: zero,
+            follows: [zero, zero, zero, one],
+            soft: zero,
+            weight: zero,
+        }
+    };
+
+    /// Puts a leg into a lane.
     #[inline(always)]
-    fn new(strides: &[Stride; FEET]) -> Self {
-        let each = |of: fn(&Stride) -> &[f32; 3]| -> [Feet; 3] {
-            [0, 1, 2].map(|c: usize| Simd::from_fn(|lane| of(&strides[lane])[c]))
+    fn put_leg(&mut self, lane: usize, leg: &Leg, goal: &FootGoal, constraint: &Constraint) {
+        let [x, y, z, turn] = goal.ankle;
+        let one = Limb {
+            upper: vec3::sub(leg.knee, leg.hip),
+            lower: vec3::sub(leg.ankle.origin(), leg.knee),
+            bend: leg.bend,
+            to: vec3::sub([x, y, z], leg.hip),
         };
-        let limb = Limb {
-            upper: each(|s| &s.upper),
-            lower: each(|s| &s.lower),
-            bend: each(|s| &s.bend),
-            to: each(|s| &s.to),
-        };
-        let follows = [0, 1, 2, 3].map(|c: usize| Simd::from_fn(|lane| strides[lane].follows[c]));
-        let turn = Simd::from_fn(|lane| strides[lane].turn);
-        Self { limb, turn, follows }
+        self.limb.put_limb(lane, &one);
+        put(&mut self.follows, lane, goal.follows);
+        let [soft, weight, ..] = constraint.limits.0;
+        (self.turn.0[lane], self.soft.0[lane], self.weight.0[lane]) = (turn, soft, weight);
     }
 
     /// Returns the drop of the pelvis, in metres, that each leg needs to reach its goal.
     #[inline(always)]
-    fn sinks(&self, soft: f32) -> Feet {
+    fn sinks(&self) -> Simd<COUNT> {
         let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
-        let (reach, most) =
-            (length * Feet::splat(1.0 - soft), length * Feet::splat(MAX_PELVIS_SINK));
+        let one = Simd([1.0; COUNT]);
+        let (reach, most) = (length * (one - self.soft), length * Simd::splat(MAX_PELVIS_SINK));
         let [x, y, z] = self.limb.to;
         let needed = -y - vec3::root(reach * reach - x * x - z * z);
-        Feet::choose(most.less(needed), most, needed)
+        Simd::choose(most.less(needed), most, needed)
+    }
+
+    /// Returns the rotations of hips, knees and ankles.
+    #[inline(always)]
+    fn leg_rotations(&self) -> [[Simd<COUNT>; 4]; 3] {
+        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
+        let weight = self.weight;
+        let [mut hip, mut knee] = self.limb.limb_rotations(None, self.soft);
+        let partly = weight.less(one);
+        if partly.contains(&true) {
+            hip = quat::choose::<Simd<COUNT>>(partly, vec3::part_of(hip, weight), hip);
+            knee = quat::choose::<Simd<COUNT>>(partly, vec3::part_of(knee, weight), knee);
+        }
+        // The ankle keeps its rotation from before the constraint, and follows the slope: by the
+        // rotation from up to the normal.
+        let [nx, ny, nz, follows] = self.follows;
+        let slope = quat::normalize_or([nz, zero, -nx, one + ny], quat::identity());
+        let slope = vec3::part_as_told(slope, follows * weight);
+        let turned = quat::normalize_or([zero, self.turn * weight, zero, one], quat::identity());
+        let ankle = quat::mul(slope, turned);
+        let ankle = quat::mul(ankle, quat::conjugate(quat::mul(knee, hip)));
+        [hip, knee, ankle]
     }
 }
 
@@ -120,32 +133,6 @@ impl Solver<'_> {
         leg
     }
 
-    /// Solves legs. Writes three rotations for each of the first `count`: hip, knee and ankle.
-    #[inline(never)]
-    fn leg_rotations(&mut self, legs: &Legs, constraint: &Constraint, first: u32, count: usize) {
-        let [soft, weight, ..] = constraint.limits.0;
-        let [mut hip, mut knee] = legs.limb.rotations(None, soft);
-        if weight < 1.0 {
-            [hip, knee] = [hip, knee].map(|rotation| vec3::part_of(rotation, Feet::splat(weight)));
-        }
-        // The ankle keeps its rotation from before the constraint, and follows the slope: by the
-        // rotation from up to the normal.
-        let [nx, ny, nz, follows] = legs.follows;
-        let tilt = [nz, Feet::splat(0.0), -nx, Feet::splat(1.0) + ny];
-        let slope = quat::normalize_or(tilt, quat::identity());
-        let slope = vec3::part_as_told(slope, follows * Feet::splat(weight));
-        let half_tan = legs.turn * Feet::splat(weight);
-        let turned = [Feet::splat(0.0), half_tan, Feet::splat(0.0), Feet::splat(1.0)];
-        let turned = quat::normalize_or(turned, quat::identity());
-        let ankle = quat::mul(slope, turned);
-        let ankle = quat::mul(ankle, quat::conjugate(quat::mul(knee, hip)));
-        let rotations = self.step_rotations[first as usize..].as_chunks_mut::<3>().0;
-        for (lane, of_leg) in rotations.iter_mut().take(count).enumerate() {
-            *of_leg =
-                [hip, knee, ankle].map(|rotation| rotation.map(|component| component.0[lane]));
-        }
-    }
-
     /// Returns how far the pelvis is lowered, in metres, and keeps it. It sinks at once, so that
     /// feet reach the ground, and takes its time to rise.
     fn eased_drop(&mut self, wanted: f32) -> f32 {
@@ -160,58 +147,129 @@ impl Solver<'_> {
         self.keep_state(PELVIS_STATE, Float4([drop, 0.0, 0.0, bits]));
         drop
     }
+}
 
-    /// Finds the goals of all feet, and lowers the pelvis until the legs can reach them. Solves the
-    /// legs too, unless something else moves them after the pelvis.
+impl<H: Hierarchy> Stop<'_, H> {
+    /// Finds the goals of a member's feet, and puts its legs into a lane. Returns the number of
+    /// feet. The goals are also handed down, for legs that another step moves after the pelvis.
     #[inline(never)]
-    pub(super) fn pelvis(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
-        let own = joints.model_of(joint);
-        let first = self.constraint(step);
+    fn put_feet<const COUNT: usize>(
+        &mut self,
+        legs: &mut [Legs<COUNT>; FEET],
+        lane: usize,
+    ) -> usize {
+        let Self { solver, step, joints, .. } = self;
+        let own = joints.model_of(step.joint as usize);
+        let first = solver.constraint(step);
         let count = first.target_count as usize;
-        let constraints = &self.tables.constraints().as_slice()[step.index as usize..][..count];
+        let constraints = &solver.tables.constraints().as_slice()[step.index as usize..][..count];
         let mut ankles = [Link::default(); FEET];
         for (ankle, constraint) in ankles.iter_mut().zip(constraints) {
-            *ankle = self.links(constraint)[ankle_link(constraint)];
+            *ankle = solver.links(constraint)[ankle_link(constraint)];
         }
-        let contacts = self.contacts_of(&ankles, count);
-        let mut strides = [Stride::default(); FEET];
+        let contacts = solver.contacts_of(&ankles, count);
         for (foot, constraint) in (0..first.target_count).zip(constraints) {
-            let leg = Self::walk_leg(joints, self.links(constraint), constraint, 0, own);
-            let goal = self.foot_goal(foot, constraint, &leg, contacts[foot as usize]);
-            strides[foot as usize] = Stride::new(&leg, &goal);
-            let first = (step.operand + 3 * foot) as usize;
-            self.step_rotations[first] = goal.ankle;
-            self.step_rotations[first + 1] = goal.follows;
+            let leg = Solver::walk_leg(&*joints, solver.links(constraint), constraint, 0, own);
+            let goal = solver.foot_goal(foot, constraint, &leg, contacts[foot as usize]);
+            legs[foot as usize].put_leg(lane, &leg, &goal, first);
+            let to = (step.operand + 3 * foot) as usize;
+            solver.step_rotations[to] = goal.ankle;
+            solver.step_rotations[to + 1] = goal.follows;
         }
-        let mut legs = Legs::new(&strides);
+        count
+    }
+
+    /// Lowers a member's pelvis for its legs, which are in a lane.
+    #[inline(always)]
+    fn sink<const COUNT: usize>(
+        &mut self,
+        legs: &mut [Legs<COUNT>; FEET],
+        needed: &[Simd<COUNT>; FEET],
+        lane: usize,
+    ) {
+        let Self { solver, step, joints, .. } = self;
+        let first = solver.constraint(step);
         let mut drop = 0.0;
-        for needed in &legs.sinks(first.limits.0[0]).0[..count] {
-            drop = if *needed > drop { *needed } else { drop };
+        for needed in &needed[..first.target_count as usize] {
+            drop = if needed.0[lane] > drop { needed.0[lane] } else { drop };
         }
-        drop = self.eased_drop(drop * first.limits.0[1]);
-        let mut rows = own.rows;
+        drop = solver.eased_drop(drop * first.limits.0[1]);
+        let mut rows = joints.model_of(step.joint as usize).rows;
         rows[1][3] -= drop;
-        joints.keep_model(joint, Affine { rows });
-        if first.at_once != 0 {
-            legs.limb.to[1] = legs.limb.to[1] + Feet::splat(drop);
-            self.leg_rotations(&legs, first, step.operand, count);
+        joints.keep_model(step.joint as usize, Affine { rows });
+        for leg in legs {
+            leg.limb.to[1].0[lane] += drop;
+        }
+    }
+}
+
+impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
+    /// Finds the goals of all feet, and lowers the pelvis until the legs can reach them. Solves the
+    /// legs too, unless something else moves them after the pelvis.
+    #[inline(always)]
+    pub(super) fn pelvis(&mut self) {
+        let (mut legs, mut most) = ([Legs::<COUNT>::NONE; FEET], 0);
+        for lane in 0..self.members.len() {
+            if let Some(mut stop) = self.stop(lane) {
+                most = most.max(stop.put_feet(&mut legs, lane));
+            }
+        }
+        let mut needed = [Simd([0.0; COUNT]); FEET];
+        for (needed, legs) in needed.iter_mut().zip(&legs[..most]) {
+            *needed = legs.sinks();
+        }
+        for lane in 0..self.members.len() {
+            if let Some(mut stop) = self.stop(lane) {
+                stop.sink(&mut legs, &needed, lane);
+            }
+        }
+        for (foot, legs) in legs[..most].iter().enumerate() {
+            let rotations = legs.leg_rotations();
+            for lane in 0..self.members.len() {
+                let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
+                let first = solver.constraint(step);
+                if first.at_once != 0 && foot < first.target_count as usize {
+                    let to = step.operand as usize + 3 * foot;
+                    hand_down(&mut solver.step_rotations[to..], &rotations, lane);
+                }
+            }
         }
     }
 
-    /// Solves a leg that something else has moved after the pelvis, for the goal that
+    /// Solves legs that something else has moved after the pelvis, for the goals that
     /// [`pelvis`](Self::pelvis) found.
-    #[inline(never)]
-    pub(super) fn foot(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
-        let constraint = self.constraint(step);
-        let own = joints.model_of(joint);
-        let links = self.links(constraint);
-        let leg = Self::walk_leg(joints, links, constraint, constraint.upper as usize, own);
-        let first = step.operand as usize;
-        let goal =
-            FootGoal { ankle: self.step_rotations[first], follows: self.step_rotations[first + 1] };
-        let mut strides = [Stride::default(); FEET];
-        strides[0] = Stride::new(&leg, &goal);
-        self.leg_rotations(&Legs::new(&strides), constraint, step.operand, 1);
-        joints.keep_model(joint, own.rotated(self.step_rotations[first]));
+    #[inline(always)]
+    pub(super) fn foot(&mut self) {
+        let mut legs = Legs::<COUNT>::NONE;
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, joints, .. }) = self.stop(lane) else { continue };
+            let constraint = solver.constraint(step);
+            let (own, links) = (joints.model_of(step.joint as usize), solver.links(constraint));
+            let start = constraint.upper as usize;
+            let leg = Solver::walk_leg(&joints, links, constraint, start, own);
+            let [ankle, follows] =
+                [0, 1].map(|at: usize| solver.step_rotations[step.operand as usize + at]);
+            legs.put_leg(lane, &leg, &FootGoal { ankle, follows }, constraint);
+        }
+        let rotations = legs.leg_rotations();
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, mut joints, .. }) = self.stop(lane) else { continue };
+            let to = &mut solver.step_rotations[step.operand as usize..];
+            hand_down(to, &rotations, lane);
+            let joint = step.joint as usize;
+            joints.keep_model(joint, joints.model_of(joint).rotated(to[0]));
+        }
+    }
+}
+
+/// Hands a leg's rotations down to the steps of hip, knee and ankle.
+#[inline(always)]
+fn hand_down<const COUNT: usize>(
+    to: &mut [[f32; 4]],
+    rotations: &[[Simd<COUNT>; 4]; 3],
+    lane: usize,
+) {
+    for (to, rotation) in to.iter_mut().zip(rotations) {
+        *to = lane_of(rotation, lane);
     }
 }

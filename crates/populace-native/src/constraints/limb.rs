@@ -3,13 +3,16 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_device::layout::{LIMB_LARGEST_SQUARE, LIMB_OWN_BEND, Step};
+use populace_device::layout::{LIMB_LARGEST_SQUARE, LIMB_OWN_BEND};
 use populace_model::math::{Real, quat, vec3};
 
+use super::programs::{Company, Programs, Stop};
 use super::targets::{Chain, Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;
+use crate::lanes::{Simd, lane_of, put};
 
 /// A limb before the constraint, in model space, and its goal.
+#[derive(Clone, Copy)]
 pub(super) struct Limb<R> {
     /// From the first joint to the middle one.
     pub(super) upper: [R; 3],
@@ -21,6 +24,12 @@ pub(super) struct Limb<R> {
     pub(super) to: [R; 3],
 }
 
+/// Direction in model space that the middle joint is drawn to, where `counts` is true.
+pub(super) struct Pole<R: Real> {
+    direction: [R; 3],
+    counts: R::Choice,
+}
+
 fn none<R: Real>() -> [R; 3] {
     [R::splat(0.0); 3]
 }
@@ -29,8 +38,7 @@ fn none<R: Real>() -> [R; 3] {
 /// from `least` to `length`. Above `length * (1 - soft)` and below `least + (length - least) *
 /// soft` it approaches the limit ever more slowly, so that the chain does not snap straight.
 #[inline(always)]
-pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: f32) -> R {
-    let soft = R::splat(soft);
+pub(super) fn soft_distance<R: Real>(distance: R, length: R, least: R, soft: R) -> R {
     let (far, near) = (length - length * soft, least + (length - least) * soft);
     let beyond = far.less(distance);
     let over = R::choose(beyond, distance - far, near - distance);
@@ -47,6 +55,23 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
     let over = [about[0], about[1], about[2], R::splat(0.0)];
     let rotation = quat::choose::<R>((lengths * R::splat(1e-6)).less(w), [x, y, z, w], over);
     quat::normalize_or(rotation, quat::identity())
+}
+
+impl<const COUNT: usize> Limb<Simd<COUNT>> {
+    /// Limbs of no length.
+    pub(super) const NONE: Self = {
+        let none = [Simd([0.0; COUNT]); 3];
+        Self { upper: none, lower: none, bend: none, to: none }
+    };
+
+    /// Puts a limb into a lane.
+    #[inline(always)]
+    pub(super) fn put_limb(&mut self, lane: usize, one: &Limb<f32>) {
+        put(&mut self.upper, lane, one.upper);
+        put(&mut self.lower, lane, one.lower);
+        put(&mut self.bend, lane, one.bend);
+        put(&mut self.to, lane, one.to);
+    }
 }
 
 impl<R: Real> Limb<R> {
@@ -79,10 +104,9 @@ impl<R: Real> Limb<R> {
     }
 
     /// Returns the rotations that bring the end to its goal: that of the first joint, and that of
-    /// the middle joint after the first one's. Identities for a limb of no length. `pole` is a
-    /// direction in model space.
-    #[inline(never)]
-    pub(super) fn rotations(&self, pole: Option<[f32; 3]>, soft: f32) -> [[R; 4]; 2] {
+    /// the middle joint after the first one's. Identities for a limb of no length.
+    #[inline(always)]
+    pub(super) fn limb_rotations(&self, pole: Option<Pole<R>>, soft: R) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
         let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
         let (aa, bb) = (vec3::dot(upper, upper), vec3::dot(lower, lower));
@@ -120,48 +144,90 @@ impl<R: Real> Limb<R> {
         let reached = vec3::root(aa + bb + (still + most * k * c) * (unit * unit) * two);
         let axis = vec3::scale(hinge, unit);
         let mut first = swing_between(vec3::add(upper, lower), self.to, reached * distance, axis);
-        if let Some(pole) = pole {
-            first = quat::mul(self.pole_rotation(first, axis, pole.map(R::splat)), first);
+        if let Some(Pole { direction, counts }) = pole {
+            let drawn = quat::mul(self.pole_rotation(first, axis, direction), first);
+            first = quat::choose::<R>(counts, drawn, first);
         }
         let bend = vec3::scale(vec3::rotated(first, axis), x * half_unit);
         let second = [bend[0], bend[1], bend[2], w * half_unit];
         let size = R::choose(shorter.less(distance), shorter, distance);
         let size = R::choose(most.less(R::splat(LIMB_LARGEST_SQUARE)), size, zero);
         let stands = R::splat(1e-6).less(size);
-        [first, second].map(|rotation| quat::choose::<R>(stands, rotation, quat::identity()))
+        let none = quat::identity();
+        [quat::choose::<R>(stands, first, none), quat::choose::<R>(stands, second, none)]
     }
 }
 
-impl Solver<'_> {
-    /// Brings the end of a limb to its target.
-    #[inline(never)]
-    pub(super) fn reach(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
-        let constraint = self.constraint(step);
-        let links = self.links(constraint);
-        let own = joints.model_of(joint);
-        let Chain { positions, .. } = Self::walk(joints, links, own);
-        let WeightedPoint { position: target, weight } = self.goal(constraint, positions[0]);
-        let [x, y, z, has_pole] = constraint.front.0;
-        let middle = positions[constraint.middle as usize];
-        let limb = Limb {
-            upper: vec3::sub(middle, positions[0]),
-            lower: vec3::sub(positions[links.len() - 1], middle),
-            bend: own.transform_vector(constraint.axis.xyz()),
-            to: vec3::sub(target, positions[0]),
+/// Limbs of members side by side, and the settings of their constraints.
+struct Limbs<const COUNT: usize> {
+    limb: Limb<Simd<COUNT>>,
+    pole: [Simd<COUNT>; 3],
+    has_pole: [bool; COUNT],
+    soft: Simd<COUNT>,
+    weight: Simd<COUNT>,
+}
+
+impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
+    /// Collects the members' limbs.
+    #[inline(always)]
+    fn put_limbs(&mut self) -> Limbs<COUNT> {
+        let zero = Simd([0.0; COUNT]);
+        let mut limbs = Limbs {
+            limb: Limb::NONE,
+            pole: [zero; 3],
+            has_pole: [false; COUNT],
+            soft: zero,
+            weight: zero,
         };
-        let mut rotations = [quat::identity(); 2];
-        if weight > 0.0 {
-            rotations =
-                limb.rotations((has_pole > 0.0).then_some([x, y, z]), constraint.limits.0[0]);
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, joints, .. }) = self.stop(lane) else { continue };
+            let constraint = solver.constraint(step);
+            let links = solver.links(constraint);
+            let own = joints.model_of(step.joint as usize);
+            let Chain { positions, .. } = Solver::walk(&joints, links, own);
+            let WeightedPoint { position: target, weight } = solver.goal(constraint, positions[0]);
+            let middle = positions[constraint.middle as usize];
+            limbs.limb.put_limb(
+                lane,
+                &Limb {
+                    upper: vec3::sub(middle, positions[0]),
+                    lower: vec3::sub(positions[links.len() - 1], middle),
+                    bend: own.transform_vector(constraint.axis.xyz()),
+                    to: vec3::sub(target, positions[0]),
+                },
+            );
+            let [x, y, z, has_pole] = constraint.front.0;
+            put(&mut limbs.pole, lane, [x, y, z]);
+            limbs.has_pole[lane] = has_pole > 0.0;
+            limbs.soft.0[lane] = constraint.limits.0[0];
+            limbs.weight.0[lane] = weight;
         }
-        if weight < 1.0 {
-            rotations = rotations.map(|rotation| vec3::part_of(rotation, weight));
+        limbs
+    }
+
+    /// Brings the ends of limbs to their targets.
+    #[inline(always)]
+    pub(super) fn reach(&mut self) {
+        let Limbs { limb, pole: direction, has_pole: counts, soft, weight } = self.put_limbs();
+        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
+        let pole = counts.contains(&true).then_some(Pole { direction, counts });
+        let (aims, partly) = (zero.less(weight), weight.less(one));
+        let mut rotations = limb.limb_rotations(pole, soft);
+        for rotation in &mut rotations {
+            *rotation = quat::choose::<Simd<COUNT>>(aims, *rotation, quat::identity());
+            let part = vec3::part_of(*rotation, weight);
+            *rotation = quat::choose::<Simd<COUNT>>(partly, part, *rotation);
         }
         let [first, second] = rotations;
         let undone = quat::conjugate(quat::mul(second, first));
-        joints.keep_model(joint, own.rotated(first));
-        self.step_rotations[step.operand as usize] = second;
-        self.step_rotations[step.operand as usize + 1] =
-            if constraint.keeps_end != 0 { undone } else { quat::identity() };
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, mut joints, .. }) = self.stop(lane) else { continue };
+            let keeps_end = solver.constraint(step).keeps_end != 0;
+            let own = if keeps_end { lane_of(&undone, lane) } else { quat::identity() };
+            let (joint, to) = (step.joint as usize, step.operand as usize);
+            solver.step_rotations[to] = lane_of(&second, lane);
+            solver.step_rotations[to + 1] = own;
+            joints.keep_model(joint, joints.model_of(joint).rotated(lane_of(&first, lane)));
+        }
     }
 }

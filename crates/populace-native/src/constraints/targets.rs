@@ -10,12 +10,15 @@ use populace_device::layout::{
     TARGET_DIRECTION, TARGET_FAR_M, TARGET_WATCHED, TARGET_WORLD, Target,
 };
 use populace_model::Affine;
-use populace_model::math::{quat, vec3};
+use populace_model::math::vec3;
 
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::history::DeferredWrites;
 use crate::members::control_of;
+
+/// Rotations in model space, from steps of a member that compute them to steps that apply them.
+pub(crate) type StepRotations = [[f32; 4]; MAX_STEP_ROTATIONS as usize];
 
 /// Solver of one member's constraints.
 pub(crate) struct Solver<'a> {
@@ -25,8 +28,7 @@ pub(crate) struct Solver<'a> {
     /// Index of the control.
     index: u32,
     pub(super) writes: &'a mut DeferredWrites,
-    /// Rotations in model space, from steps that compute them to steps that apply them.
-    pub(super) step_rotations: [[f32; 4]; MAX_STEP_ROTATIONS as usize],
+    pub(super) step_rotations: &'a mut StepRotations,
 }
 
 /// A point in model space, and its weight from 0 to 1.
@@ -49,11 +51,11 @@ impl<'a> Solver<'a> {
         inputs: &'a FrameInputs<'a>,
         member: u32,
         writes: &'a mut DeferredWrites,
+        step_rotations: &'a mut StepRotations,
     ) -> Option<Self> {
         let tables = inputs.tables;
         let control = control_of(tables, member)?;
         let index = tables.members().as_slice()[member as usize].control;
-        let step_rotations = [quat::identity(); MAX_STEP_ROTATIONS as usize];
         Some(Self { inputs, tables, control, index, writes, step_rotations })
     }
 
