@@ -295,14 +295,14 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         let mut rotations = [quat::identity::<Simd<COUNT>>(); MAX_LINKS as usize];
         let (mut so_far, mut shared) = (quat::identity(), zero);
         let mut position = gazes.positions[0];
-        for at in 0..gazes.links_most - 1 {
+        for (at, rotation) in rotations[..gazes.links_most - 1].iter_mut().enumerate() {
             let share = gazes.shares[at] * weight;
             let takes_part = zero.less(share);
             shared = Simd::choose(takes_part, shared + share, shared);
             let now = vec3::part_as_told(whole, shared);
             let now = quat::choose::<Simd<COUNT>>(takes_part, now, so_far);
             let own = quat::mul(now, quat::conjugate(so_far));
-            rotations[at] = quat::choose::<Simd<COUNT>>(takes_part, own, quat::identity());
+            *rotation = quat::choose::<Simd<COUNT>>(takes_part, own, quat::identity());
             so_far = now;
             let bone = vec3::sub(gazes.positions[at + 1], gazes.positions[at]);
             position = vec3::add(position, vec3::rotated(so_far, bone));
