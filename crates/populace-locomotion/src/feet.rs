@@ -34,7 +34,7 @@ impl Carried {
 
     /// Returns the place in model space of a pose.
     pub(crate) fn place(&self, model_from_joints: &[Affine]) -> Vec3 {
-        affine(&model_from_joints[self.joint.index()]).transform_point3(self.at)
+        model_from_joints[self.joint.index()].transform_point(self.at.to_array()).into()
     }
 }
 

@@ -89,7 +89,10 @@ impl GaitClips {
         let named = |names: &[&str]| -> Vec<Arc<Clip>> {
             clips.iter().filter(|clip| names.contains(&clip.name())).cloned().collect()
         };
-        if named(&["Idle", "Walk"]).len() == 2
+        // A clip may be there twice: once with its root motion taken out.
+        let has = |name: &str| clips.iter().any(|clip| clip.name() == name);
+        if has("Idle")
+            && has("Walk")
             && let Some(chosen) = Self::choose(treadmill, &named(&["Idle", "Walk", "Run"]))
         {
             return Some(chosen);

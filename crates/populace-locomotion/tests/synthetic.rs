@@ -96,6 +96,11 @@ fn at(path: &Path, phase: f32) -> [f32; 2] {
 /// Returns a clip in which the left foot starts its path at `phases[0]`, and the right one at
 /// `phases[1]`. `carried_m` is how far the clip carries the whole body forwards.
 fn clip(secs: f32, paths: &[Path; 2], phases: [f32; 2], carried_m: f32) -> Arc<Clip> {
+    named("gait", secs, paths, phases, carried_m)
+}
+
+/// As [`clip`], with a name.
+fn named(name: &str, secs: f32, paths: &[Path; 2], phases: [f32; 2], carried_m: f32) -> Arc<Clip> {
     let track = |(foot, phase): (usize, f32)| {
         let (name, x) = FEET[foot];
         let own = |time: f32| (time / secs + phase).rem_euclid(1.0);
@@ -119,7 +124,7 @@ fn clip(secs: f32, paths: &[Path; 2], phases: [f32; 2], carried_m: f32) -> Arc<C
         times: vec![0.0, secs],
         values: vec![0.0, 0.0, 0.0, 0.0, 0.0, carried_m],
     });
-    Arc::new(Clip::new(ClipSource { name: "gait".into(), tracks }, &body().skeleton).unwrap())
+    Arc::new(Clip::new(ClipSource { name: name.into(), tracks }, &body().skeleton).unwrap())
 }
 
 /// Returns a gait with both feet half a cycle apart, the left one touching down at `phase`.
@@ -257,6 +262,25 @@ fn a_clip_that_carries_the_body_is_chosen_in_place() {
     let [walk] = chosen.moving.as_slice() else { panic!("{:?}", chosen.moving.len()) };
     assert!(!Arc::ptr_eq(walk, &carried) && walk.root_motion().is_some());
     near(measure(walk).speed_m_per_sec(), 1.0, 0.02);
+}
+
+#[test]
+fn clips_of_the_usual_names_are_chosen_also_if_one_is_there_twice() {
+    let still = vec![(0.0, [0.0, 0.0]), (1.0, [0.0, 0.0])];
+    let idle = named("Idle", 1.0, &[still.clone(), still], [0.0, 0.5], 0.0);
+    let walks = |name: &str, reach: f32| {
+        let path = steps(1.0, 0.6, reach);
+        named(name, 1.0, &[path.clone(), path], [0.0, 0.5], 0.0)
+    };
+    let [walk, twin, nearer] = [walks("Walk", 0.3), walks("Walk", 0.3), walks("Stroll", 0.75)];
+    let chosen = |clips: &[&Arc<Clip>]| {
+        let clips: Vec<_> = clips.iter().map(|clip| Arc::clone(clip)).collect();
+        GaitClips::among(&body(), &clips).unwrap().moving[0].name().to_owned()
+    };
+    assert_eq!(chosen(&[&idle, &walk, &nearer]), "Walk");
+    assert_eq!(chosen(&[&idle, &walk, &nearer, &twin]), "Walk");
+    let unnamed = walks("Amble", 0.3);
+    assert_eq!(chosen(&[&idle, &unnamed, &nearer]), "Stroll");
 }
 
 #[test]
