@@ -240,8 +240,11 @@ impl SceneSource<'_> {
         }
     }
 
-    /// Says who is there.
+    /// Says who is there, if anybody is.
     fn announce(&self, crowd: &Crowd, people: usize) {
+        if people == 0 {
+            return;
+        }
         message!(
             "{} on {}, {}",
             if people == 1 { "1 person".into() } else { format!("{people} people") },

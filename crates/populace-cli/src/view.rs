@@ -23,8 +23,9 @@ use crate::watched::{Staged, Watched};
 const MEMBERS: u32 = 200;
 /// The input that names the street.
 const STREET: &str = "@street";
-/// People in the frames that are measured, and the longest pleasant frame in milliseconds.
-const TRIED: u32 = 100;
+/// The number of people that take as long to draw as the street without people.
+const PEOPLE_PER_STREET: f64 = 100.0;
+/// The longest pleasant frame in milliseconds.
 const PLEASANT_MS: f64 = 50.0;
 /// Frames per second of a crowd unless set.
 const FPS: u32 = 30;
@@ -44,15 +45,19 @@ impl<'a> CommandLine<'a> {
     }
 
     /// Measures the number of people in the street that this machine draws well: at 20 frames a
-    /// second. Frames of a few people say how long one of more takes.
+    /// second. Frames of the street without people say how long one with people takes, since nobody
+    /// has to be dressed for them.
     fn measure(&mut self, renderer: &mut Renderer) -> Result<(), Failure> {
         let is_street = |input: &PathBuf| input.as_os_str() == STREET;
         let is_asked = self.args.members.is_none() && self.args.inputs.iter().any(is_street);
         if !is_asked || self.pleasant > 0 {
             return Ok(());
         }
-        self.pleasant = TRIED;
-        let (staged, _) = self.stage(&Wish::default(), renderer)?;
+        let mut plan = scene::street(0, self.args.picture.seed);
+        plan.casts.clear();
+        plan.crowds.clear();
+        let source = SceneSource { plan, file: None, cast: &[], picture: &self.args.picture };
+        let staged = source.stage(self.builder(&Wish::default(), renderer))?;
         let Staged { mut crowd, mut action, roles, scene, .. } = staged;
         connect(renderer, &mut crowd, &roles, &self.args.picture.hide)?;
         action.set_aspect(16.0 / 9.0)?;
@@ -65,13 +70,22 @@ impl<'a> CommandLine<'a> {
             renderer.read_image()?;
             least_ms = least_ms.min(start.elapsed().as_secs_f64() * 1e3);
         }
-        // Half the time of such a frame is that of the street.
-        let share = (2.0 * PLEASANT_MS / least_ms - 1.0) * f64::from(TRIED);
+        let share = (PLEASANT_MS / least_ms - 1.0) * PEOPLE_PER_STREET;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "40 to 2000")]
         let pleasant = share.clamp(40.0, 2000.0) as u32;
         self.pleasant = pleasant;
-        message!("{TRIED} people take {least_ms:.0} ms a frame here: {pleasant} people");
+        message!("the empty street takes {least_ms:.0} ms a frame here: {pleasant} people");
         Ok(())
+    }
+
+    fn builder(&self, wish: &Wish, renderer: &Renderer) -> CrowdBuilder {
+        let args = &self.args.picture.device;
+        let devices = wish.devices.clone().or_else(|| args.device.clone());
+        let builder = Crowd::builder()
+            .split(args.split.clone())
+            .schedule(wish.schedule.unwrap_or(args.schedule))
+            .for_gl(renderer.gl_context());
+        devices.into_iter().fold(builder, CrowdBuilder::devices)
     }
 
     fn stage(&self, wish: &Wish, renderer: &Renderer) -> Result<(Staged, String), Failure> {
@@ -83,12 +97,7 @@ impl<'a> CommandLine<'a> {
         };
         let is_film = |input: &PathBuf| !scene::is_scene(input) && trajectory::is_trajectory(input);
         let film = inputs.iter().position(is_film);
-        let devices = wish.devices.clone().or_else(|| args.picture.device.device.clone());
-        let builder = Crowd::builder()
-            .split(args.picture.device.split.clone())
-            .schedule(wish.schedule.unwrap_or(args.picture.device.schedule))
-            .for_gl(renderer.gl_context());
-        let builder = devices.into_iter().fold(builder, CrowdBuilder::devices);
+        let builder = self.builder(wish, renderer);
         let is_dropped = wish.dropped.is_some();
         if inputs.iter().any(|input| input.as_os_str() == STREET) {
             let members = wish.members.or(args.members).unwrap_or(self.pleasant);

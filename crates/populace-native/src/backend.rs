@@ -32,7 +32,7 @@ pub struct NativeBackend {
     machine: Machine,
     scratch: ScratchPool,
     /// The member that a fused schedule last read stage buffers of.
-    reading: Option<Reading>,
+    reading: Reading,
     /// The last frame; `None` before the first.
     last: Option<Frame>,
     history: History,
@@ -86,7 +86,7 @@ impl NativeBackend {
             schedule,
             machine: machine()?,
             scratch,
-            reading: None,
+            reading: Reading::default(),
             last: None,
             history: History::default(),
             stages: UserStages::default(),
@@ -191,7 +191,7 @@ impl Backend for NativeBackend {
     }
 
     fn update(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        self.reading = None;
+        self.reading.forget();
         if let Some(stages) = self.next_stages.take() {
             self.stages = stages;
         }
@@ -247,7 +247,8 @@ impl Backend for NativeBackend {
             let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
             stages.try_for_each(|stage| self.run_stage(tables, frame, stage))?;
         } else {
-            (self.last, self.reading) = (Some(frame), None);
+            self.last = Some(frame);
+            self.reading.forget();
             if frame.begins() {
                 self.pages.begin_frame();
                 let Self { pool, history, .. } = self;

@@ -35,6 +35,14 @@ pub(crate) struct DeferredWrites {
     pub(crate) watched: Vec<(u32, Float4)>,
 }
 
+impl DeferredWrites {
+    /// Drops all writes.
+    pub(crate) fn clear(&mut self) {
+        self.states.clear();
+        self.watched.clear();
+    }
+}
+
 impl History {
     /// Grows the buffers to the size of the tables, and clears new watched elements.
     pub(crate) fn grow(&mut self, tables: &Tables) -> Result<(), BackendError> {

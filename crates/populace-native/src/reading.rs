@@ -2,7 +2,6 @@
 
 use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
-use populace_model::Affine;
 
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
@@ -16,12 +15,15 @@ use crate::scratch::Scratch;
 use crate::slot::sample_of;
 
 /// Stage buffers of one member, as of the last frame.
+#[derive(Default)]
 pub(crate) struct Reading {
-    member: u32,
+    /// `None` if no member has been evaluated since the last frame.
+    member: Option<u32>,
     samples: Vec<SlotSample>,
     /// Translation, rotation and scale of each joint.
     locals: Vec<[Float4; 3]>,
-    models: Vec<Affine>,
+    /// Holds the models of the joints.
+    scratch: Scratch,
 }
 
 /// Evaluation of one member, with its local transforms.
@@ -47,25 +49,32 @@ impl Work for Evaluate<'_> {
 }
 
 impl Reading {
-    fn new(inputs: &FrameInputs, dispatch: Dispatch, member: u32) -> Self {
+    /// Forgets the member: another frame begins.
+    pub(crate) fn forget(&mut self) {
+        self.member = None;
+    }
+
+    fn evaluate(&mut self, inputs: &FrameInputs, dispatch: Dispatch, member: u32) {
         let (tables, tick) = (inputs.tables, inputs.frame.tick);
         let running = &inputs.history.running;
         let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick);
-        let samples = member_slots(tables, member).iter().map(sample).collect();
-        let joint_count = body_of(tables, member).joint_count as usize;
-        let mut scratch = Scratch::default();
-        let mut locals = vec![[Float4::default(); 3]; joint_count];
+        let Self { samples, locals, scratch, .. } = self;
+        samples.clear();
+        samples.extend(member_slots(tables, member).iter().map(sample));
+        locals.clear();
+        locals.resize(body_of(tables, member).joint_count as usize, [Float4::default(); 3]);
         let of = MemberInputs { inputs, member, dispatch };
-        dispatch.run(Evaluate { of, scratch: &mut scratch, locals: &mut locals });
-        let mut models = scratch.models;
-        models.truncate(joint_count);
-        Self { member, samples, locals, models }
+        dispatch.run(Evaluate { of, scratch, locals });
+        // Its writes were applied when the frame ran.
+        scratch.writes.clear();
+        self.member = Some(member);
     }
 
     /// Returns an element as the staged schedule's buffers hold it; `None` past the member's end.
     fn element(&self, buffer: StageBuffer, at: usize) -> Option<Float4> {
         let local = |property: usize| self.locals.get(at).map(|local| local[property]);
-        let row = |row: usize| self.models.get(at).map(|model| Float4(model.rows[row]));
+        let models = self.scratch.models.get(..self.locals.len()).unwrap_or(&[]);
+        let row = |row: usize| models.get(at).map(|model| Float4(model.rows[row]));
         match buffer {
             StageBuffer::Samples => self.samples.get(at).map(|sample| bytemuck::cast(*sample)),
             StageBuffer::Translations => local(0),
@@ -82,13 +91,13 @@ impl Reading {
     }
 }
 
-/// Reads elements of one member as of a frame. `last` caches the member for the next read.
+/// Reads elements of one member as of a frame. `reading` keeps the member for the next read.
 ///
 /// # Errors
 ///
 /// [`BackendError::Failed`] if an element is past the member's end.
 pub(crate) fn read(
-    last: &mut Option<Reading>,
+    reading: &mut Reading,
     (inputs, dispatch): (&FrameInputs, Dispatch),
     buffer: StageBuffer,
     first: usize,
@@ -97,13 +106,11 @@ pub(crate) fn read(
     let past_the_end =
         || failed(&format!("read {buffer:?}"), format!("element {first} is past a member's end"));
     let (member, at) = inputs.tables.place_of(buffer, first).ok_or_else(past_the_end)?;
-    let reading = match last.take() {
-        Some(reading) if reading.member == member => reading,
-        _ => Reading::new(inputs, dispatch, member),
-    };
+    if reading.member != Some(member) {
+        reading.evaluate(inputs, dispatch, member);
+    }
     for (offset, element) in into.iter_mut().enumerate() {
         *element = reading.element(buffer, at + offset).ok_or_else(past_the_end)?;
     }
-    *last = Some(reading);
     Ok(())
 }
