@@ -170,7 +170,7 @@ pub(crate) fn build_crowd(builder: CrowdBuilder) -> Result<Crowd, Failure> {
 
 /// Returns the light and the surroundings that were asked for.
 pub(crate) fn scene(args: &PictureArgs) -> Scene {
-    let mut scene = args.sky.scene();
+    let mut scene = args.sky.unwrap_or_default().scene();
     if args.full_detail {
         scene.sun.error_texels = 0.0;
     }

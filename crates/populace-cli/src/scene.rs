@@ -257,7 +257,7 @@ impl SceneSource<'_> {
     /// Sets the light of the plan, unless the command line says otherwise.
     fn light(&self, scene: &mut Scene) -> Result<(), Failure> {
         let light = &self.plan.light;
-        if self.picture.sky == Preset::default() {
+        if self.picture.sky.is_none() {
             let sky = light.sky.parse::<Preset>();
             let sky =
                 sky.map_err(|e| Failure::Input(anyhow::anyhow!("`sky` of [light]: {e}")))?.scene();

@@ -34,13 +34,10 @@ pub(crate) struct PictureArgs {
         allow_hyphen_values = true
     )]
     pub(crate) camera: View,
-    /// Light and surroundings: a clear afternoon, a low sun, clouds, or a grey backdrop
-    #[arg(
-        long,
-        value_name = "day|evening|overcast|studio",
-        default_value_t = Preset::Day
-    )]
-    pub(crate) sky: Preset,
+    /// Light and surroundings: a clear afternoon, a low sun, clouds, or a grey backdrop [default:
+    /// that of the scene file, day without one]
+    #[arg(long, value_name = "day|evening|overcast|studio")]
+    pub(crate) sky: Option<Preset>,
     /// Scale every character to this height in metres [default: its own height; with several
     /// characters, implausible heights are scaled to plausible ones]
     #[arg(long, value_name = "METRES", value_parser = height)]

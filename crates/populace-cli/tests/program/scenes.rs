@@ -31,6 +31,40 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
+/// Draws a meadow of a size under an evening sky, and returns its colour 3 m before the camera.
+fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
+    let folder = Folder::new();
+    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+    let text = format!(
+        "schema = 1\n[light]\nsky = \"evening\"\n[[prop]]\nkind = \"meadow\"\nat = [0, 0, 0]\n\
+         size_m = [{size_m}]\n[[camera]]\nname = \"a\"\n\
+         key = [{{ from = [0, 3, 3], to = [0, 0, 0] }}]\n"
+    );
+    std::fs::write(&scene, text).unwrap();
+    let drawn = populace(&[&["render", &scene, "--out", &out], &SMALL[..4], args].concat());
+    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    let picture = image::open(out).unwrap().to_rgb8();
+    picture.get_pixel(picture.width() / 2, picture.height() / 2).0
+}
+
+/// Haze depends on the distance of what is seen, not on that of the corners of its triangles.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn a_large_meadow_is_as_clear_as_a_small_one() {
+    let [small, large] = [20, 600].map(|size_m| meadow(size_m, &[]));
+    let far = small.iter().zip(large).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+    assert!(far < 12, "{small:?} and {large:?}");
+}
+
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn the_sky_of_the_command_line_takes_the_place_of_the_scenes() {
+    assert_eq!(meadow(20, &[]), meadow(20, &["--sky", "evening"]));
+    let day = meadow(20, &["--sky", "day"]);
+    let [evening_blue, day_blue] = [meadow(20, &[])[2], day[2]];
+    assert!(day[1] > day[0] && day_blue > evening_blue, "{day:?}");
+}
+
 /// A file stands in a scene as a prop, where the scene says.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

@@ -1,6 +1,6 @@
 // member.frag - colours a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
-//               without either the surface is opaque. VERTEX_LIT takes the light from the vertices,
-//               and with TWO_SIDED that on the side which is seen.
+//               without either the surface is opaque. VERTEX_LIT takes light and haze from the
+//               vertices, and with TWO_SIDED the light on the side which is seen.
 //               TEXTURED samples the base colour; SUBSTANCE_MAP, NORMAL_MAP, OCCLUSION_MAP and
 //               EMISSIVE_MAP sample their textures, and EMISSIVE adds light. FADED leaves out a
 //               part of the pixels.
@@ -25,6 +25,7 @@ layout(binding = 6) uniform sampler2D emissive_texture;
 
 #ifdef VERTEX_LIT
 in vec3 light;
+in vec4 haze;
 #ifdef TWO_SIDED
 in vec3 back_light;
 #endif
@@ -36,7 +37,6 @@ in vec3 substance;
 #endif
 in vec2 texture_uv;
 in vec4 surface_color;
-in vec4 haze;
 
 out vec4 color;
 
@@ -113,6 +113,8 @@ void main() {
     lit += 0.05 * ambient_slope.w * (1.0 - base.rgb) * ambient_base.rgb;
 #else
     vec3 lit = lit_surface(base.rgb);
+    // Triangles of a ground are so large that haze does not vary evenly over them.
+    vec4 haze = haze_at(world_position);
 #endif
 #ifdef EMISSIVE
     vec3 emitted = emissive.rgb;

@@ -1,13 +1,14 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  texture coordinates, product of vertex colour and the region's tint, haze, and what light
-//         needs: position and normal in world space, the position in the shadow map and the
-//         surface's substance (metallic, roughness, skin), or with VERTEX_LIT the light itself, and
-//         with TWO_SIDED also that on the back.
+// Writes  texture coordinates, product of vertex colour and the region's tint, and what light and
+//         haze need: position and normal in world space, the position in the shadow map and the
+//         surface's substance (metallic, roughness, skin). With VERTEX_LIT, light and haze
+//         themselves, and with TWO_SIDED also the light on the back.
 //         With FADED, the part that is not drawn
 
 #ifdef VERTEX_LIT
 out vec3 light;
+out vec4 haze;
 #ifdef TWO_SIDED
 out vec3 back_light;
 #endif
@@ -19,7 +20,6 @@ out vec3 substance;
 #endif
 out vec2 texture_uv;
 out vec4 surface_color;
-out vec4 haze;
 #ifdef FADED
 flat out float faded;
 #endif
@@ -46,8 +46,8 @@ void main() {
                * sky_light_on(-world_normal, -facing)
                + sunlight_on(-facing, wrap, shadow_position);
 #endif
-#endif
     haze = haze_at(world_position);
+#endif
     texture_uv = uv;
     surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
