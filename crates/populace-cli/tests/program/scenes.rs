@@ -40,10 +40,10 @@ fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
          size_m = [{size_m}]\n[[camera]]\nname = \"a\"\n\
          key = [{{ from = [0, 3, 3], to = [0, 0, 0] }}]\n"
     );
-    std::fs::write(&scene, text).unwrap();
+    std::fs::write(&scene, text).expect("a file");
     let drawn = populace(&[&["render", &scene, "--out", &out], &SMALL[..4], args].concat());
     assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
-    let picture = image::open(out).unwrap().to_rgb8();
+    let picture = image::open(out).expect("a picture").to_rgb8();
     picture.get_pixel(picture.width() / 2, picture.height() / 2).0
 }
 
