@@ -42,6 +42,16 @@ pub enum Error {
         /// The number of free seats.
         seats: usize,
     },
+    /// More layers over what people do than they have.
+    #[error(
+        "a [[crowd]] has {layers} `layers`, and what it does leaves {most}; give at most {most}"
+    )]
+    TooManyLayers {
+        /// The number of layers that the plan gives.
+        layers: usize,
+        /// The number that there may be.
+        most: usize,
+    },
     /// Another number of people than of agents.
     #[error("{people} people were given for {agents} agents; give one for each")]
     UnequalLengths {
@@ -72,7 +82,8 @@ impl Error {
             Self::UnequalLengths { .. }
             | Self::UnknownName { .. }
             | Self::UnequalCrowd { .. }
-            | Self::TooFewSeats { .. } => ErrorKind::InvalidInput,
+            | Self::TooFewSeats { .. }
+            | Self::TooManyLayers { .. } => ErrorKind::InvalidInput,
         }
     }
 

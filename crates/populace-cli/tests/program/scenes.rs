@@ -100,6 +100,13 @@ fn wrong_scenes_are_refused_with_line_and_key() {
         std::fs::write(&scene, text).unwrap();
         refused(&["render", &scene, "--out", "x.png"], 1, &[words]);
     }
+    let layer = "{ clip = \"Wave\" }";
+    let crowd = format!(
+        "{good}[[crowd]]\ncast = \"a\"\ncount = 1\nlayers = [{layer}, {layer}]\n\
+         does.fight = {{ at = [0, 0], facing_deg = 0, rank = 5 }}\n"
+    );
+    std::fs::write(&scene, crowd).unwrap();
+    refused(&["render", &scene, "--out", "x.png"], 1, &["2 `layers`", "give at most 1"]);
     std::fs::write(&scene, good).unwrap();
     refused(&["render", &scene, "--members", "5", "--out", "x.png"], 2, &["the scene file says"]);
     refused(

@@ -281,6 +281,10 @@ impl Arrival<'_> {
     /// behaviour.
     fn add_layers(&self, world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
         let first = if world.people[who].kind == Kind::Stands { WHOLE } else { ADDED };
+        let (layers, most) = (self.of.layers.len(), ADDED + 1 - first);
+        if layers > most {
+            return Err(Error::TooManyLayers { layers, most });
+        }
         for (layer, plan) in (first..=ADDED).zip(&self.of.layers) {
             let LayerPlan { clip, weight, additive, upper_body, share } = plan;
             if !world.people[who].random.chance(*share) {
