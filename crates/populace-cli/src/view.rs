@@ -23,7 +23,7 @@ use crate::watched::{Staged, Watched};
 const MEMBERS: u32 = 200;
 /// The input that names the street.
 const STREET: &str = "@street";
-/// The number of people that take as long to draw as the street without people.
+/// People who count as one empty street. Software rendering draws more of them in that time.
 const PEOPLE_PER_STREET: f64 = 100.0;
 /// The longest pleasant frame in milliseconds.
 const PLEASANT_MS: f64 = 50.0;

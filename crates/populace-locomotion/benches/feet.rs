@@ -1,9 +1,8 @@
-//! What feet that hold cost: frames of 10,000 people who walk with planted feet against frames of the
-//! same people without, on the native device and on the best OpenCL device. Bodies have soles, and clips
-//! contacts. `cargo bench -p populace-locomotion --bench feet`.
+//! Cost of planted feet: `cargo bench -p populace-locomotion --bench feet`.
 //!
-//! Both crowds take turns frame by frame. Times are medians in milliseconds from the call of
-//! `Crowd::update` to the end of the frame.
+//! Two crowds of 10,000 walking people take turns frame by frame, one with planted feet. Bodies have
+//! soles, and clips have contacts. The native device and the best OpenCL device are measured. Times
+//! are medians in milliseconds, from the call of `Crowd::update` to the end of the frame.
 
 #![expect(clippy::print_stdout, reason = "a bench prints its figures")]
 
@@ -26,7 +25,7 @@ fn people(device: Device, are_planted: bool) -> Result<Crowd, Box<dyn Error>> {
     let person = crowd.add_character(person)?;
     let [idle, walk, run] = ["Idle", "Walk", "Run"].map(|name| crowd.clip(person, name));
     let (walk, run) = (walk?, run?);
-    // It tells the crowd the contacts of the clips.
+    // Contacts of the clips are set here.
     GaitSpace::new(&mut crowd, person, idle?, &[walk, run])?;
     let mut random = fastrand::Rng::with_seed(1);
     for nth in 0..PEOPLE {

@@ -89,7 +89,7 @@ impl GaitClips {
         let named = |names: &[&str]| -> Vec<Arc<Clip>> {
             clips.iter().filter(|clip| names.contains(&clip.name())).cloned().collect()
         };
-        // A clip may be there twice: once with its root motion taken out.
+        // A clip may be there twice: with and without root motion.
         let has = |name: &str| clips.iter().any(|clip| clip.name() == name);
         if has("Idle")
             && has("Walk")

@@ -42,10 +42,8 @@ pub enum Error {
         /// The number of free seats.
         seats: usize,
     },
-    /// More layers over what people do than they have.
-    #[error(
-        "a [[crowd]] has {layers} `layers`, and what it does leaves {most}; give at most {most}"
-    )]
+    /// More layers of a crowd of a plan than its behaviour leaves free.
+    #[error("a [[crowd]] has {layers} `layers`; with this behaviour give at most {most}")]
     TooManyLayers {
         /// The number of layers that the plan gives.
         layers: usize,

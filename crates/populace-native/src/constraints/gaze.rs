@@ -91,7 +91,7 @@ fn held<R: Real>(yaw: R, limit: R) -> R {
     R::choose(limit.less(size), kept, yaw)
 }
 
-/// What gazes need of their constraints and chains.
+/// Constraints and chains of gazes, one gaze in each lane.
 struct Gazes<const COUNT: usize> {
     frame: Frame<Simd<COUNT>>,
     /// Direction that the end of the chain faces.
