@@ -14,13 +14,13 @@ use populace_device::layout::{Body, Entry, Float4, Layer, NONE, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::{Real, components};
 
-use crate::constraints::{Company, Programs};
+use crate::constraints::{Company, Programs, step_rotations};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes, Line, Simd, lane_of};
+use crate::lanes::{LANES, Lanes, Members, Simd, lane_of, load, vectors};
 use crate::machines::slot_now;
 use crate::matrices::{MATRIX, product, rotated};
 use crate::members::{control_of, member_layers, member_slots, parents_of, steps_of};
@@ -86,15 +86,6 @@ impl<'a> Play<'a> {
             dispatch: registers,
         }
     }
-}
-
-/// Returns a buffer of at least `count` vectors.
-fn vectors<const COUNT: usize>(lines: &mut Vec<Line>, count: usize) -> &mut [Simd<COUNT>] {
-    let needed = count * COUNT / LANES;
-    if lines.len() < needed {
-        lines.resize(needed, Line::default());
-    }
-    &mut bytemuck::cast_slice_mut(lines)[..count]
 }
 
 /// Call of [`Posing::pose_block`] for the joints of a block.
@@ -190,6 +181,21 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
     fn rotate(&mut self, joint: usize, rotations: [Simd<COUNT>; 4]) {
         self.0[joint] = rotated(&self.0[joint], rotations);
     }
+
+    #[inline(always)]
+    fn models_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX] {
+        load(&self.0[joint], lane)
+    }
+
+    #[inline(always)]
+    fn locals_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX] {
+        load(&self.0[joint], lane)
+    }
+
+    #[inline(always)]
+    fn lower(&mut self, joint: usize, drop: Simd<COUNT>) {
+        self.0[joint][7] = self.0[joint][7] - drop;
+    }
 }
 
 /// Computes the matrices of a block of joints from their local transforms.
@@ -255,6 +261,7 @@ where
     fn run<J: JointLanes>(self) {
         let Self { inputs, registers, body, seats, scratch } = self;
         let Scratch { desk, rotations, writes, .. } = scratch;
+        let rotations = step_rotations(rotations);
         let tables = inputs.tables;
         let plays: [Option<Play>; COUNT] = std::array::from_fn(|lane| {
             seats.get(lane).map(|seat| Play::play_all(inputs, seat.member))

@@ -13,6 +13,7 @@ mod chain;
 mod contacts;
 mod feet;
 mod foot;
+mod foot_state;
 mod foothold;
 mod gaze;
 mod limb;
@@ -21,15 +22,14 @@ mod programs;
 mod targets;
 
 use populace_device::layout::{
-    Float4, STEP_ATTACH, STEP_CARRY, STEP_CHAIN, STEP_MOTION, STEP_OVERRIDE, STEP_STAGE,
-    STEP_WATCH, Step, WATCHED_ELEMENTS,
+    Float4, STEP_ATTACH, STEP_CARRY, STEP_MOTION, STEP_OVERRIDE, STEP_STAGE, STEP_WATCH, Step,
+    WATCHED_ELEMENTS,
 };
 use populace_model::math::{quat, vec3};
 use populace_model::{Affine, Trs};
 
-pub(crate) use self::programs::{Alone, Company, Programs, are_alike, signature};
+pub(crate) use self::programs::{Alone, Company, Programs, are_alike, signature, step_rotations};
 use self::targets::Solver;
-pub(crate) use self::targets::StepRotations;
 use crate::hierarchy::Hierarchy;
 use crate::stages::stage_model;
 
@@ -123,7 +123,6 @@ impl Solver<'_> {
     pub(super) fn take_step(&mut self, step: &Step, joints: &mut impl Hierarchy) {
         let joint = step.joint as usize;
         match step.kind {
-            STEP_CHAIN => self.chain(joints, joint, step),
             STEP_OVERRIDE => self.override_model(joints, joint, step.index),
             STEP_STAGE => {
                 let own = joints.model_of(joint);

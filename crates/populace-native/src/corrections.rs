@@ -7,9 +7,9 @@ use populace_device::layout::{BLOCK_CORRECTED, BoundClip, REST_TRANSLATION, Slot
 use populace_model::Property;
 use populace_model::math::{quat, vec3};
 
-use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::Load;
+use crate::lanes::{Lanes, Members};
 #[cfg(target_arch = "x86_64")]
 use crate::registers::{Register, Registers};
 use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
@@ -84,6 +84,9 @@ pub(crate) trait SampleWidth: RowWidth {
 
 /// A width of sixteen joints, for the path that every member takes.
 pub(crate) trait JointLanes: SampleWidth {
+    /// One register of the same kind, for members side by side.
+    type Members: Members;
+
     /// Stores the lanes.
     fn to_lanes(self) -> Lanes;
 }
@@ -135,6 +138,8 @@ impl<V: Register, const COUNT: usize> SampleWidth for Registers<V, COUNT> {
 }
 
 impl JointLanes for Lanes {
+    type Members = f32;
+
     #[inline(always)]
     fn to_lanes(self) -> Lanes {
         self
@@ -143,6 +148,8 @@ impl JointLanes for Lanes {
 
 #[cfg(target_arch = "x86_64")]
 impl<V: Register, const COUNT: usize> JointLanes for Registers<V, COUNT> {
+    type Members = Registers<V, 1>;
+
     #[inline(always)]
     fn to_lanes(self) -> Lanes {
         Self::to_lanes(self)

@@ -13,7 +13,7 @@ use populace_model::Affine;
 use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
-use crate::constraints::{Alone, Programs, are_alike, signature};
+use crate::constraints::{Alone, Programs, are_alike, signature, step_rotations};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
@@ -96,6 +96,7 @@ pub(crate) fn member_models(
     }
     let parents = parents_of(tables, body);
     let Scratch { models, rotations, writes, .. } = scratch;
+    let rotations = step_rotations(rotations);
     let joints = &mut Alone(&mut InPlace(models));
     let (members, registers, next) = (&[member], dispatch, 0);
     Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();
@@ -186,7 +187,7 @@ pub(crate) fn fused(
             let alike = |a: &Seat, b: &Seat| {
                 let [body, other] = [a, b].map(|seat| members[seat.member as usize].posed);
                 let [steps, others] = [a, b].map(|seat| steps_of(tables, seat.member));
-                body == other && are_alike(steps, others)
+                body == other && are_alike(tables, steps, others)
             };
             for seats in seats.chunk_by_mut(alike) {
                 let Machine { registers, lanes } = machine;

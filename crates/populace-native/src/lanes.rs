@@ -25,10 +25,19 @@ pub(crate) struct Line(pub(crate) [f32; 16]);
 /// One lane for each joint of a block.
 pub(crate) type Lanes = Simd<LANES>;
 
-/// A number of joints computed together, loaded from consecutive floats.
+/// A number of lanes computed together, loaded from consecutive floats.
 pub(crate) trait Load: Real {
-    /// Loads a float for each joint from the start of a slice.
+    /// Loads a float for each lane from the start of a slice.
     fn load(from: &[f32]) -> Self;
+}
+
+/// A number of members computed together: one, or as many as a register has lanes.
+pub(crate) trait Members: Load {
+    /// Members computed together.
+    const COUNT: usize;
+
+    /// Stores a float for each member to the start of a slice.
+    fn store(self, to: &mut [f32]);
 }
 
 /// A number of joints computed together: one, or the sixteen of a block.
@@ -50,6 +59,15 @@ impl Load for f32 {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
         from[0]
+    }
+}
+
+impl Members for f32 {
+    const COUNT: usize = 1;
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[0] = self;
     }
 }
 
@@ -108,6 +126,51 @@ impl<const COUNT: usize> Simd<COUNT> {
         }
         Self(lanes)
     }
+}
+
+/// Returns a buffer of at least `count` vectors.
+pub(crate) fn vectors<const COUNT: usize>(
+    lines: &mut Vec<Line>,
+    count: usize,
+) -> &mut [Simd<COUNT>] {
+    let needed = count * COUNT / LANES;
+    if lines.len() < needed {
+        lines.resize(needed, Line::default());
+    }
+    &mut bytemuck::cast_slice_mut(lines)[..count]
+}
+
+/// Loads lanes of vectors, from lane `first` on.
+#[inline(always)]
+pub(crate) fn load<R: Members, const COUNT: usize, const SIZE: usize>(
+    from: &[Simd<COUNT>; SIZE],
+    first: usize,
+) -> [R; SIZE] {
+    let mut all = [R::splat(0.0); SIZE];
+    for (value, vector) in all.iter_mut().zip(from) {
+        *value = R::load(&vector.0[first..]);
+    }
+    all
+}
+
+/// Stores lanes of vectors, from lane `first` on.
+#[inline(always)]
+pub(crate) fn store<R: Members, const COUNT: usize, const SIZE: usize>(
+    values: &[R; SIZE],
+    to: &mut [Simd<COUNT>; SIZE],
+    first: usize,
+) {
+    for (value, vector) in values.iter().zip(to) {
+        value.store(&mut vector.0[first..]);
+    }
+}
+
+/// Returns whether any lane is chosen.
+#[inline(always)]
+pub(crate) fn any<R: Members>(which: R::Choice) -> bool {
+    let mut chosen = [0.0; LANES];
+    R::choose(which, R::splat(1.0), R::splat(0.0)).store(&mut chosen);
+    chosen[..R::COUNT].contains(&1.0)
 }
 
 /// Sets the components of one lane.
@@ -171,6 +234,15 @@ impl<const COUNT: usize> Real for Simd<COUNT> {
         let mut choice = [false; COUNT];
         for (lane, chosen) in choice.iter_mut().enumerate() {
             *chosen = self.0[lane] < other.0[lane];
+        }
+        choice
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> Self::Choice {
+        let mut choice = [false; COUNT];
+        for (lane, chosen) in choice.iter_mut().enumerate() {
+            *chosen = self.0[lane] <= other.0[lane];
         }
         choice
     }

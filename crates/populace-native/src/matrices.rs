@@ -20,6 +20,32 @@ pub(crate) fn product<R: Real>(a: &[R; MATRIX], b: &[R; MATRIX]) -> [R; MATRIX] 
     result
 }
 
+/// Returns the image of the origin.
+#[inline(always)]
+pub(crate) fn origin<R: Copy>(m: &[R; MATRIX]) -> [R; 3] {
+    [m[3], m[7], m[11]]
+}
+
+/// Transforms a direction.
+#[inline(always)]
+pub(crate) fn transform_vector<R: Real>(m: &[R; MATRIX], [x, y, z]: [R; 3]) -> [R; 3] {
+    [
+        m[0] * x + m[1] * y + m[2] * z,
+        m[4] * x + m[5] * y + m[6] * z,
+        m[8] * x + m[9] * y + m[10] * z,
+    ]
+}
+
+/// Transforms a point.
+#[inline(always)]
+pub(crate) fn transform_point<R: Real>(m: &[R; MATRIX], [x, y, z]: [R; 3]) -> [R; 3] {
+    [
+        m[0] * x + m[1] * y + m[2] * z + m[3],
+        m[4] * x + m[5] * y + m[6] * z + m[7],
+        m[8] * x + m[9] * y + m[10] * z + m[11],
+    ]
+}
+
 /// Rotates a transform by a unit quaternion about its own origin.
 #[inline(always)]
 pub(crate) fn rotated<R: Real>(m: &[R; MATRIX], rotation: [R; 4]) -> [R; MATRIX] {

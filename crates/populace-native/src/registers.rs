@@ -12,7 +12,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use populace_model::math::{INVERSE_SQRT_BITS, Real};
 
-use crate::lanes::{LANES, Lanes, Load, Simd};
+use crate::lanes::{LANES, Lanes, Load, Members, Simd};
 
 /// A register of floats. Only [`Dispatch::run`](crate::dispatch::Dispatch::run) may choose a kind,
 /// since it alone knows what the processor has.
@@ -31,6 +31,7 @@ pub(crate) trait Register: Copy {
     fn div(self, other: Self) -> Self;
     fn neg(self) -> Self;
     fn less(self, other: Self) -> Self::Mask;
+    fn at_most(self, other: Self) -> Self::Mask;
     fn choose(which: Self::Mask, a: Self, b: Self) -> Self;
     fn inverse_sqrt_guess(self) -> Self;
     /// The low 16 bits of each word.
@@ -49,7 +50,7 @@ macro_rules! register {
         $xor:ident $as_floats:ident $as_words:ident $convert:ident
         $splat_word:ident $load_words:ident $and:ident $shift:ident $sub_words:ident
         $load_packed:ident $widen:ident;
-        $less:expr; $choose:expr
+        $less:expr; $at_most:expr; $choose:expr
     ) => {
         // SAFETY of each block: `Dispatch::run` alone names these registers, for work on processors
         // that have them. Pointers are of slices that are long enough.
@@ -112,6 +113,12 @@ macro_rules! register {
             }
 
             #[inline(always)]
+            fn at_most(self, other: Self) -> $mask {
+                // SAFETY: as above.
+                unsafe { $at_most(self, other) }
+            }
+
+            #[inline(always)]
             fn choose(which: $mask, a: Self, b: Self) -> Self {
                 // SAFETY: as above.
                 unsafe { $choose(which, a, b) }
@@ -163,6 +170,7 @@ register! {
     _mm256_set1_epi32 _mm256_loadu_si256 _mm256_and_si256 _mm256_srli_epi32 _mm256_sub_epi32
     _mm_loadu_si128 _mm256_cvtepu16_epi32;
     _mm256_cmp_ps::<_CMP_LT_OQ>;
+    _mm256_cmp_ps::<_CMP_LE_OQ>;
     |which, a, b| _mm256_blendv_ps(b, a, which)
 }
 
@@ -173,6 +181,7 @@ register! {
     _mm512_set1_epi32 _mm512_loadu_si512 _mm512_and_si512 _mm512_srli_epi32 _mm512_sub_epi32
     _mm256_loadu_si256 _mm512_cvtepu16_epi32;
     _mm512_cmp_ps_mask::<_CMP_LT_OQ>;
+    _mm512_cmp_ps_mask::<_CMP_LE_OQ>;
     |which, a, b| _mm512_mask_blend_ps(which, b, a)
 }
 
@@ -250,6 +259,15 @@ impl<V: Register, const COUNT: usize> Real for Registers<V, COUNT> {
     }
 
     #[inline(always)]
+    fn at_most(self, other: Self) -> Self::Choice {
+        let mut all = [self.0[0].at_most(other.0[0]); COUNT];
+        for (mask, (a, b)) in all.iter_mut().zip(self.0.into_iter().zip(other.0)).skip(1) {
+            *mask = a.at_most(b);
+        }
+        all
+    }
+
+    #[inline(always)]
     fn choose(which: Self::Choice, a: Self, b: Self) -> Self {
         indexed(
             #[inline(always)]
@@ -275,6 +293,15 @@ impl<V: Register, const COUNT: usize> Load for Registers<V, COUNT> {
             #[inline(always)]
             |index| V::load(&from[index * V::COUNT..]),
         )
+    }
+}
+
+impl<V: Register> Members for Registers<V, 1> {
+    const COUNT: usize = V::COUNT;
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        self.0[0].store(to);
     }
 }
 

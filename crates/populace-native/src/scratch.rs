@@ -2,11 +2,8 @@
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use populace_device::layout::MAX_STEP_ROTATIONS;
 use populace_model::Affine;
 
-use crate::constraints::StepRotations;
-use crate::dispatch::MemberLanes;
 use crate::history::DeferredWrites;
 use crate::lanes::Line;
 
@@ -24,29 +21,16 @@ pub(crate) struct Desk {
 }
 
 /// Scratch buffers of one worker thread.
+#[derive(Default)]
 pub(crate) struct Scratch {
     /// `model_from_joint` of the member in work; until a joint is reached, its local transform.
     pub(crate) models: Vec<Affine>,
     /// Of members side by side.
     pub(crate) desk: Desk,
     /// Rotations that steps of members side by side hand down.
-    pub(crate) rotations: Vec<StepRotations>,
+    pub(crate) rotations: Vec<Line>,
     /// Writes of the phase's members.
     pub(crate) writes: DeferredWrites,
-}
-
-/// Rotations that leave all joints as they are.
-const NONE_TURNED: StepRotations = [[0.0, 0.0, 0.0, 1.0]; MAX_STEP_ROTATIONS as usize];
-
-impl Default for Scratch {
-    fn default() -> Self {
-        Self {
-            models: Vec::new(),
-            desk: Desk::default(),
-            rotations: vec![NONE_TURNED; MemberLanes::Sixteen as usize],
-            writes: DeferredWrites::default(),
-        }
-    }
 }
 
 /// Scratch buffers of all worker threads.

@@ -10,7 +10,7 @@ use populace_device::layout::{Float4, JOINT_BLOCK};
 use populace_model::{Affine, Trs};
 
 use crate::buffers::{JointBuffer, ModelRows};
-use crate::constraints::{Alone, Programs};
+use crate::constraints::{Alone, Programs, step_rotations};
 use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
@@ -69,6 +69,7 @@ pub(crate) fn transform(
         let parents = parents_of(tables, body_of(tables, index));
         let mut rows = Rows { joints, first: first_block * BLOCK, rows };
         let Scratch { rotations, writes, .. } = &mut *scratch.of_current_thread();
+        let rotations = step_rotations(rotations);
         let joints = &mut Alone(&mut rows);
         let (members, registers, next) = (&[index], Dispatch::Baseline, 0);
         Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();

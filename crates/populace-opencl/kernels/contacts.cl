@@ -10,6 +10,12 @@ typedef struct {
     float within, steps, stands;
 } Mix;
 
+// Returns the index of a foot's link to the ankle.
+INLINE uint ankle_link(__global const Constraint *foot)
+{
+    return foot->link_count - 1 - foot->toe_links;
+}
+
 // Returns the seconds from the nearest end of a contact to a time, both in seconds after the start
 // of a cycle: positive within the contact.
 INLINE float secs_within(Contact contact, float secs, float cycle_secs)

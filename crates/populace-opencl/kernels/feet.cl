@@ -1,9 +1,9 @@
 // feet.cl - Foot IK: planted feet stay where they stand, and the pelvis sinks so that they reach
 // it.
 //
-// Reads    local transforms of the legs; the goals of the feet Writes   the model transform of the
-// pelvis or hip; step_rotations of hip, knee and ankle; the state
-//          of the pelvis after this frame
+// Reads    local transforms of the legs; the goals of the feet
+// Writes   the model transform of the pelvis or hip; step_rotations of hip, knee and ankle; the
+//          states of feet and pelvis after this frame
 //
 // Twin of populace-native/src/constraints/feet.rs: same arithmetic, same order of operations.
 
@@ -16,12 +16,6 @@ typedef struct {
 } Legs;
 
 #define MAX_LEGS ((BATCH * MAX_FEET + LANES - 1) / LANES)
-
-// Returns the index of a foot's link to the ankle.
-INLINE uint ankle_link(__global const Constraint *foot)
-{
-    return foot->link_count - 1 - foot->toe_links;
-}
 
 // Walks a leg's chain from link `start`, whose joint has the model transform `from`.
 INLINE Leg walk_leg(const Solver *s, Hierarchy joints, __global const Constraint *constraint,
@@ -54,19 +48,22 @@ INLINE void clear_legs(Legs *legs)
     legs->turn = legs->soft = legs->weight = 0.0f;
 }
 
-// Puts a leg into a lane. Its ankle goes to `goes_to`, whose w is the turn of the foot.
-INLINE void put_leg(Legs *legs, uint lane, Leg leg, __global const Constraint *constraint,
-                    float4 goes_to, float4 follows)
+// Puts a leg into a lane, without its goal.
+INLINE void put_leg(Legs *legs, uint lane, const Leg *leg, __global const Constraint *constraint)
 {
-    put_limb(&legs->limb, lane, leg.knee - leg.hip, origin_of(leg.ankle) - leg.knee, leg.bend,
-             goes_to - leg.hip);
-    PUT(legs->follows.x, lane, follows.x);
-    PUT(legs->follows.y, lane, follows.y);
-    PUT(legs->follows.z, lane, follows.z);
-    PUT(legs->follows.w, lane, follows.w);
-    PUT(legs->turn, lane, goes_to.w);
+    put_limb(&legs->limb, lane, leg->knee - leg->hip, origin_of(leg->ankle) - leg->knee, leg->bend,
+             vec(0.0f, 0.0f, 0.0f));
     PUT(legs->soft, lane, constraint->limits.x);
     PUT(legs->weight, lane, constraint->limits.y);
+}
+
+// Gives legs their goals. `hip` are the places of their hips.
+INLINE void bend(Legs *legs, const FootGoals *goals, Vec3 hip)
+{
+    const Quat follows = { goals->normal.x, goals->normal.y, goals->normal.z, goals->near };
+    legs->limb.to = vec3_add_scaled(goals->ankle, hip, -1.0f);
+    legs->follows = follows;
+    legs->turn = goals->turn;
 }
 
 // Returns how far the pelvis has to sink for each leg to reach its goal.
@@ -113,9 +110,9 @@ INLINE void hand_down(const YieldPoint *at, uint foot, LegRotations rotations, u
     to[2] = quat_in(rotations.ankle, lane);
 }
 
-// Finds where a member's feet go and puts its legs into lanes from `next` on. Returns the next free
-// lane. The goals are also handed down, for legs that another step moves after the pelvis.
-INLINE uint put_feet(Legs *legs, uint next, const YieldPoint *at, uint feet,
+// Puts a member's legs and feet into lanes from `next` on. Returns the next free lane. `left` is the
+// state of each foot after the previous frame.
+INLINE uint put_feet(Legs *legs, FootInputs *inputs, uint next, const YieldPoint *at, uint feet,
                      const float4 (*left)[2])
 {
     __global const Constraint *constraints = at->s->tables->constraints + at->step.index;
@@ -129,13 +126,27 @@ INLINE uint put_feet(Legs *legs, uint next, const YieldPoint *at, uint feet,
     for (uint foot = 0; foot < feet; foot++, next++) {
         __global const Constraint *constraint = constraints + foot;
         const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
-        float4 follows;
-        const float4 goes_to =
-            foot_goal(at->s, foot, constraint, &leg, within_secs[foot], left[foot], &follows);
-        put_leg(&legs[next / LANES], next % LANES, leg, constraint, goes_to, follows);
+        const uint group = next / LANES, lane = next % LANES;
+        put_leg(&legs[group], lane, &leg, constraint);
+        put_foot(&inputs[group], lane, at->s, constraint, &leg, within_secs[foot], left[foot]);
+    }
+    return next;
+}
+
+// Keeps the states of a member's feet, the first of which is in lane `next`. Hands their goals down
+// for legs that another step moves after the pelvis. Returns the lane after them.
+INLINE uint keep_feet(const FootInputs *inputs, const FootGoals *goals, uint next,
+                      const YieldPoint *at, __global const Constraint *first)
+{
+    for (uint foot = 0; foot < first->target_count; foot++, next++) {
+        const uint group = next / LANES, lane = next % LANES;
+        keep_foot_states(&inputs[group].state, lane, at->s, foot);
+        if (first->at_once) continue;
+        const FootGoals *goal = goals + group;
         STEP_ROTATIONS float4 *step_rotations = at->s->step_rotations + at->step.operand + 3 * foot;
-        step_rotations[0] = goes_to;
-        step_rotations[1] = follows;
+        const float4 ankle = vec3_in(goal->ankle, lane), normal = vec3_in(goal->normal, lane);
+        step_rotations[0] = (float4)(ankle.xyz, LANE(goal->turn, lane));
+        step_rotations[1] = (float4)(normal.xyz, LANE(goal->near, lane));
     }
     return next;
 }
@@ -174,10 +185,15 @@ INLINE uint sink(Legs *legs, const Real *needed, uint next, YieldPoint *at,
 APART_STEP void pelvis(YieldPoint *at, uint count)
 {
     Legs legs[MAX_LEGS];
+    FootInputs inputs[MAX_LEGS];
+    FootGoals goals[MAX_LEGS];
     Real needed[MAX_LEGS];
     LegRotations rotations[MAX_LEGS];
     uint all = 0, next = 0;
-    for (uint i = 0; i < MAX_LEGS; i++) clear_legs(&legs[i]);
+    for (uint i = 0; i < MAX_LEGS; i++) {
+        clear_legs(&legs[i]);
+        clear_feet(&inputs[i]);
+    }
     // Load the previous state of all feet first, so that the cache misses overlap.
     float4 left[BATCH][MAX_FEET][2];
     for (uint m = 0; m < count; m++) {
@@ -189,8 +205,15 @@ APART_STEP void pelvis(YieldPoint *at, uint count)
         }
     }
     for (uint m = 0; m < count; m++)
-        all = put_feet(legs, all, at + m, constraint_of(at + m)->target_count, left[m]);
-    for (uint i = 0; i * LANES < all; i++) needed[i] = sinks(legs[i].limb, legs[i].soft);
+        all = put_feet(legs, inputs, all, at + m, constraint_of(at + m)->target_count, left[m]);
+    for (uint i = 0; i * LANES < all; i++) {
+        goals[i] = foot_goal(at->s->tables, &inputs[i]);
+        bend(&legs[i], &goals[i], inputs[i].hip);
+        needed[i] = sinks(legs[i].limb, legs[i].soft);
+    }
+    for (uint m = 0; m < count; m++)
+        next = keep_feet(inputs, goals, next, at + m, constraint_of(at + m));
+    next = 0;
     for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
     for (uint i = 0; i * LANES < all; i++) rotations[i] = leg_rotations(&legs[i]);
     next = 0;
@@ -205,13 +228,24 @@ APART_STEP void pelvis(YieldPoint *at, uint count)
 APART_STEP void foot(YieldPoint *at, uint count)
 {
     Legs legs;
+    FootGoals goals;
+    const Vec3 none = { 0.0f, 0.0f, 0.0f };
+    Vec3 hips = none;
     clear_legs(&legs);
+    goals.ankle = goals.normal = none;
+    goals.turn = goals.near = 0.0f;
     for (uint m = 0; m < count; m++) {
         __global const Constraint *constraint = constraint_of(at + m);
         const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint->upper, at[m].own);
         STEP_ROTATIONS float4 *step_rotations = at[m].s->step_rotations + at[m].step.operand;
-        put_leg(&legs, m, leg, constraint, step_rotations[0], step_rotations[1]);
+        put_leg(&legs, m, &leg, constraint);
+        put_vec3(&hips, m, leg.hip);
+        put_vec3(&goals.ankle, m, step_rotations[0]);
+        put_vec3(&goals.normal, m, step_rotations[1]);
+        PUT(goals.turn, m, step_rotations[0].w);
+        PUT(goals.near, m, step_rotations[1].w);
     }
+    bend(&legs, &goals, hips);
     const LegRotations rotations = leg_rotations(&legs);
     for (uint m = 0; m < count; m++) {
         hand_down(at + m, 0, rotations, m);

@@ -83,6 +83,8 @@ impl Form {
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),
             include_str!("../kernels/contacts.cl"),
+            include_str!("../kernels/foot_state.cl"),
+            include_str!("../kernels/foothold.cl"),
             include_str!("../kernels/foot.cl"),
             include_str!("../kernels/feet.cl"),
             include_str!("../kernels/motion.cl"),

@@ -24,6 +24,9 @@ pub trait Real:
     /// Returns for each lane whether `self` is below `other`.
     fn less(self, other: Self) -> Self::Choice;
 
+    /// Returns for each lane whether `self` is below `other` or equal to it.
+    fn at_most(self, other: Self) -> Self::Choice;
+
     /// Returns `a` for lanes where `which` is true, else `b`.
     fn choose(which: Self::Choice, a: Self, b: Self) -> Self;
 
@@ -51,6 +54,30 @@ pub trait Real:
         Self::choose(self.less(Self::splat(0.0)), -self, self) + Self::splat(0.0)
     }
 
+    /// Returns the lanes that are chosen by both.
+    #[inline(always)]
+    #[must_use]
+    fn both(a: Self::Choice, b: Self::Choice) -> Self::Choice {
+        let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
+        zero.less(Self::choose(a, Self::choose(b, one, zero), zero))
+    }
+
+    /// Returns the lanes that are chosen by either.
+    #[inline(always)]
+    #[must_use]
+    fn either(a: Self::Choice, b: Self::Choice) -> Self::Choice {
+        let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
+        zero.less(Self::choose(a, one, Self::choose(b, one, zero)))
+    }
+
+    /// Returns the lanes that are not chosen.
+    #[inline(always)]
+    #[must_use]
+    fn others(which: Self::Choice) -> Self::Choice {
+        let (zero, one) = (Self::splat(0.0), Self::splat(1.0));
+        zero.less(Self::choose(which, zero, one))
+    }
+
     /// Interpolates linearly: `self + (to - self) * t`.
     #[inline(always)]
     #[must_use]
@@ -74,6 +101,11 @@ impl Real for f32 {
     #[inline(always)]
     fn less(self, other: Self) -> bool {
         self < other
+    }
+
+    #[inline(always)]
+    fn at_most(self, other: Self) -> bool {
+        self <= other
     }
 
     #[inline(always)]

@@ -2,13 +2,14 @@
 //! the inverse kinematics problem"). Twin of `kernels/chain.cl`.
 //!
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
-//! transform, and rotations for the others.
+//! transform, and returns the rotations of all.
 
-use populace_device::layout::{CHAIN_PASSES, MAX_LINKS, Step};
+use populace_device::layout::{CHAIN_PASSES, Link, MAX_LINKS, Step};
+use populace_model::Affine;
 use populace_model::math::{quat, vec3};
 
 use super::limb::soft_distance;
-use super::targets::{Chain, Solver, WeightedPoint};
+use super::targets::{Solver, WeightedPoint};
 use crate::hierarchy::Hierarchy;
 
 /// Returns the point at `length` from `to` in the direction of `from`.
@@ -17,14 +18,36 @@ fn drawn(to: [f32; 3], from: [f32; 3], length: f32) -> [f32; 3] {
     vec3::add_scaled(to, away, length)
 }
 
+/// Returns the positions of a chain's joints in model space, from their local transforms. `from` is
+/// the first joint's model transform.
+fn positions(
+    joints: &impl Hierarchy,
+    links: &[Link],
+    from: Affine,
+) -> [[f32; 3]; MAX_LINKS as usize] {
+    let mut positions = [[0.0; 3]; MAX_LINKS as usize];
+    let mut end = from;
+    positions[0] = end.origin();
+    for (position, link) in positions.iter_mut().zip(links).skip(1) {
+        end = end.mul(&joints.local_of(link.joint as usize));
+        *position = end.origin();
+    }
+    positions
+}
+
 impl Solver<'_> {
-    /// Brings the end of a chain to its target.
+    /// Brings the end of a chain to its target. Returns the rotation of each joint.
     #[inline(never)]
-    pub(super) fn chain(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
+    pub(super) fn chain(
+        &self,
+        joints: &mut impl Hierarchy,
+        step: &Step,
+    ) -> [[f32; 4]; MAX_LINKS as usize] {
+        let joint = step.joint as usize;
         let constraint = self.constraint(step);
         let links = self.links(constraint);
         let own = joints.model_of(joint);
-        let Chain { positions, .. } = Self::walk(joints, links, own);
+        let positions = positions(joints, links, own);
         let last = links.len() - 1;
         let mut lengths = [0.0; MAX_LINKS as usize];
         let mut total = 0.0;
@@ -50,6 +73,7 @@ impl Solver<'_> {
                 }
             }
         }
+        let mut rotations = [quat::identity(); MAX_LINKS as usize];
         let mut rotated_by = quat::identity();
         for at in 0..last {
             let was = vec3::unit_or(
@@ -58,13 +82,10 @@ impl Solver<'_> {
             );
             let is = vec3::unit_or(vec3::sub(points[at + 1], points[at]), was);
             let rotation = vec3::part_of(vec3::between(was, is, vec3::any_across(is)), weight);
-            if at == 0 {
-                joints.keep_model(joint, own.rotated(rotation));
-            } else {
-                self.step_rotations[step.operand as usize + at - 1] = rotation;
-            }
+            rotations[at] = rotation;
             rotated_by = quat::mul(rotation, rotated_by);
         }
-        self.step_rotations[step.operand as usize + last - 1] = quat::identity();
+        joints.keep_model(joint, own.rotated(rotations[0]));
+        rotations
     }
 }

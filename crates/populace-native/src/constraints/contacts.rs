@@ -4,10 +4,15 @@
 //! Reads slots, the state of state machines, bound clips, clips and contacts.
 
 use populace_device::layout::{
-    CONTACT_WHOLE, Contact, FOOT_NEAR_SECS, FOOT_STEPPING, Link, MAX_FEET, NONE, SLOT_LIVE, Slot,
+    CONTACT_WHOLE, Constraint, Contact, FOOT_NEAR_SECS, FOOT_STEPPING, Link, MAX_FEET, NONE,
+    SLOT_LIVE, Slot,
 };
 
+use populace_model::math::Real;
+
+use super::programs::{Company, Programs, Stop};
 use super::targets::Solver;
+use crate::lanes::{Simd, put};
 use crate::machines::slot_now;
 use crate::members::member_slots;
 
@@ -25,6 +30,12 @@ struct Mix {
     stands: f32,
 }
 
+/// Returns the index of a foot's link to the ankle.
+#[inline(always)]
+pub(super) fn ankle_link(foot: &Constraint) -> usize {
+    (foot.link_count - 1 - foot.toe_links) as usize
+}
+
 /// Returns the seconds from the nearest end of a contact to a time, both in seconds after the start
 /// of a cycle: positive within the contact.
 fn secs_within(contact: &Contact, secs: f32, cycle_secs: f32) -> f32 {
@@ -32,6 +43,44 @@ fn secs_within(contact: &Contact, secs: f32, cycle_secs: f32) -> f32 {
     let away = (secs - middle).abs();
     let away = if away > 0.5 * cycle_secs { (cycle_secs - away).abs() } else { away };
     0.5 * (contact.until_secs - contact.from_secs) - away
+}
+
+/// Where a foot is in its contacts.
+#[derive(Clone, Copy)]
+pub(super) struct InContact<R: Real> {
+    /// Seconds from the nearest end of a contact, see [`Solver::contacts_of`].
+    pub(super) within_secs: R,
+    /// False if no clip knows.
+    pub(super) known: R::Choice,
+}
+
+impl<R: Real> InContact<R> {
+    /// Returns it from its numbers: the seconds, and 1 if a clip knows.
+    #[inline(always)]
+    pub(super) fn of_numbers([within_secs, known]: [R; 2]) -> Self {
+        Self { within_secs, known: R::splat(0.5).less(known) }
+    }
+}
+
+impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
+    /// Collects numbers of [`InContact`] for each foot. `feet` are the constraints of the first
+    /// member.
+    #[inline(always)]
+    pub(super) fn put_contacts(&mut self, feet: &[Constraint]) -> [[Simd<COUNT>; 2]; FEET] {
+        let mut contacts = [[Simd([0.0; COUNT]); 2]; FEET];
+        let mut ankles = [Link::default(); FEET];
+        for (ankle, foot) in ankles.iter_mut().zip(feet) {
+            *ankle = self.links(foot)[ankle_link(foot)];
+        }
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
+            let own = solver.contacts_of(&ankles, feet.len());
+            for (all, secs) in contacts.iter_mut().zip(own) {
+                put(all, lane, secs.map_or([0.0; 2], |secs| [secs, 1.0]));
+            }
+        }
+        contacts
+    }
 }
 
 impl Solver<'_> {

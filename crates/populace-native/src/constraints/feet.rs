@@ -5,83 +5,74 @@
 //! the pelvis' state, and rotations for hips, knees and ankles.
 
 use populace_device::layout::{
-    Constraint, Float4, Link, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
+    Constraint, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
 };
-use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
 
-use super::foot::{FootGoal, Leg};
+use super::contacts::{InContact, ankle_link};
+use super::foot::{FootGoal, FootInputs, Leg};
+use super::foot_state::{FootState, SETTINGS, STANCE, STATE, Settings, Stance};
+use super::foothold::Floor;
 use super::limb::Limb;
 use super::programs::{Company, Programs, Stop};
-use super::targets::Solver;
-use crate::hierarchy::Hierarchy;
-use crate::lanes::{Simd, lane_of, put};
+use crate::lanes::{Members, Simd, load, put, store};
+use crate::matrices::{origin, product, transform_vector};
 
 const FEET: usize = MAX_FEET as usize;
 
-/// Legs of members side by side, one of each member, and the settings of their constraints.
+/// A leg and its goal, of one member or of several in lanes, and the settings of its constraint.
 #[derive(Clone, Copy)]
-struct Legs<const COUNT: usize> {
-    limb: Limb<Simd<COUNT>>,
+struct Bent<R> {
+    limb: Limb<R>,
     /// Tangent of half the angle about +Y by which the foot turns.
-    turn: Simd<COUNT>,
+    turn: R,
     /// As [`FootGoal::follows`].
-    follows: [Simd<COUNT>; 4],
-    soft: Simd<COUNT>,
-    weight: Simd<COUNT>,
+    follows: [R; 4],
+    soft: R,
+    weight: R,
 }
 
-impl<const COUNT: usize> Legs<COUNT> {
-    /// Legs of no length.
-    const NONE: Self = {
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
-        Self {
-            limb: Limb::<Simd<COUNT>>::NONE,
-            turn: zero,
-            follows: [zero, zero, zero, one],
-            soft: zero,
-            weight: zero,
-        }
-    };
-
-    /// Puts a leg into a lane.
+impl<R: Real> Bent<R> {
+    /// Returns a leg of no length.
     #[inline(always)]
-    fn put_leg(&mut self, lane: usize, leg: &Leg, goal: &FootGoal, constraint: &Constraint) {
+    fn none() -> Self {
+        let zero = R::splat(0.0);
+        let limb = Limb { upper: [zero; 3], lower: [zero; 3], bend: [zero; 3], to: [zero; 3] };
+        Self { limb, turn: zero, follows: [zero; 4], soft: zero, weight: zero }
+    }
+
+    /// Puts a leg, its goal, and the limits of its constraint together.
+    #[inline(always)]
+    fn bend(leg: &Leg<R>, goal: &FootGoal<R>, [soft, weight]: [R; 2]) -> Self {
         let [x, y, z, turn] = goal.ankle;
-        let one = Limb {
+        let limb = Limb {
             upper: vec3::sub(leg.knee, leg.hip),
-            lower: vec3::sub(leg.ankle.origin(), leg.knee),
+            lower: vec3::sub(origin(&leg.ankle), leg.knee),
             bend: leg.bend,
             to: vec3::sub([x, y, z], leg.hip),
         };
-        self.limb.put_limb(lane, &one);
-        put(&mut self.follows, lane, goal.follows);
-        let [soft, weight, ..] = constraint.limits.0;
-        (self.turn.0[lane], self.soft.0[lane], self.weight.0[lane]) = (turn, soft, weight);
+        Self { limb, turn, follows: goal.follows, soft, weight }
     }
 
-    /// Returns the drop of the pelvis, in metres, that each leg needs to reach its goal.
+    /// Returns the drop of the pelvis, in metres, that the leg needs to reach its goal.
     #[inline(always)]
-    fn sinks(&self) -> Simd<COUNT> {
+    fn sinks(&self) -> R {
         let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
-        let one = Simd([1.0; COUNT]);
-        let (reach, most) = (length * (one - self.soft), length * Simd::splat(MAX_PELVIS_SINK));
+        let one = R::splat(1.0);
+        let (reach, most) = (length * (one - self.soft), length * R::splat(MAX_PELVIS_SINK));
         let [x, y, z] = self.limb.to;
         let needed = -y - vec3::root(reach * reach - x * x - z * z);
-        Simd::choose(most.less(needed), most, needed)
+        R::choose(most.less(needed), most, needed)
     }
 
-    /// Returns the rotations of hips, knees and ankles.
+    /// Returns the rotations of hip, knee and ankle.
     #[inline(always)]
-    fn leg_rotations(&self) -> [[Simd<COUNT>; 4]; 3] {
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
-        let weight = self.weight;
-        let [mut hip, mut knee] = self.limb.limb_rotations(None, self.soft);
+    fn leg_rotations(&self) -> [[R; 4]; 3] {
+        let (zero, one, weight) = (R::splat(0.0), R::splat(1.0), self.weight);
+        let [hip, knee] = self.limb.limb_rotations(None, self.soft);
         let partly = weight.less(one);
-        if partly.contains(&true) {
-            hip = quat::choose::<Simd<COUNT>>(partly, vec3::part_of(hip, weight), hip);
-            knee = quat::choose::<Simd<COUNT>>(partly, vec3::part_of(knee, weight), knee);
-        }
+        let hip = quat::choose::<R>(partly, vec3::part_of(hip, weight), hip);
+        let knee = quat::choose::<R>(partly, vec3::part_of(knee, weight), knee);
         // The ankle keeps its rotation from before the constraint, and follows the slope: by the
         // rotation from up to the normal.
         let [nx, ny, nz, follows] = self.follows;
@@ -94,36 +85,52 @@ impl<const COUNT: usize> Legs<COUNT> {
     }
 }
 
-/// Returns the index of a foot's link to the ankle.
-#[inline(always)]
-fn ankle_link(foot: &Constraint) -> usize {
-    (foot.link_count - 1 - foot.toe_links) as usize
+/// Numbers of members side by side that a step of feet goes by, as collected member by member.
+struct Collected<const COUNT: usize> {
+    /// Of each foot: numbers of [`Settings`], [`InContact`] and [`FootState`].
+    settings: [[Simd<COUNT>; SETTINGS]; FEET],
+    contacts: [[Simd<COUNT>; 2]; FEET],
+    states: [[Simd<COUNT>; STATE]; FEET],
+    /// Numbers of [`Stance`].
+    stances: [Simd<COUNT>; STANCE],
+    /// Drop of the pelvis in the frame before, and 1 if it is known.
+    pelvis: [Simd<COUNT>; 2],
 }
 
-impl Solver<'_> {
-    /// Walks down a leg's chain from link `start`. `from` is the model transform of its joint.
-    #[inline(never)]
-    fn walk_leg(
-        joints: &impl Hierarchy,
-        links: &[Link],
+/// Returns how far the pelvis is lowered, in metres. It sinks at once, so that feet reach the
+/// ground, and takes its time to rise.
+#[inline(always)]
+fn eased_drop<R: Real>(wanted: R, [before, known]: [R; 2], elapsed_secs: f32) -> R {
+    let part = R::splat(elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS));
+    let rises = R::both(wanted.less(before), R::splat(0.5).less(known));
+    R::choose(rises, before + (wanted - before) * part, wanted)
+}
+
+impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
+    /// Walks down the chain of a leg from link `start`, whose joint has a model transform. `axis`
+    /// is the direction in the hip that the knee bends to.
+    #[inline(always)]
+    fn walk_leg<R: Members>(
+        &self,
         foot: &Constraint,
         start: usize,
-        from: Affine,
-    ) -> Leg {
-        let none = [0.0; 3];
-        let mut leg = Leg { hip: none, knee: none, bend: none, ankle: from, toes: from };
-        let mut model = from;
+        first: usize,
+        axis: [R; 3],
+    ) -> Leg<R> {
+        let (links, none) = (self.links(foot), [R::splat(0.0); 3]);
+        let mut model = self.joints.models_of(links[start].joint as usize, first);
+        let mut leg = Leg { hip: none, knee: none, bend: none, ankle: model, toes: model };
         let ankle = ankle_link(foot);
         for (at, link) in links.iter().enumerate().skip(start) {
             if at > start {
-                model = model.mul(&joints.local_of(link.joint as usize));
+                model = product(&model, &self.joints.locals_of(link.joint as usize, first));
             }
             if at == foot.upper as usize {
-                leg.hip = model.origin();
-                leg.bend = model.transform_vector(foot.axis.xyz());
+                leg.hip = origin(&model);
+                leg.bend = transform_vector(&model, axis);
             }
             if at == foot.middle as usize {
-                leg.knee = model.origin();
+                leg.knee = origin(&model);
             }
             if at == ankle {
                 leg.ankle = model;
@@ -133,143 +140,146 @@ impl Solver<'_> {
         leg
     }
 
-    /// Returns how far the pelvis is lowered, in metres, and keeps it. It sinks at once, so that
-    /// feet reach the ground, and takes its time to rise.
-    fn eased_drop(&mut self, wanted: f32) -> f32 {
-        let Float4([before, _, _, bits]) = self.state(PELVIS_STATE);
-        let elapsed_secs = self.inputs.frame.elapsed_secs();
-        let drop = if wanted < before && bits.to_bits() == self.control.epoch {
-            before + (wanted - before) * (elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS))
-        } else {
-            wanted
+    /// Collects the settings of the members' constraints, each the `nth` from that of its step on.
+    #[inline(always)]
+    fn put_settings(&mut self, nth: usize) -> [Simd<COUNT>; SETTINGS] {
+        let mut settings = [Simd([0.0; COUNT]); SETTINGS];
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
+            let all = solver.tables.constraints().as_slice();
+            let constraint = &all[step.index as usize + nth];
+            let [x, y, z] = constraint.axis.xyz();
+            let ([a, b, c, d], [e, f, g, h]) = (constraint.up.0, constraint.limits.0);
+            put(&mut settings, lane, [x, y, z, a, b, c, d, e, f, g, h]);
+        }
+        settings
+    }
+
+    /// Collects what members side by side go by. `feet` are the constraints of the first one.
+    #[inline(always)]
+    fn collect(&mut self, feet: &[Constraint]) -> Collected<COUNT> {
+        let none = Simd([0.0; COUNT]);
+        let mut all = Collected {
+            settings: [[none; SETTINGS]; FEET],
+            contacts: self.put_contacts(feet),
+            states: [[none; STATE]; FEET],
+            stances: [none; STANCE],
+            pelvis: [none; 2],
         };
-        let bits = f32::from_bits(self.control.epoch);
-        self.keep_state(PELVIS_STATE, Float4([drop, 0.0, 0.0, bits]));
-        drop
-    }
-}
-
-impl<H: Hierarchy> Stop<'_, H> {
-    /// Finds the goals of a member's feet, and puts its legs into a lane. Returns the number of
-    /// feet. The goals are also handed down, for legs that another step moves after the pelvis.
-    #[inline(never)]
-    fn put_feet<const COUNT: usize>(
-        &mut self,
-        legs: &mut [Legs<COUNT>; FEET],
-        lane: usize,
-    ) -> usize {
-        let Self { solver, step, joints, .. } = self;
-        let own = joints.model_of(step.joint as usize);
-        let first = solver.constraint(step);
-        let count = first.target_count as usize;
-        let constraints = &solver.tables.constraints().as_slice()[step.index as usize..][..count];
-        let mut ankles = [Link::default(); FEET];
-        for (ankle, constraint) in ankles.iter_mut().zip(constraints) {
-            *ankle = solver.links(constraint)[ankle_link(constraint)];
-        }
-        let contacts = solver.contacts_of(&ankles, count);
-        for (foot, constraint) in (0..first.target_count).zip(constraints) {
-            let leg = Solver::walk_leg(&*joints, solver.links(constraint), constraint, 0, own);
-            let goal = solver.foot_goal(foot, constraint, &leg, contacts[foot as usize]);
-            legs[foot as usize].put_leg(lane, &leg, &goal, first);
-            let to = (step.operand + 3 * foot) as usize;
-            solver.step_rotations[to] = goal.ankle;
-            solver.step_rotations[to + 1] = goal.follows;
-        }
-        count
-    }
-
-    /// Lowers a member's pelvis for its legs, which are in a lane.
-    #[inline(always)]
-    fn sink<const COUNT: usize>(
-        &mut self,
-        legs: &mut [Legs<COUNT>; FEET],
-        needed: &[Simd<COUNT>; FEET],
-        lane: usize,
-    ) {
-        let Self { solver, step, joints, .. } = self;
-        let first = solver.constraint(step);
-        let mut drop = 0.0;
-        for needed in &needed[..first.target_count as usize] {
-            drop = if needed.0[lane] > drop { needed.0[lane] } else { drop };
-        }
-        drop = solver.eased_drop(drop * first.limits.0[1]);
-        let mut rows = joints.model_of(step.joint as usize).rows;
-        rows[1][3] -= drop;
-        joints.keep_model(step.joint as usize, Affine { rows });
-        for leg in legs {
-            leg.limb.to[1].0[lane] += drop;
-        }
-    }
-}
-
-impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
-    /// Finds the goals of all feet, and lowers the pelvis until the legs can reach them. Solves the
-    /// legs too, unless something else moves them after the pelvis.
-    #[inline(always)]
-    pub(super) fn pelvis(&mut self) {
-        let (mut legs, mut most) = ([Legs::<COUNT>::NONE; FEET], 0);
-        for lane in 0..self.members.len() {
-            if let Some(mut stop) = self.stop(lane) {
-                most = most.max(stop.put_feet(&mut legs, lane));
-            }
-        }
-        let mut needed = [Simd([0.0; COUNT]); FEET];
-        for (needed, legs) in needed.iter_mut().zip(&legs[..most]) {
-            *needed = legs.sinks();
+        for ((nth, index), _) in (0..).zip(0..).zip(feet) {
+            all.settings[nth] = self.put_settings(nth);
+            all.states[nth] = self.foot_states(index);
         }
         for lane in 0..self.members.len() {
-            if let Some(mut stop) = self.stop(lane) {
-                stop.sink(&mut legs, &needed, lane);
-            }
+            let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
+            let ([x, y, z, scale], [sin, cos, ..]) =
+                (solver.control.place.0, solver.control.facing.0);
+            let [a, b, c, _] = solver.control.stride.0;
+            put(&mut all.stances, lane, [x, y, z, scale, sin, cos, a, b, c]);
+            let Float4([drop, _, _, bits]) = solver.state(PELVIS_STATE);
+            let known = if bits.to_bits() == solver.control.epoch { 1.0 } else { 0.0 };
+            put(&mut all.pelvis, lane, [drop, known]);
         }
-        for (foot, legs) in legs[..most].iter().enumerate() {
-            let rotations = legs.leg_rotations();
-            for lane in 0..self.members.len() {
-                let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
-                let first = solver.constraint(step);
-                if first.at_once != 0 && foot < first.target_count as usize {
-                    let to = step.operand as usize + 3 * foot;
-                    hand_down(&mut solver.step_rotations[to..], &rotations, lane);
+        all
+    }
+
+    /// Finds the goals of the feet of as many members as `R` has lanes, and how far their pelvises
+    /// are lowered. Solves the legs too, unless something else moves them after the pelvis: then
+    /// their goals are handed down.
+    #[inline(always)]
+    fn plant<R: Members>(
+        &mut self,
+        feet: &[Constraint],
+        all: &mut Collected<COUNT>,
+        first: usize,
+    ) -> Option<R> {
+        let ((step, _), tables) = (self.first_stop()?, self.inputs.tables);
+        let (operand, elapsed_secs) = (step.operand as usize, self.inputs.frame.elapsed_secs());
+        let floor = Floor::floor_of(tables, elapsed_secs);
+        let stance = Stance::of_numbers(load(&all.stances, first));
+        let [.., soft, weight, _, _]: [R; SETTINGS] = load(&all.settings[0], first);
+        let mut legs = [Bent::none(); FEET];
+        let mut needed = R::splat(0.0);
+        for (nth, foot) in feet.iter().enumerate() {
+            let settings = Settings::of_numbers(load(&all.settings[nth], first));
+            let inputs = FootInputs {
+                foot,
+                soles: tables.soles().as_slice(),
+                floor,
+                elapsed_secs,
+                stance,
+                settings,
+                leg: self.walk_leg(foot, 0, first, settings.axis),
+                contact: InContact::of_numbers(load(&all.contacts[nth], first)),
+                state: FootState::of_numbers(load(&all.states[nth], first)),
+            };
+            let (goal, next) = inputs.foot_goal();
+            store(&next.numbers(), &mut all.states[nth], first);
+            if feet[0].at_once == 0 {
+                store(&goal.ankle, &mut self.rotations[operand + 3 * nth], first);
+                store(&goal.follows, &mut self.rotations[operand + 3 * nth + 1], first);
+            }
+            legs[nth] = Bent::bend(&inputs.leg, &goal, [soft, weight]);
+            let sinks = legs[nth].sinks();
+            needed = R::choose(needed.less(sinks), sinks, needed);
+        }
+        let drop = eased_drop(needed * weight, load(&all.pelvis, first), elapsed_secs);
+        if feet[0].at_once != 0 {
+            for (nth, leg) in legs[..feet.len()].iter_mut().enumerate() {
+                leg.limb.to[1] = leg.limb.to[1] + drop;
+                for (at, rotation) in leg.leg_rotations().iter().enumerate() {
+                    store(rotation, &mut self.rotations[operand + 3 * nth + at], first);
                 }
             }
+        }
+        Some(drop)
+    }
+
+    /// Finds the goals of all feet, and lowers the pelvises until the legs can reach them. Solves
+    /// the legs too, unless something else moves them after the pelvis.
+    #[inline(always)]
+    pub(super) fn pelvis<R: Members>(&mut self) {
+        let Some((step, constraint)) = self.first_stop() else { return };
+        let count = constraint.target_count as usize;
+        let feet = &self.inputs.tables.constraints().as_slice()[step.index as usize..][..count];
+        let mut all = self.collect(feet);
+        let mut drops = Simd([0.0; COUNT]);
+        for first in (0..self.members.len()).step_by(R::COUNT) {
+            if let Some(drop) = self.plant::<R>(feet, &mut all, first) {
+                drop.store(&mut drops.0[first..]);
+            }
+        }
+        self.joints.lower(step.joint as usize, drops);
+        for (nth, states) in (0..).zip(&all.states[..count]) {
+            self.keep_foot_states(nth, states);
+        }
+        for lane in 0..self.members.len() {
+            let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
+            let epoch = f32::from_bits(solver.control.epoch);
+            solver.keep_state(PELVIS_STATE, Float4([drops.0[lane], 0.0, 0.0, epoch]));
         }
     }
 
     /// Solves legs that something else has moved after the pelvis, for the goals that
     /// [`pelvis`](Self::pelvis) found.
     #[inline(always)]
-    pub(super) fn foot(&mut self) {
-        let mut legs = Legs::<COUNT>::NONE;
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, joints, .. }) = self.stop(lane) else { continue };
-            let constraint = solver.constraint(step);
-            let (own, links) = (joints.model_of(step.joint as usize), solver.links(constraint));
-            let start = constraint.upper as usize;
-            let leg = Solver::walk_leg(&joints, links, constraint, start, own);
-            let [ankle, follows] =
-                [0, 1].map(|at: usize| solver.step_rotations[step.operand as usize + at]);
-            legs.put_leg(lane, &leg, &FootGoal { ankle, follows }, constraint);
+    pub(super) fn foot<R: Members>(&mut self) {
+        let Some((step, foot)) = self.first_stop() else { return };
+        let (joint, operand) = (step.joint as usize, step.operand as usize);
+        let all = self.put_settings(0);
+        for first in (0..self.members.len()).step_by(R::COUNT) {
+            let Settings { axis, limits: [soft, weight, ..], .. } =
+                Settings::of_numbers(load::<R, COUNT, SETTINGS>(&all, first));
+            let leg = self.walk_leg(foot, foot.upper as usize, first, axis);
+            let goal = FootGoal {
+                ankle: load(&self.rotations[operand], first),
+                follows: load(&self.rotations[operand + 1], first),
+            };
+            let rotations = Bent::bend(&leg, &goal, [soft, weight]).leg_rotations();
+            for (at, rotation) in rotations.iter().enumerate() {
+                store(rotation, &mut self.rotations[operand + at], first);
+            }
         }
-        let rotations = legs.leg_rotations();
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, mut joints, .. }) = self.stop(lane) else { continue };
-            let to = &mut solver.step_rotations[step.operand as usize..];
-            hand_down(to, &rotations, lane);
-            let joint = step.joint as usize;
-            joints.keep_model(joint, joints.model_of(joint).rotated(to[0]));
-        }
-    }
-}
-
-/// Hands a leg's rotations down to the steps of hip, knee and ankle.
-#[inline(always)]
-fn hand_down<const COUNT: usize>(
-    to: &mut [[f32; 4]],
-    rotations: &[[Simd<COUNT>; 4]; 3],
-    lane: usize,
-) {
-    for (to, rotation) in to.iter_mut().zip(rotations) {
-        *to = lane_of(rotation, lane);
+        self.joints.rotate(joint, self.rotations[operand]);
     }
 }

@@ -1,362 +1,363 @@
-//! Where a foot of a member goes: with its clips and its stride, locked to the ground while it
-//! stands. Twin of `kernels/foot.cl`; twins of its functions of the ground are in populace-device.
+//! Where a foot goes: with its clips and its stride, locked to the ground while it stands. Twin of
+//! `kernels/foot.cl`.
 //!
 //! Reads constraints, soles, the ground, the leg's transforms, and the foot's state as of the frame
-//! before. Writes the foot's state.
+//! before. Returns its state for the next.
 //!
 //! A standing foot is locked in world space: at the lowest point of its sole, over which it rolls,
 //! and in its direction. Once lifted, it catches up with the clip.
 
 use populace_device::layout::{
     Constraint, FOOT_EDGE, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH,
-    FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_STATE_BITS, FOOT_TURN_STATE, Float4,
+    FOOT_RELEASE_SECS, FOOT_RELOCK, Float4, MAX_SOLE_POINTS,
 };
-use populace_model::Affine;
 use populace_model::math::{Real, quat, vec3};
 
-use super::targets::Solver;
+use super::contacts::InContact;
+use super::foot_state::{FootState, Settings, Stance};
+use super::foothold::{Floor, within};
+use crate::lanes::Members;
+use crate::matrices::{MATRIX, origin, transform_point, transform_vector};
+
+/// The most points of a sole: those of the ankle and those of the toes.
+const POINTS: usize = 2 * MAX_SOLE_POINTS as usize;
 
 /// Goal of a foot.
-pub(super) struct FootGoal {
+pub(super) struct FootGoal<R> {
     /// The ankle's position in model space, and the tangent of half the angle about +Y by which the
     /// foot turns.
-    pub(super) ankle: [f32; 4],
+    pub(super) ankle: [R; 4],
     /// The ground's unit normal in model space, and how much the foot follows the slope: 1 while
     /// planted, 0 when lifted.
-    pub(super) follows: [f32; 4],
-}
-
-/// State of a foot as of the frame before, in world space.
-#[derive(Clone, Copy)]
-pub(super) struct FootState {
-    /// Horizontal: the pivot's position if planted, else the offset from where the clip has the
-    /// foot.
-    vector: [f32; 3],
-    /// If planted, the unit direction from heel to toes along X and Z; else the tangent of half the
-    /// angle by which the foot is turned from the clip, then 0.
-    direction: [f32; 2],
-    /// Height of the ground that the foot is shown on.
-    pub(super) height: f32,
-    /// Height of the planted pivot above the true ground.
-    pub(super) above: f32,
-    /// Speed at which the foot rises to the height of the ground, in metres per second.
-    pub(super) climb: f32,
-    /// The point of the sole that stands, if planted.
-    pivot: u32,
-    pub(super) planted: bool,
-    /// The lock was let go within a contact that has not ended.
-    released: bool,
-    /// False if the member had no such state in the frame before.
-    pub(super) known: bool,
+    pub(super) follows: [R; 4],
 }
 
 /// A leg before the constraint, in model space.
-pub(super) struct Leg {
-    pub(super) hip: [f32; 3],
-    pub(super) knee: [f32; 3],
+pub(super) struct Leg<R> {
+    pub(super) hip: [R; 3],
+    pub(super) knee: [R; 3],
     /// Direction that the knee bends to.
-    pub(super) bend: [f32; 3],
+    pub(super) bend: [R; 3],
     /// Transforms of the ankle, and of the joint that carries the front of the sole.
-    pub(super) ankle: Affine,
-    pub(super) toes: Affine,
+    pub(super) ankle: [R; MATRIX],
+    pub(super) toes: [R; MATRIX],
 }
 
 /// A rotation about +Y, by the tangent of half its angle.
 #[derive(Clone, Copy)]
-struct Turn {
-    half_tan: f32,
-    sin: f32,
-    cos: f32,
+struct Turn<R> {
+    half_tan: R,
+    sin: R,
+    cos: R,
 }
 
-impl Turn {
+impl<R: Real> Turn<R> {
     #[inline(always)]
-    fn turn_of(half_tan: f32) -> Self {
-        let inverse = 1.0 / (1.0 + half_tan * half_tan);
-        Self { half_tan, sin: (half_tan + half_tan) * inverse, cos: 2.0 * inverse - 1.0 }
+    fn turn_of(half_tan: R) -> Self {
+        let one = R::splat(1.0);
+        let inverse = one / (one + half_tan * half_tan);
+        Self { half_tan, sin: (half_tan + half_tan) * inverse, cos: R::splat(2.0) * inverse - one }
     }
 
     /// Returns the turn by the sum of two angles, which is less than half a turn.
     #[inline(always)]
-    fn turn_and(self, half_tan: f32) -> Self {
-        Self::turn_of((self.half_tan + half_tan) / (1.0 - self.half_tan * half_tan))
+    fn turn_and(self, half_tan: R) -> Self {
+        let product = self.half_tan * half_tan;
+        Self::turn_of((self.half_tan + half_tan) / (R::splat(1.0) - product))
     }
 
     #[inline(always)]
-    fn turned(self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    fn turned(self, [x, y, z]: [R; 3]) -> [R; 3] {
         [self.cos * x + self.sin * z, y, self.cos * z - self.sin * x]
     }
 }
 
 /// A foot as its clips and the member's stride pose it, in model space.
-struct Stepped {
-    ankle: [f32; 3],
-    turn: Turn,
+struct Stepped<R> {
+    ankle: [R; 3],
+    turn: Turn<R>,
     /// From heel to ball, as the clips have it.
-    along: [f32; 3],
+    along: [R; 3],
+    /// Points of the sole, as the clips have them, relative to the ankle: first the point on the
+    /// ground beneath the ankle, which stands in for a sole without points.
+    sole: [[R; 3]; 1 + POINTS],
+    /// Number of points of the sole.
+    points: usize,
     /// Index of the lowest point of the sole, and its height.
-    lowest: u32,
-    clearance: f32,
+    lowest: R,
+    clearance: R,
 }
 
-impl Stepped {
+impl<R: Real> Stepped<R> {
     /// Applies the member's stride: distances that the clip steps along +Z, from the ankle's
     /// position at rest, are scaled and turned, and the foot turns by them about the origin.
     #[inline(always)]
     fn step_foot(
-        leg: &Leg,
+        leg: &Leg<R>,
         foot: &Constraint,
         soles: &[Float4],
-        [along_x, along_z, turn, _]: [f32; 4],
+        settings: &Settings<R>,
+        [along_x, along_z, turn]: [R; 3],
     ) -> Self {
-        let ([x, y, z], rest_z) = (leg.ankle.origin(), foot.limits.0[2]);
+        let zero = R::splat(0.0);
+        let (at, rest_z) = (origin(&leg.ankle), settings.limits[2]);
+        let [x, y, z] = at;
         let stride = z - rest_z;
         let turn = Turn::turn_of(turn * stride);
         let ankle = turn.turned([x + stride * along_x, y, rest_z + stride * along_z]);
         let of_ankle = &soles[foot.sole_first as usize..][..foot.sole_count as usize];
         let of_toes = &soles[foot.toe_first as usize..][..foot.toe_count as usize];
         let along = match of_ankle {
-            [heel, .., ball] => leg.ankle.transform_vector(vec3::sub(ball.xyz(), heel.xyz())),
-            _ => [0.0; 3],
+            [heel, .., ball] => {
+                transform_vector(&leg.ankle, splat(vec3::sub(ball.xyz(), heel.xyz())))
+            }
+            _ => [zero; 3],
         };
-        let mut step = Self { ankle, turn, along, lowest: 0, clearance: f32::MAX };
-        step.lower(&leg.ankle, of_ankle, 0);
-        step.lower(&leg.toes, of_toes, foot.sole_count);
-        if foot.sole_count + foot.toe_count == 0 {
-            step.clearance = y - foot.limits.0[3];
-        }
-        step
-    }
-
-    /// Finds the lowest of the points that a joint carries, the first of which has the index
-    /// `first`.
-    #[inline(always)]
-    fn lower(&mut self, joint: &Affine, points: &[Float4], first: u32) {
-        let row = joint.rows[1];
-        for (index, Float4([x, y, z, _])) in (first..).zip(points) {
-            let height = row[0] * x + row[1] * y + row[2] * z + row[3];
-            if height < self.clearance {
-                (self.lowest, self.clearance) = (index, height);
+        let points = of_ankle.len() + of_toes.len();
+        let beneath = y - settings.limits[3];
+        let mut sole = [[zero; 3]; 1 + POINTS];
+        sole[0] = vec3::sub([x, beneath, z], at);
+        let (mut lowest, mut clearance) = (zero, R::splat(f32::MAX));
+        let mut index = 0u8;
+        for (joint, points) in [(&leg.ankle, of_ankle), (&leg.toes, of_toes)] {
+            for point in points {
+                let place = transform_point(joint, splat(point.xyz()));
+                let is_lower = place[1].less(clearance);
+                clearance = R::choose(is_lower, place[1], clearance);
+                lowest = R::choose(is_lower, R::splat(f32::from(index)), lowest);
+                index += 1;
+                sole[usize::from(index)] = vec3::sub(place, at);
             }
         }
+        clearance = if points == 0 { beneath } else { clearance };
+        Self { ankle, turn, along, sole, points, lowest, clearance }
+    }
+
+    /// Returns where a point of the sole of a turned foot is, relative to the ankle.
+    #[inline(always)]
+    fn arm(&self, point: R, turn: Turn<R>) -> [R; 3] {
+        let mut arm = self.sole[0];
+        for (index, own) in (0u8..).zip(&self.sole[1..][..self.points]) {
+            let is_it = (point - R::splat(f32::from(index))).abs().less(R::splat(0.5));
+            arm = vec3::choose::<R>(is_it, *own, arm);
+        }
+        turn.turned(arm)
     }
 }
 
-/// Returns a point of the sole as the clips pose it; beneath the ankle if none is known.
+/// Returns the same vector in all lanes.
 #[inline(always)]
-fn sole_point(leg: &Leg, foot: &Constraint, soles: &[Float4], point: u32) -> [f32; 3] {
-    if point < foot.sole_count {
-        leg.ankle.transform_point(soles[(foot.sole_first + point) as usize].xyz())
-    } else if point - foot.sole_count < foot.toe_count {
-        let of_toes = foot.toe_first + (point - foot.sole_count);
-        leg.toes.transform_point(soles[of_toes as usize].xyz())
-    } else {
-        let [x, y, z] = leg.ankle.origin();
-        [x, y - foot.limits.0[3], z]
-    }
-}
-
-/// Returns where a point of the sole of a turned foot is, relative to the ankle.
-#[inline(always)]
-fn sole_arm(leg: &Leg, foot: &Constraint, soles: &[Float4], point: u32, turn: Turn) -> [f32; 3] {
-    turn.turned(vec3::sub(sole_point(leg, foot, soles, point), leg.ankle.origin()))
-}
-
-/// Returns the nearest number of a range.
-#[inline(always)]
-pub(super) fn within(value: f32, least: f32, most: f32) -> f32 {
-    if value > most {
-        most
-    } else if value < least {
-        least
-    } else {
-        value
-    }
+fn splat<R: Real>([x, y, z]: [f32; 3]) -> [R; 3] {
+    [R::splat(x), R::splat(y), R::splat(z)]
 }
 
 /// Returns a part of the way from 0 to 1 that begins and ends without speed.
-fn eased(part: f32) -> f32 {
-    let part = if part > 0.0 { if part < 1.0 { part } else { 1.0 } } else { 0.0 };
-    part * part * (3.0 - 2.0 * part)
+#[inline(always)]
+fn eased<R: Real>(part: R) -> R {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let part = R::choose(zero.less(part), R::choose(part.less(one), part, one), zero);
+    part * part * (R::splat(3.0) - R::splat(2.0) * part)
 }
 
 /// Returns whether a foot stands, and how near it is to that: 1 while it stands, 0 in the air.
 #[inline(always)]
-fn stance(foot: &Constraint, ankle_height: f32, within_secs: Option<f32>) -> (bool, f32) {
-    let [rest, planted_below, lifted_above, _] = foot.up.0;
-    match within_secs {
-        Some(secs) => (secs >= 0.0, eased(1.0 + secs * (1.0 / FOOT_NEAR_SECS))),
-        None => {
-            let lift = ankle_height - rest;
-            let above = (lift - planted_below) / (lifted_above - planted_below);
-            (lift <= planted_below, eased(1.0 - above))
-        }
-    }
+fn stands<R: Real>(
+    settings: &Settings<R>,
+    ankle_height: R,
+    contact: InContact<R>,
+) -> (R::Choice, R) {
+    let [rest, planted_below, lifted_above, _] = settings.up;
+    let (one, lift) = (R::splat(1.0), ankle_height - rest);
+    let above = (lift - planted_below) / (lifted_above - planted_below);
+    let in_contact = R::both(contact.known, R::splat(0.0).at_most(contact.within_secs));
+    let is_low = R::both(R::others(contact.known), lift.at_most(planted_below));
+    let per_sec = R::splat(1.0 / FOOT_NEAR_SECS);
+    let near = R::choose(contact.known, one + contact.within_secs * per_sec, one - above);
+    (R::either(in_contact, is_low), eased(near))
 }
 
 /// Returns the horizontal offset of a foot from its position in the clip, at most `most` metres,
 /// and whether the member was moved elsewhere, which ends the offset. `pivot` is where the clip has
 /// the point that stands.
 #[inline(always)]
-fn offset(state: &FootState, pivot: [f32; 3], decay: f32, most: f32) -> ([f32; 3], bool) {
-    let mut vector = if state.planted {
-        vec3::sub(state.vector, pivot)
-    } else {
-        vec3::scale(state.vector, decay)
-    };
-    vector[1] = 0.0;
+fn offset<R: Real>(state: &FootState<R>, pivot: [R; 3], decay: R, most: R) -> ([R; 3], R::Choice) {
+    let (zero, [x, z]) = (R::splat(0.0), state.vector);
+    let [x, z] = [
+        R::choose(state.planted, x - pivot[0], x * decay),
+        R::choose(state.planted, z - pivot[2], z * decay),
+    ];
+    let vector = [x, zero, z];
     let far = vec3::dot(vector, vector);
-    if far > 4.0 * most * most {
-        return ([0.0; 3], true);
-    }
-    if far > most * most {
-        vector = vec3::scale(vector, most * far.inverse_sqrt());
-    }
-    (vector, false)
+    let shorter = vec3::scale(vector, most * far.inverse_sqrt());
+    let near = vec3::choose::<R>((most * most).less(far), shorter, vector);
+    let elsewhere = (R::splat(4.0) * most * most).less(far);
+    (vec3::choose::<R>(elsewhere, [zero; 3], near), elsewhere)
 }
 
-impl Solver<'_> {
-    fn foot_state(&self, foot: u32) -> FootState {
-        let [x, height, z, bits] = self.state(foot).0;
-        let [along_x, along_z, above, climb] = self.state(FOOT_TURN_STATE + foot).0;
-        let bits = bits.to_bits();
-        let known = bits >> FOOT_STATE_BITS == self.control.epoch;
-        FootState {
-            vector: if known { [x, 0.0, z] } else { [0.0; 3] },
-            direction: if known { [along_x, along_z] } else { [0.0; 2] },
-            height,
-            above,
-            climb,
-            pivot: bits >> 1 & 15,
-            planted: known && bits & 1 != 0,
-            released: known && bits & 32 != 0,
-            known,
-        }
-    }
+/// Returns the tangent of half the angle by which a foot is turned from where the clip has it.
+/// `own` is the direction from heel to toes in the clip, in world space.
+#[inline(always)]
+fn turn_lag<R: Real>(state: &FootState<R>, own: [R; 2], decay: R) -> R {
+    let (zero, [x, z]) = (R::splat(0.0), state.direction);
+    let (cross, dot) = (own[1] * x - own[0] * z, own[0] * x + own[1] * z);
+    let kept = R::choose(zero.less(dot), cross / (R::splat(1.0) + dot), zero);
+    let lag = R::choose(state.planted, kept, x * decay);
+    within(lag, R::splat(-FOOT_MAX_TURN), R::splat(FOOT_MAX_TURN))
+}
 
-    fn keep_foot_state(&mut self, foot: u32, state: &FootState) {
-        let ([x, _, z], [along_x, along_z]) = (state.vector, state.direction);
-        let flags = u32::from(state.released) << 5 | u32::from(state.planted);
-        let bits = self.control.epoch << FOOT_STATE_BITS | flags | state.pivot << 1;
-        self.keep_state(foot, Float4([x, state.height, z, f32::from_bits(bits)]));
-        let turned = Float4([along_x, along_z, state.above, state.climb]);
-        self.keep_state(FOOT_TURN_STATE + foot, turned);
-    }
+/// A foot that is locked to the ground, or let go.
+struct Lock<R: Real> {
+    /// Offset from where the clip has the foot, in world space, horizontal.
+    vector: [R; 3],
+    /// The member was moved elsewhere.
+    moved_elsewhere: R::Choice,
+    planted: R::Choice,
+    released: R::Choice,
+    /// Index of the point of the sole that stands, and where it is relative to the ankle.
+    pivot: R,
+    arm: [R; 3],
+}
 
-    /// Returns the tangent of half the angle by which a foot is turned from where the clip has it.
-    /// `own` is the direction from heel to toes in the clip, in world space.
-    fn turn_lag(&self, state: &FootState, own: [f32; 2], decay: f32) -> f32 {
-        let [x, z] = state.direction;
-        let lag = if state.planted {
-            let (cross, dot) = (own[1] * x - own[0] * z, own[0] * x + own[1] * z);
-            if dot > 0.0 { cross / (1.0 + dot) } else { 0.0 }
-        } else {
-            x * decay
-        };
-        within(lag, -FOOT_MAX_TURN, FOOT_MAX_TURN)
+/// A foot of a member, or of several in lanes, and all that it goes by.
+pub(super) struct FootInputs<'a, R: Real> {
+    /// The constraint of the first member.
+    pub(super) foot: &'a Constraint,
+    pub(super) soles: &'a [Float4],
+    pub(super) floor: Floor<'a>,
+    pub(super) elapsed_secs: f32,
+    pub(super) stance: Stance<R>,
+    pub(super) settings: Settings<R>,
+    pub(super) leg: Leg<R>,
+    pub(super) contact: InContact<R>,
+    pub(super) state: FootState<R>,
+}
+
+impl<R: Members> FootInputs<'_, R> {
+    /// Returns the longest offset of the foot, in metres.
+    #[inline(always)]
+    fn most(&self) -> R {
+        self.settings.up[3] * self.stance.standing.place[3]
     }
 
     /// Returns the unit direction in world space of a vector of model space, along X and Z.
-    fn level_direction(&self, [x, _, z]: [f32; 3]) -> [f32; 2] {
-        let [sin, cos, ..] = self.control.facing.0;
-        let along = vec3::unit_or([cos * x + sin * z, 0.0, cos * z - sin * x], [0.0, 0.0, 1.0]);
-        [along[0], along[2]]
-    }
-
-    /// Returns the goal of a foot, and writes its state. `within_secs` is the time within its
-    /// contact, if that is known.
-    pub(super) fn foot_goal(
-        &mut self,
-        foot: u32,
-        constraint: &Constraint,
-        leg: &Leg,
-        within_secs: Option<f32>,
-    ) -> FootGoal {
-        let soles = self.tables.soles().as_slice();
-        let most = constraint.up.0[3] * self.control.place.0[3];
-        let stepped = Stepped::step_foot(leg, constraint, soles, self.control.stride.0);
-        let (stands, near) = stance(constraint, stepped.ankle[1], within_secs);
-        let mut state = self.foot_state(foot);
-        let elapsed_secs = self.inputs.frame.elapsed_secs();
-        let decay = 1.0 / (1.0 + elapsed_secs * (1.0 / FOOT_RELEASE_SECS));
-        let own = self.level_direction(stepped.turn.turned(stepped.along));
-        let lag = if constraint.sole_count > 1 { self.turn_lag(&state, own, decay) } else { 0.0 };
-        let turn = stepped.turn.turn_and(lag);
-        let arm = |point: u32| sole_arm(leg, constraint, soles, point, turn);
-        let in_world = |arm: [f32; 3]| self.to_world(vec3::add(stepped.ankle, arm));
-        let kept_arm = if state.planted { arm(state.pivot) } else { [0.0; 3] };
-        let (vector, moved_elsewhere) = offset(&state, in_world(kept_arm), decay, most);
-        let relock = FOOT_RELOCK * most;
-        let behind = state.released && vec3::dot(vector, vector) > relock * relock;
-        let released = stands && (behind || self.overstretches(leg, &stepped, vector, most));
-        let planted = stands && !released;
-        let slack = FOOT_PIVOT_SLACK * constraint.up.0[3];
-        let kept = state.planted && stepped.ankle[1] + kept_arm[1] <= stepped.clearance + slack;
-        let pivot = if kept { state.pivot } else { stepped.lowest };
-        let pivot_arm = if kept { kept_arm } else { arm(pivot) };
-        let place = vec3::add(in_world(pivot_arm), vector);
-        let points = (0..constraint.sole_count + constraint.toe_count)
-            .map(|point| vec3::add(in_world(arm(point)), vector));
-        let (ground, normal, on_edge) = self.ground_under(place, points, FOOT_EDGE * most);
-        state.known &= !moved_elsewhere;
-        let [height, climb] = if planted {
-            self.height_planted(&state, ground, on_edge)
-        } else {
-            self.ground_beneath(&state, place, ground, [most, near])
-        };
-        let direction = Turn::turn_of(lag).turned([own[0], 0.0, own[1]]);
-        self.keep_foot_state(
-            foot,
-            &FootState {
-                vector: if planted { [place[0], 0.0, place[2]] } else { vector },
-                direction: if planted { [direction[0], direction[2]] } else { [lag, 0.0] },
-                height,
-                above: if planted { height - ground } else { 0.0 },
-                climb,
-                pivot,
-                planted,
-                released,
-                known: true,
-            },
-        );
-        let ankle =
-            self.ankle_over(&stepped, [place[0], height, place[2]], pivot_arm, normal, near);
-        let [x, y, z] = ankle;
-        let [nx, ny, nz] = self.direction_to_model(normal);
-        FootGoal { ankle: [x, y, z, turn.half_tan], follows: [nx, ny, nz, near] }
-    }
-
-    /// Returns the ankle's position in model space above the place of its pivot. A lifted foot is
-    /// as far above the ground as the clip has it.
     #[inline(always)]
-    fn ankle_over(
-        &self,
-        stepped: &Stepped,
-        [x, height, z]: [f32; 3],
-        arm: [f32; 3],
-        normal: [f32; 3],
-        near: f32,
-    ) -> [f32; 3] {
-        let clearance =
-            if stepped.clearance > 0.0 { stepped.clearance * (1.0 - near) } else { 0.0 };
-        let above = clearance + (stepped.ankle[1] + arm[1] - stepped.clearance);
-        let y = height + above * self.control.place.0[3];
-        let [nx, ny, nz] = self.direction_to_model(normal);
-        let arm = if nx == 0.0 && nz == 0.0 {
-            arm
-        } else {
-            let tilt = quat::normalize_or([nz, 0.0, -nx, 1.0 + ny], quat::identity());
-            vec3::rotated(vec3::part_of(tilt, near), arm)
-        };
-        vec3::sub(self.to_model([x, y, z]), arm)
+    fn level_direction(&self, [x, _, z]: [R; 3]) -> [R; 2] {
+        let ([sin, cos], zero) = (self.stance.standing.facing, R::splat(0.0));
+        let along = [cos * x + sin * z, zero, cos * z - sin * x];
+        let [x, _, z] = vec3::unit_or(along, [zero, zero, R::splat(1.0)]);
+        [x, z]
     }
 
-    /// Returns whether an offset takes an ankle too far from its hip, horizontally.
-    fn overstretches(&self, leg: &Leg, stepped: &Stepped, offset: [f32; 3], most: f32) -> bool {
-        let [x, _, z] = vec3::sub(self.to_world(stepped.ankle), self.to_world(leg.hip));
+    /// Returns whether an offset takes the ankle too far from the hip, horizontally.
+    #[inline(always)]
+    fn overstretches(&self, stepped: &Stepped<R>, offset: [R; 3]) -> R::Choice {
+        let (standing, most) = (&self.stance.standing, self.most());
+        let ankle = standing.to_world(stepped.ankle);
+        let [x, _, z] = vec3::sub(ankle, standing.to_world(self.leg.hip));
         let own = x * x + z * z;
         let (x, z) = (x + offset[0], z + offset[2]);
         let with_offset = x * x + z * z;
-        with_offset > own && with_offset > FOOT_REACH * FOOT_REACH * most * most
+        let reach = R::splat(FOOT_REACH * FOOT_REACH) * most * most;
+        R::both(own.less(with_offset), reach.less(with_offset))
+    }
+
+    /// Locks a foot that stands, unless the lock holds it too far back.
+    #[inline(always)]
+    fn lock(&self, stepped: &Stepped<R>, stands: R::Choice, turn: Turn<R>, decay: R) -> Lock<R> {
+        let (state, most, none) = (&self.state, self.most(), [R::splat(0.0); 3]);
+        let kept_arm = vec3::choose::<R>(state.planted, stepped.arm(state.pivot, turn), none);
+        let pivot = self.stance.standing.to_world(vec3::add(stepped.ankle, kept_arm));
+        let (vector, moved_elsewhere) = offset(state, pivot, decay, most);
+        let relock = R::splat(FOOT_RELOCK) * most;
+        let is_behind = (relock * relock).less(vec3::dot(vector, vector));
+        let is_behind = R::both(state.released, is_behind);
+        let lets_go = R::either(is_behind, self.overstretches(stepped, vector));
+        let released = R::both(stands, lets_go);
+        let slack = R::splat(FOOT_PIVOT_SLACK) * self.settings.up[3];
+        let is_low = (stepped.ankle[1] + kept_arm[1]).at_most(stepped.clearance + slack);
+        let kept = R::both(state.planted, is_low);
+        let lowest_arm = stepped.arm(stepped.lowest, turn);
+        Lock {
+            vector,
+            moved_elsewhere,
+            planted: R::both(stands, R::others(lets_go)),
+            released,
+            pivot: R::choose(kept, state.pivot, stepped.lowest),
+            arm: vec3::choose::<R>(kept, kept_arm, lowest_arm),
+        }
+    }
+
+    /// Returns the ankle's position in model space above the place of its pivot. A lifted foot is
+    /// as far above the ground as the clip has it. `arm` leads from the ankle to the pivot.
+    #[inline(always)]
+    fn ankle_over(
+        &self,
+        stepped: &Stepped<R>,
+        [x, height, z]: [R; 3],
+        arm: [R; 3],
+        [nx, ny, nz]: [R; 3],
+        near: R,
+    ) -> [R; 3] {
+        let (zero, one, clearance) = (R::splat(0.0), R::splat(1.0), stepped.clearance);
+        let kept = R::choose(zero.less(clearance), clearance * (one - near), zero);
+        let above = kept + (stepped.ankle[1] + arm[1] - clearance);
+        let standing = &self.stance.standing;
+        let y = height + above * standing.place[3];
+        let mut tilted = arm;
+        if !self.floor.is_level() {
+            let tilt = quat::normalize_or([nz, zero, -nx, one + ny], quat::identity());
+            let upright = R::both(nx.abs().at_most(zero), nz.abs().at_most(zero));
+            let rotated = vec3::rotated(vec3::part_of(tilt, near), arm);
+            tilted = vec3::choose::<R>(upright, arm, rotated);
+        }
+        vec3::sub(standing.to_model([x, y, z]), tilted)
+    }
+
+    /// Returns the goal of the foot, and its state for the next frame.
+    #[inline(always)]
+    pub(super) fn foot_goal(&self) -> (FootGoal<R>, FootState<R>) {
+        let Self { foot, floor, stance, settings, ref leg, mut state, .. } = *self;
+        let (zero, standing) = (R::splat(0.0), &stance.standing);
+        let stepped = Stepped::step_foot(leg, foot, self.soles, &settings, stance.stride);
+        let (stands, near) = stands(&settings, stepped.ankle[1], self.contact);
+        let decay = R::splat(1.0 / (1.0 + self.elapsed_secs * (1.0 / FOOT_RELEASE_SECS)));
+        let own = self.level_direction(stepped.turn.turned(stepped.along));
+        let lag = if foot.sole_count > 1 { turn_lag(&state, own, decay) } else { zero };
+        let turn = stepped.turn.turn_and(lag);
+        let Lock { vector, moved_elsewhere, planted, released, pivot, arm } =
+            self.lock(&stepped, stands, turn, decay);
+        let place = vec3::add(standing.to_world(vec3::add(stepped.ankle, arm)), vector);
+        let most = self.most();
+        let mut under = floor.ground_under(place);
+        if floor.has_heights() {
+            for point in &stepped.sole[1..][..stepped.points] {
+                let at = standing.to_world(vec3::add(stepped.ankle, turn.turned(*point)));
+                floor.stand_on(&mut under, vec3::add(at, vector), R::splat(FOOT_EDGE) * most);
+            }
+            under.settle();
+        }
+        state.known = R::both(state.known, R::others(moved_elsewhere));
+        let ahead = floor.ground_ahead(&stance, place, under.ground, [most, near]);
+        let [height, climb] = floor.shown_height(&state, planted, &under, ahead);
+        let [x, _, z] = Turn::turn_of(lag).turned([own[0], zero, own[1]]);
+        let next = FootState {
+            vector: [
+                R::choose(planted, place[0], vector[0]),
+                R::choose(planted, place[2], vector[2]),
+            ],
+            direction: [R::choose(planted, x, lag), R::choose(planted, z, zero)],
+            height,
+            above: R::choose(planted, height - under.ground, zero),
+            climb,
+            pivot,
+            planted,
+            released,
+            known: zero.less(R::splat(1.0)),
+        };
+        let [nx, ny, nz] = standing.direction_to_model(under.normal);
+        let place = [place[0], height, place[2]];
+        let [x, y, z] = self.ankle_over(&stepped, place, arm, [nx, ny, nz], near);
+        let goal = FootGoal { ankle: [x, y, z, turn.half_tan], follows: [nx, ny, nz, near] };
+        (goal, next)
     }
 }

@@ -8,13 +8,13 @@
 //! that carries the chain, so that heads do not tilt. Both come straight from the directions before
 //! and after. Angles are needed only beyond the limits and between several targets.
 
-use populace_device::layout::{GAZE_STEEP, GAZE_UPRIGHT, MAX_LINKS, NONE};
+use populace_device::layout::{GAZE_STEEP, GAZE_UPRIGHT, Link, MAX_LINKS, NONE};
 use populace_model::math::{Real, angle, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
-use super::targets::{Chain, Solver, WeightedPoint};
-use crate::hierarchy::Hierarchy;
-use crate::lanes::{Simd, lane_of, put};
+use super::targets::WeightedPoint;
+use crate::lanes::{LANES, Members, Simd, any, lane_of, load, put, store};
+use crate::matrices::transform_vector;
 
 /// Front, left and up of the parents that carry chains, in model space.
 #[derive(Clone, Copy)]
@@ -91,252 +91,241 @@ fn held<R: Real>(yaw: R, limit: R) -> R {
     R::choose(limit.less(size), kept, yaw)
 }
 
-/// Constraints and chains of gazes, one gaze in each lane.
-struct Gazes<const COUNT: usize> {
-    frame: Frame<Simd<COUNT>>,
+/// A gaze's constraint and chain, of one member or of several in lanes.
+struct Gaze<R> {
+    /// The first of the lanes.
+    lane: usize,
+    frame: Frame<R>,
     /// Direction that the end of the chain faces.
-    start: Sight<Simd<COUNT>>,
-    /// Positions of the chain's joints before the constraint. Shorter chains repeat their last
-    /// joint.
-    positions: [[Simd<COUNT>; 3]; MAX_LINKS as usize],
-    /// Share of the whole rotation for each joint; 0 from the last joint on.
-    shares: [Simd<COUNT>; MAX_LINKS as usize],
+    start: Sight<R>,
+    /// Positions of the chain's joints before the constraint.
+    positions: [[R; 3]; MAX_LINKS as usize],
+    /// Share of the whole rotation for each joint; 0 for the last joint.
+    shares: [R; MAX_LINKS as usize],
     /// Tangents of the limits: to either side, up, down.
-    tangents: [Simd<COUNT>; 3],
+    tangents: [R; 3],
     /// The limits in radians.
-    limits: [Simd<COUNT>; 3],
-    /// Joints of the longest chain.
-    links_most: usize,
+    limits: [R; 3],
     /// The largest number of targets.
     targets_most: usize,
 }
 
-/// A target of each member.
-struct Seen<const COUNT: usize> {
-    sight: Sight<Simd<COUNT>>,
-    weight: Simd<COUNT>,
-    counts: [bool; COUNT],
+/// Numbers of a gaze's constraint: front, up, the axis that the end faces, tangents, limits.
+const NUMBERS: usize = 15;
+
+/// Numbers of members' constraints, as collected member by member.
+struct Collected<const COUNT: usize> {
+    numbers: [Simd<COUNT>; NUMBERS],
+    shares: [Simd<COUNT>; MAX_LINKS as usize],
+    targets_most: usize,
+}
+
+/// A target.
+struct Seen<R: Real> {
+    sight: Sight<R>,
+    weight: R,
+    counts: R::Choice,
 }
 
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
-    /// Collects the members' constraints and chains.
+    /// Collects numbers of the members' constraints.
     #[inline(always)]
-    fn put_gazes(&mut self) -> Gazes<COUNT> {
+    fn put_gazes(&mut self) -> Collected<COUNT> {
         let zero = Simd([0.0; COUNT]);
-        let none = [zero; 3];
-        let nowhere = Sight { left: zero, up: zero, front: zero, level: zero };
-        let mut gazes = Gazes {
-            frame: Frame { front: none, left: none, up: none },
-            start: nowhere,
-            positions: [none; MAX_LINKS as usize],
+        let mut all = Collected {
+            numbers: [zero; NUMBERS],
             shares: [zero; MAX_LINKS as usize],
-            tangents: none,
-            limits: none,
-            links_most: 1,
             targets_most: 0,
         };
         for lane in 0..self.members.len() {
             let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
             let constraint = solver.constraint(step);
-            gazes.links_most = gazes.links_most.max(constraint.link_count as usize);
-            gazes.targets_most = gazes.targets_most.max(constraint.target_count as usize);
-        }
-        let (mut front, mut up, mut facing) = (none, none, none);
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, joints, parents }) = self.stop(lane) else { continue };
-            let constraint = solver.constraint(step);
+            all.targets_most = all.targets_most.max(constraint.target_count as usize);
+            let [ax, ay, az, side] = constraint.axis.0;
+            let [fx, fy, fz, up] = constraint.front.0;
+            let [ux, uy, uz, down] = constraint.up.0;
+            let [yaw, rise, fall] = constraint.limits.xyz();
+            let own = [fx, fy, fz, ux, uy, uz, ax, ay, az, side, up, down, yaw, rise, fall];
+            put(&mut all.numbers, lane, own);
             let links = solver.links(constraint);
-            let own = joints.model_of(step.joint as usize);
-            let Chain { positions, end } = Solver::walk(&joints, links, own);
-            let (mut ahead, mut above) = (constraint.front.xyz(), constraint.up.xyz());
-            let parent = parents[step.joint as usize];
-            if parent != NONE {
-                let parent = joints.model_of(parent as usize);
-                (ahead, above) = (parent.transform_vector(ahead), parent.transform_vector(above));
-            }
-            put(&mut front, lane, ahead);
-            put(&mut up, lane, above);
-            put(&mut facing, lane, end.transform_vector(constraint.axis.xyz()));
-            let tangents = [constraint.axis.0[3], constraint.front.0[3], constraint.up.0[3]];
-            put(&mut gazes.tangents, lane, tangents);
-            put(&mut gazes.limits, lane, constraint.limits.xyz());
-            let last = links.len() - 1;
-            for (at, all) in gazes.positions[..gazes.links_most].iter_mut().enumerate() {
-                put(all, lane, positions[at.min(last)]);
-            }
-            for (share, link) in gazes.shares.iter_mut().zip(&links[..last]) {
+            for (share, link) in all.shares.iter_mut().zip(&links[..links.len() - 1]) {
                 share.0[lane] = link.share;
             }
         }
-        gazes.frame = Frame::frame_of(front, up);
+        all
+    }
+
+    /// Returns the gazes of as many members as `R` has lanes. `joint` is the first of their chains.
+    #[inline(always)]
+    fn gaze_of<R: Members>(
+        &self,
+        all: &Collected<COUNT>,
+        (joint, links): (usize, &[Link]),
+        lane: usize,
+    ) -> Gaze<R> {
+        let zero = R::splat(0.0);
+        let [fx, fy, fz, ux, uy, uz, ax, ay, az, side, rise, fall, limits @ ..] =
+            load::<R, COUNT, NUMBERS>(&all.numbers, lane);
+        let (mut front, mut up) = ([fx, fy, fz], [ux, uy, uz]);
+        let mut positions = [[zero; 3]; MAX_LINKS as usize];
+        let end = self.walk(links, lane, &mut positions);
+        if self.parents[joint] != NONE {
+            let parent = self.joints.models_of(self.parents[joint] as usize, lane);
+            front = transform_vector(&parent, front);
+            up = transform_vector(&parent, up);
+        }
+        let frame = Frame::frame_of(front, up);
         // Straight up or down there is no side to turn from: that counts as front.
-        let start = gazes.frame.seen_in(facing);
-        let steep = Simd::splat(GAZE_UPRIGHT);
+        let start = frame.seen_in(transform_vector(&end, [ax, ay, az]));
+        let steep = R::splat(GAZE_UPRIGHT);
         let upright = start.level.less(steep);
-        gazes.start = Sight {
-            left: Simd::choose(upright, zero, start.left),
+        let start = Sight {
+            left: R::choose(upright, zero, start.left),
             up: start.up,
-            front: Simd::choose(upright, steep, start.front),
-            level: Simd::choose(upright, steep, start.level),
+            front: R::choose(upright, steep, start.front),
+            level: R::choose(upright, steep, start.level),
         };
-        gazes
+        let (shares, tangents) = (load(&all.shares, lane), [side, rise, fall]);
+        let targets_most = all.targets_most;
+        Gaze { lane, frame, start, positions, shares, tangents, limits, targets_most }
     }
 
     /// Returns target `nth` of each member as seen from a point, its weight, and whether it counts.
     #[inline(always)]
-    fn see_target(
-        &mut self,
-        gazes: &Gazes<COUNT>,
-        nth: usize,
-        from: &[Simd<COUNT>; 3],
-    ) -> Seen<COUNT> {
-        let (mut place, mut weight) = (*from, Simd([0.0; COUNT]));
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
+    fn see_target<R: Members>(&mut self, gaze: &Gaze<R>, nth: usize, from: [R; 3]) -> Seen<R> {
+        let mut places = [Simd([0.0; LANES]); 3];
+        let mut weights = [Simd([0.0; LANES])];
+        store(&from, &mut places, 0);
+        for lane in 0..R::COUNT {
+            let Some(Stop { solver, step, .. }) = self.stop(gaze.lane + lane) else { continue };
             if let Some(target) = solver.targets(solver.constraint(step)).get(nth) {
-                let seen: WeightedPoint = solver.sight(target, lane_of(from, lane));
-                put(&mut place, lane, seen.position);
-                weight.0[lane] = seen.weight;
+                let seen: WeightedPoint = solver.sight(target, lane_of(&places, lane));
+                put(&mut places, lane, seen.position);
+                put(&mut weights, lane, [seen.weight]);
             }
         }
-        let sight = gazes.frame.seen_in(vec3::sub(place, *from));
+        let (place, [weight]) = (load::<R, LANES, 3>(&places, 0), load::<R, LANES, 1>(&weights, 0));
+        let sight = gaze.frame.seen_in(vec3::sub(place, from));
         let Sight { left, up, front, .. } = sight;
-        let length = left * left + up * up + front * front;
-        let mut counts = [false; COUNT];
-        for (lane, counts) in counts.iter_mut().enumerate() {
-            *counts = weight.0[lane] > 0.0 && length.0[lane] > 0.0;
-        }
-        Seen { sight, weight, counts }
+        let (zero, length) = (R::splat(0.0), left * left + up * up + front * front);
+        Seen { sight, weight, counts: R::both(zero.less(weight), zero.less(length)) }
     }
 
-    /// Returns the rotations towards the weighted mean of all targets, within the limits.
+    /// Returns the rotation towards the weighted mean of all targets, within the limits.
     #[inline(always)]
-    fn aim_by_angles(&mut self, gazes: &Gazes<COUNT>, from: &[Simd<COUNT>; 3]) -> [Simd<COUNT>; 4] {
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
-        let [side, most, down] = gazes.limits;
+    fn aim_by_angles<R: Members>(&mut self, gaze: &Gaze<R>, from: [R; 3]) -> [R; 4] {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let [side, most, down] = gaze.limits;
         let least = -down;
         let (mut yaw, mut pitch, mut total) = (zero, zero, zero);
-        for nth in 0..gazes.targets_most {
-            let Seen { sight: seen, weight, counts } = self.see_target(gazes, nth, from);
-            let is_steep = seen.level.less(Simd::splat(GAZE_STEEP));
-            let steep = Simd::choose(is_steep, seen.level * Simd::splat(1.0 / GAZE_STEEP), one);
+        for nth in 0..gaze.targets_most {
+            let Seen { sight: seen, weight, counts } = self.see_target(gaze, nth, from);
+            let is_steep = seen.level.less(R::splat(GAZE_STEEP));
+            let steep = R::choose(is_steep, seen.level * R::splat(1.0 / GAZE_STEEP), one);
             let upwards = angle::of(seen.up, seen.level);
-            let raised = Simd::choose(most.less(upwards), most, upwards);
-            let raised = Simd::choose(raised.less(least), least, raised);
+            let raised = R::choose(most.less(upwards), most, upwards);
+            let raised = R::choose(raised.less(least), least, raised);
             let to_side = held(angle::of(seen.left, seen.front), side) * steep * weight;
-            yaw = Simd::choose(counts, yaw + to_side, yaw);
-            pitch = Simd::choose(counts, pitch + raised * weight, pitch);
-            total = Simd::choose(counts, total + weight, total);
+            yaw = R::choose(counts, yaw + to_side, yaw);
+            pitch = R::choose(counts, pitch + raised * weight, pitch);
+            total = R::choose(counts, total + weight, total);
         }
-        let (k, half) = (one / total, Simd::splat(0.5));
-        let start = angle::of(gazes.start.left, gazes.start.front);
+        let (k, half) = (one / total, R::splat(0.5));
+        let start = angle::of(gaze.start.left, gaze.start.front);
         let (side, ahead) = angle::sin_cos(half * (yaw * k - start));
         let (height, level) = angle::sin_cos(pitch * k);
-        gazes.frame.gaze_rotation(&gazes.start, HalfYaw { side, ahead }, level, height)
+        gaze.frame.gaze_rotation(&gaze.start, HalfYaw { side, ahead }, level, height)
     }
 
-    /// Returns the rotations from facing `start` to facing the targets as seen from a point, and
-    /// the sums of their weights, at most 1.
+    /// Returns the rotation from facing `start` to facing the targets as seen from a point, and the
+    /// sum of their weights, at most 1.
     #[inline(always)]
-    fn aim(
-        &mut self,
-        gazes: &Gazes<COUNT>,
-        from: &[Simd<COUNT>; 3],
-    ) -> ([Simd<COUNT>; 4], Simd<COUNT>) {
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
+    fn aim<R: Members>(&mut self, gaze: &Gaze<R>, from: [R; 3]) -> ([R; 4], R) {
+        let (zero, one, half) = (R::splat(0.0), R::splat(1.0), R::splat(0.5));
         let mut to = Sight { left: zero, up: zero, front: zero, level: zero };
-        let (mut total, mut count) = (zero, [0; COUNT]);
-        for nth in 0..gazes.targets_most {
-            let Seen { sight: seen, weight, counts } = self.see_target(gazes, nth, from);
+        let (mut total, mut count) = (zero, zero);
+        for nth in 0..gaze.targets_most {
+            let Seen { sight: seen, weight, counts } = self.see_target(gaze, nth, from);
             to = Sight {
-                left: Simd::choose(counts, seen.left, to.left),
-                up: Simd::choose(counts, seen.up, to.up),
-                front: Simd::choose(counts, seen.front, to.front),
-                level: Simd::choose(counts, seen.level, to.level),
+                left: R::choose(counts, seen.left, to.left),
+                up: R::choose(counts, seen.up, to.up),
+                front: R::choose(counts, seen.front, to.front),
+                level: R::choose(counts, seen.level, to.level),
             };
-            total = Simd::choose(counts, total + weight, total);
-            for (count, counts) in count.iter_mut().zip(counts) {
-                *count += u32::from(counts);
-            }
+            total = R::choose(counts, total + weight, total);
+            count = R::choose(counts, count + one, count);
         }
-        let weight = Simd::choose(total.less(one), total, one);
         // Tangents of the limits. If start and target are both in front, the shortest rotation
         // passes the front.
-        let [side, up, down] = &gazes.tangents;
-        let (mut straight, mut by_angles) = ([false; COUNT], [false; COUNT]);
-        for lane in 0..COUNT {
-            let [left, height] = [to.left.0[lane], to.up.0[lane]];
-            let [front, level] = [to.front.0[lane], to.level.0[lane]];
-            let within = level >= GAZE_STEEP
-                && left.abs() <= side.0[lane] * front
-                && height <= up.0[lane] * level
-                && -height <= down.0[lane] * level;
-            straight[lane] = count[lane] == 1 && within && gazes.start.front.0[lane] > 0.0;
-            by_angles[lane] = count[lane] > 0 && !straight[lane];
-        }
-        let start = &gazes.start;
+        let ([side, up, down], start) = (gaze.tangents, &gaze.start);
+        let is_level = R::splat(GAZE_STEEP).at_most(to.level);
+        let to_sides = to.left.abs().at_most(side * to.front);
+        let in_height = R::both(to.up.at_most(up * to.level), (-to.up).at_most(down * to.level));
+        let within = R::both(R::both(is_level, to_sides), in_height);
+        let any_target = half.less(count);
+        let only_one = R::both(any_target, count.less(one + half));
+        let straight = R::both(R::both(only_one, within), zero.less(start.front));
+        let by_angles = R::both(any_target, R::others(straight));
         let side = start.front * to.left - start.left * to.front;
         let ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
-        let rotation = gazes.frame.gaze_rotation(start, HalfYaw { side, ahead }, to.level, to.up);
-        let mut rotation = quat::choose::<Simd<COUNT>>(straight, rotation, quat::identity());
-        if by_angles.contains(&true) {
-            let bent = self.aim_by_angles(gazes, from);
-            rotation = quat::choose::<Simd<COUNT>>(by_angles, bent, rotation);
+        let rotation = gaze.frame.gaze_rotation(start, HalfYaw { side, ahead }, to.level, to.up);
+        let mut rotation = quat::choose::<R>(straight, rotation, quat::identity());
+        if any::<R>(by_angles) {
+            let bent = self.aim_by_angles(gaze, from);
+            rotation = quat::choose::<R>(by_angles, bent, rotation);
         }
-        (rotation, weight)
+        (rotation, R::choose(total.less(one), total, one))
     }
 
-    /// Turns chains towards their targets.
+    /// Returns the rotations of a chain of `count` joints towards the targets.
     #[inline(always)]
-    pub(super) fn gaze(&mut self) {
-        let gazes = self.put_gazes();
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
-        let (whole, weight) = self.aim(&gazes, &gazes.positions[gazes.links_most - 1]);
-        let mut rotations = [quat::identity::<Simd<COUNT>>(); MAX_LINKS as usize];
+    fn chain_rotations<R: Members>(
+        &mut self,
+        gaze: &Gaze<R>,
+        count: usize,
+    ) -> [[R; 4]; MAX_LINKS as usize] {
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let (whole, weight) = self.aim(gaze, gaze.positions[count - 1]);
+        let mut rotations = [quat::identity::<R>(); MAX_LINKS as usize];
         let (mut so_far, mut shared) = (quat::identity(), zero);
-        let mut position = gazes.positions[0];
-        for (at, rotation) in rotations[..gazes.links_most - 1].iter_mut().enumerate() {
-            let share = gazes.shares[at] * weight;
+        let mut position = gaze.positions[0];
+        for (at, rotation) in rotations[..count - 1].iter_mut().enumerate() {
+            let share = gaze.shares[at] * weight;
             let takes_part = zero.less(share);
-            shared = Simd::choose(takes_part, shared + share, shared);
+            shared = R::choose(takes_part, shared + share, shared);
             let now = vec3::part_as_told(whole, shared);
-            let now = quat::choose::<Simd<COUNT>>(takes_part, now, so_far);
+            let now = quat::choose::<R>(takes_part, now, so_far);
             let own = quat::mul(now, quat::conjugate(so_far));
-            *rotation = quat::choose::<Simd<COUNT>>(takes_part, own, quat::identity());
+            *rotation = quat::choose::<R>(takes_part, own, quat::identity());
             so_far = now;
-            let bone = vec3::sub(gazes.positions[at + 1], gazes.positions[at]);
+            let bone = vec3::sub(gaze.positions[at + 1], gaze.positions[at]);
             position = vec3::add(position, vec3::rotated(so_far, bone));
         }
         // The other joints have moved the last one. It looks from its new position, and rotates by
         // the remainder.
-        let (there, weight) = self.aim(&gazes, &position);
+        let (there, weight) = self.aim(gaze, position);
         let part = vec3::part_as_told(there, weight);
-        let there = quat::choose::<Simd<COUNT>>(weight.less(one), part, there);
-        let left = quat::mul(there, quat::conjugate(so_far));
-        for lane in 0..self.members.len() {
-            self.rotate_chain(lane, &rotations, &left);
-        }
+        let there = quat::choose::<R>(weight.less(one), part, there);
+        rotations[count - 1] = quat::mul(there, quat::conjugate(so_far));
+        rotations
     }
 
-    /// Rotates the first joint of a member's chain, and hands down the rotations of the others.
+    /// Turns chains towards their targets.
     #[inline(always)]
-    fn rotate_chain(
-        &mut self,
-        lane: usize,
-        rotations: &[[Simd<COUNT>; 4]],
-        left: &[Simd<COUNT>; 4],
-    ) {
-        let Some(Stop { solver, step, mut joints, .. }) = self.stop(lane) else { return };
-        let (first, joint) = (step.operand as usize, step.joint as usize);
-        let last = solver.links(solver.constraint(step)).len() - 1;
-        for (at, rotation) in rotations.iter().enumerate().take(last).skip(1) {
-            solver.step_rotations[first + at - 1] = lane_of(rotation, lane);
+    pub(super) fn gaze<R: Members>(&mut self) {
+        let Some((step, constraint)) = self.first_stop() else { return };
+        let (joint, operand) = (step.joint as usize, step.operand as usize);
+        let links = self.links(constraint);
+        let all = self.put_gazes();
+        let mut firsts = quat::identity::<Simd<COUNT>>();
+        for lane in (0..self.members.len()).step_by(R::COUNT) {
+            let gaze: Gaze<R> = self.gaze_of(&all, (joint, links), lane);
+            let rotations = self.chain_rotations(&gaze, links.len());
+            store(&rotations[0], &mut firsts, lane);
+            for (at, rotation) in rotations[1..links.len()].iter().enumerate() {
+                store(rotation, &mut self.rotations[operand + at], lane);
+            }
         }
-        let mut own = lane_of(left, lane);
-        if last > 0 {
-            solver.step_rotations[first + last - 1] = own;
-            own = lane_of(&rotations[0], lane);
-        }
-        joints.keep_model(joint, joints.model_of(joint).rotated(own));
+        self.joints.rotate(joint, firsts);
     }
 }

@@ -3,13 +3,13 @@
 //! Reads constraints, links and targets, and the chain's transforms. Writes the first joint's model
 //! transform, and rotations for the others.
 
-use populace_device::layout::{LIMB_LARGEST_SQUARE, LIMB_OWN_BEND};
+use populace_device::layout::{LIMB_LARGEST_SQUARE, LIMB_OWN_BEND, MAX_LINKS};
 use populace_model::math::{Real, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
-use super::targets::{Chain, Solver, WeightedPoint};
-use crate::hierarchy::Hierarchy;
-use crate::lanes::{Simd, lane_of, put};
+use super::targets::WeightedPoint;
+use crate::lanes::{Members, Simd, any, lane_of, load, put, store};
+use crate::matrices::{origin, transform_vector};
 
 /// A limb before the constraint, in model space, and its goal.
 #[derive(Clone, Copy)]
@@ -55,23 +55,6 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
     let over = [about[0], about[1], about[2], R::splat(0.0)];
     let rotation = quat::choose::<R>((lengths * R::splat(1e-6)).less(w), [x, y, z, w], over);
     quat::normalize_or(rotation, quat::identity())
-}
-
-impl<const COUNT: usize> Limb<Simd<COUNT>> {
-    /// Limbs of no length.
-    pub(super) const NONE: Self = {
-        let none = [Simd([0.0; COUNT]); 3];
-        Self { upper: none, lower: none, bend: none, to: none }
-    };
-
-    /// Puts a limb into a lane.
-    #[inline(always)]
-    pub(super) fn put_limb(&mut self, lane: usize, one: &Limb<f32>) {
-        put(&mut self.upper, lane, one.upper);
-        put(&mut self.lower, lane, one.lower);
-        put(&mut self.bend, lane, one.bend);
-        put(&mut self.to, lane, one.to);
-    }
 }
 
 impl<R: Real> Limb<R> {
@@ -158,76 +141,70 @@ impl<R: Real> Limb<R> {
     }
 }
 
-/// Limbs of members side by side, and the settings of their constraints.
-struct Limbs<const COUNT: usize> {
-    limb: Limb<Simd<COUNT>>,
-    pole: [Simd<COUNT>; 3],
-    has_pole: [bool; COUNT],
-    soft: Simd<COUNT>,
-    weight: Simd<COUNT>,
-}
+/// Numbers of a limb's constraint: its axis, its pole and whether it has one, its softness, whether
+/// it keeps its end, and the position and weight of its goal.
+const NUMBERS: usize = 13;
 
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
-    /// Collects the members' limbs.
+    /// Collects numbers of the members' constraints. `from` are the positions of the first joints.
     #[inline(always)]
-    fn put_limbs(&mut self) -> Limbs<COUNT> {
-        let zero = Simd([0.0; COUNT]);
-        let mut limbs = Limbs {
-            limb: Limb::NONE,
-            pole: [zero; 3],
-            has_pole: [false; COUNT],
-            soft: zero,
-            weight: zero,
-        };
+    fn put_limbs(&mut self, from: &[Simd<COUNT>; 3]) -> [Simd<COUNT>; NUMBERS] {
+        let mut numbers = [Simd([0.0; COUNT]); NUMBERS];
         for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, joints, .. }) = self.stop(lane) else { continue };
+            let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
             let constraint = solver.constraint(step);
-            let links = solver.links(constraint);
-            let own = joints.model_of(step.joint as usize);
-            let Chain { positions, .. } = Solver::walk(&joints, links, own);
-            let WeightedPoint { position: target, weight } = solver.goal(constraint, positions[0]);
-            let middle = positions[constraint.middle as usize];
-            limbs.limb.put_limb(
-                lane,
-                &Limb {
-                    upper: vec3::sub(middle, positions[0]),
-                    lower: vec3::sub(positions[links.len() - 1], middle),
-                    bend: own.transform_vector(constraint.axis.xyz()),
-                    to: vec3::sub(target, positions[0]),
-                },
-            );
-            let [x, y, z, has_pole] = constraint.front.0;
-            put(&mut limbs.pole, lane, [x, y, z]);
-            limbs.has_pole[lane] = has_pole > 0.0;
-            limbs.soft.0[lane] = constraint.limits.0[0];
-            limbs.weight.0[lane] = weight;
+            let WeightedPoint { position: [tx, ty, tz], weight } =
+                solver.goal(constraint, lane_of(from, lane));
+            let ([x, y, z], [px, py, pz, has_pole]) = (constraint.axis.xyz(), constraint.front.0);
+            let keeps_end = if constraint.keeps_end == 0 { 0.0 } else { 1.0 };
+            let soft = constraint.limits.0[0];
+            let own = [x, y, z, px, py, pz, has_pole, soft, keeps_end, tx, ty, tz, weight];
+            put(&mut numbers, lane, own);
         }
-        limbs
+        numbers
     }
 
     /// Brings the ends of limbs to their targets.
     #[inline(always)]
-    pub(super) fn reach(&mut self) {
-        let Limbs { limb, pole: direction, has_pole: counts, soft, weight } = self.put_limbs();
-        let (zero, one) = (Simd([0.0; COUNT]), Simd([1.0; COUNT]));
-        let pole = counts.contains(&true).then_some(Pole { direction, counts });
-        let (aims, partly) = (zero.less(weight), weight.less(one));
-        let mut rotations = limb.limb_rotations(pole, soft);
-        for rotation in &mut rotations {
-            *rotation = quat::choose::<Simd<COUNT>>(aims, *rotation, quat::identity());
-            let part = vec3::part_of(*rotation, weight);
-            *rotation = quat::choose::<Simd<COUNT>>(partly, part, *rotation);
+    pub(super) fn reach<R: Members>(&mut self) {
+        let Some((step, constraint)) = self.first_stop() else { return };
+        let (joint, operand) = (step.joint as usize, step.operand as usize);
+        let (links, middle) = (self.links(constraint), constraint.middle as usize);
+        let mut from = [Simd([0.0; COUNT]); 3];
+        for lane in (0..self.members.len()).step_by(R::COUNT) {
+            store(&origin(&self.joints.models_of::<R>(joint, lane)), &mut from, lane);
         }
-        let [first, second] = rotations;
-        let undone = quat::conjugate(quat::mul(second, first));
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, mut joints, .. }) = self.stop(lane) else { continue };
-            let keeps_end = solver.constraint(step).keeps_end != 0;
-            let own = if keeps_end { lane_of(&undone, lane) } else { quat::identity() };
-            let (joint, to) = (step.joint as usize, step.operand as usize);
-            solver.step_rotations[to] = lane_of(&second, lane);
-            solver.step_rotations[to + 1] = own;
-            joints.keep_model(joint, joints.model_of(joint).rotated(lane_of(&first, lane)));
+        let numbers = self.put_limbs(&from);
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let mut firsts = quat::identity::<Simd<COUNT>>();
+        for lane in (0..self.members.len()).step_by(R::COUNT) {
+            let [x, y, z, px, py, pz, has_pole, soft, keeps_end, tx, ty, tz, weight] =
+                load::<R, COUNT, NUMBERS>(&numbers, lane);
+            let mut positions = [[zero; 3]; MAX_LINKS as usize];
+            self.walk(links, lane, &mut positions);
+            let own = self.joints.models_of(joint, lane);
+            let limb = Limb {
+                upper: vec3::sub(positions[middle], positions[0]),
+                lower: vec3::sub(positions[links.len() - 1], positions[middle]),
+                bend: transform_vector(&own, [x, y, z]),
+                to: vec3::sub([tx, ty, tz], positions[0]),
+            };
+            let counts = zero.less(has_pole);
+            let pole = any::<R>(counts).then_some(Pole { direction: [px, py, pz], counts });
+            let (aims, partly) = (zero.less(weight), weight.less(one));
+            let mut rotations = limb.limb_rotations(pole, soft);
+            for rotation in &mut rotations {
+                *rotation = quat::choose::<R>(aims, *rotation, quat::identity());
+                let part = vec3::part_of(*rotation, weight);
+                *rotation = quat::choose::<R>(partly, part, *rotation);
+            }
+            let [first, second] = rotations;
+            let undone = quat::conjugate(quat::mul(second, first));
+            let undone = quat::choose::<R>(zero.less(keeps_end), undone, quat::identity());
+            store(&first, &mut firsts, lane);
+            store(&second, &mut self.rotations[operand], lane);
+            store(&undone, &mut self.rotations[operand + 1], lane);
         }
+        self.joints.rotate(joint, firsts);
     }
 }

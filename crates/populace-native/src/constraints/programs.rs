@@ -1,19 +1,32 @@
 //! Constraint programs of members side by side, each in a lane of its own, on the way down the
 //! hierarchy. A member alone has the only lane.
 //!
-//! Members can stand side by side if their steps have the same kinds and joints. Gazes, limbs, legs
-//! and the rotations that they hand down are computed in lanes, other steps member by member.
+//! Members can stand side by side if their steps have the same kinds, joints and chains. Gazes,
+//! limbs, legs and the rotations that they hand down are computed in lanes, other steps member by
+//! member.
 
-use populace_device::layout::{STEP_FOOT, STEP_GAZE, STEP_PELVIS, STEP_REACH, STEP_ROTATION, Step};
+use populace_device::Tables;
+use populace_device::layout::{
+    Constraint, Link, MAX_STEP_ROTATIONS, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_PELVIS,
+    STEP_REACH, STEP_ROTATION, Step,
+};
+use populace_model::Affine;
 
-use super::targets::{Solver, StepRotations};
+use super::targets::Solver;
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::{Hierarchy, descend_to};
 use crate::history::DeferredWrites;
-use crate::lanes::{Simd, put};
+use crate::lanes::{LANES, Line, Members, Simd, load, put, vectors};
+use crate::matrices::{MATRIX, origin, product};
 use crate::members::steps_of;
+
+/// Rotations in model space of members side by side, from steps that compute them to steps that
+/// apply them.
+pub(crate) fn step_rotations<const COUNT: usize>(lines: &mut Vec<Line>) -> &mut [[Simd<COUNT>; 4]] {
+    vectors(lines, 4 * MAX_STEP_ROTATIONS as usize).as_chunks_mut().0
+}
 
 /// Returns a number that programs which can stand side by side share: FNV-1a over kinds and joints
 /// of the steps.
@@ -25,9 +38,43 @@ pub(crate) fn signature(steps: &[Step]) -> u64 {
     steps.iter().fold(0xcbf2_9ce4_8422_2325, mix)
 }
 
+/// Returns the links of a constraint.
+fn links_of<'a>(tables: &'a Tables, constraint: &Constraint) -> &'a [Link] {
+    &tables.links().as_slice()[constraint.link_first as usize..][..constraint.link_count as usize]
+}
+
+/// Returns whether two constraints lead the same chains, on the same soles.
+fn lead_alike(tables: &Tables, a: &Constraint, b: &Constraint) -> bool {
+    let shape = |c: &Constraint| {
+        let legs = [c.middle, c.upper, c.toe_links, c.at_once];
+        (legs, [c.sole_first, c.sole_count, c.toe_first, c.toe_count])
+    };
+    let (links, others) = (links_of(tables, a), links_of(tables, b));
+    shape(a) == shape(b)
+        && links.len() == others.len()
+        && links.iter().zip(others).all(|(a, b)| a.joint == b.joint)
+}
+
+/// Returns whether two steps of a kind that is computed in lanes can stand side by side.
+fn steps_alike(tables: &Tables, a: &Step, b: &Step) -> bool {
+    let constraints = tables.constraints().as_slice();
+    let [one, other] = [a, b].map(|step| &constraints[step.index as usize..]);
+    let count = if a.kind == STEP_PELVIS { one[0].target_count as usize } else { 1 };
+    a.operand == b.operand
+        && (a.kind != STEP_PELVIS || one[0].target_count == other[0].target_count)
+        && one[..count].iter().zip(other).all(|(one, other)| lead_alike(tables, one, other))
+}
+
 /// Returns whether two programs can stand side by side.
-pub(crate) fn are_alike(a: &[Step], b: &[Step]) -> bool {
-    let alike = |(a, b): (&Step, &Step)| (a.kind, a.joint) == (b.kind, b.joint);
+pub(crate) fn are_alike(tables: &Tables, a: &[Step], b: &[Step]) -> bool {
+    let alike = |(a, b): (&Step, &Step)| {
+        (a.kind, a.joint) == (b.kind, b.joint)
+            && match a.kind {
+                STEP_GAZE | STEP_REACH | STEP_PELVIS | STEP_FOOT => steps_alike(tables, a, b),
+                STEP_ROTATION | STEP_CHAIN => a.operand == b.operand,
+                _ => true,
+            }
+    };
     a.len() == b.len() && a.iter().zip(b).all(alike)
 }
 
@@ -41,6 +88,26 @@ pub(crate) trait Company<const COUNT: usize> {
 
     /// Rotates the model transforms of a joint about their own origins.
     fn rotate(&mut self, joint: usize, rotations: [Simd<COUNT>; 4]);
+
+    /// Returns the model transforms of a joint that has them, in lanes from `lane` on.
+    fn models_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX];
+
+    /// Returns the local transforms of a joint that has no model transforms yet, in lanes from
+    /// `lane` on.
+    fn locals_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX];
+
+    /// Lowers the model transforms of a joint.
+    fn lower(&mut self, joint: usize, drop: Simd<COUNT>);
+}
+
+/// Returns the transform of a single member in the first lane.
+#[inline(always)]
+fn only<R: Members>(transform: &Affine) -> [R; MATRIX] {
+    let mut lanes = [Simd([0.0; LANES]); MATRIX];
+    for (all, number) in lanes.iter_mut().zip(transform.rows.as_flattened()) {
+        all.0[0] = *number;
+    }
+    load(&lanes, 0)
 }
 
 /// Transforms of a single member.
@@ -62,6 +129,23 @@ impl<H: Hierarchy> Company<1> for Alone<'_, H> {
         let rotation = [x.0[0], y.0[0], z.0[0], w.0[0]];
         self.0.keep_model(joint, self.0.model_of(joint).rotated(rotation));
     }
+
+    #[inline(always)]
+    fn models_of<R: Members>(&self, joint: usize, _lane: usize) -> [R; MATRIX] {
+        only(&self.0.model_of(joint))
+    }
+
+    #[inline(always)]
+    fn locals_of<R: Members>(&self, joint: usize, _lane: usize) -> [R; MATRIX] {
+        only(&self.0.local_of(joint))
+    }
+
+    #[inline(always)]
+    fn lower(&mut self, joint: usize, drop: Simd<1>) {
+        let mut rows = self.0.model_of(joint).rows;
+        rows[1][3] -= drop.0[0];
+        self.0.keep_model(joint, Affine { rows });
+    }
 }
 
 /// Programs of members side by side, at most one for each of `COUNT` lanes.
@@ -74,8 +158,8 @@ pub(crate) struct Programs<'a, C, const COUNT: usize> {
     pub(crate) parents: &'a [u32],
     /// Local transforms of joints that the members have not reached, model transforms of others.
     pub(crate) joints: &'a mut C,
-    /// Rotations that the steps of each member hand down.
-    pub(crate) rotations: &'a mut [StepRotations],
+    /// See [`step_rotations`].
+    pub(crate) rotations: &'a mut [[Simd<COUNT>; 4]],
     pub(crate) writes: &'a mut DeferredWrites,
     /// Index of the next step.
     pub(crate) next: usize,
@@ -86,7 +170,6 @@ pub(super) struct Stop<'a, H> {
     pub(super) solver: Solver<'a>,
     pub(super) step: &'a Step,
     pub(super) joints: H,
-    pub(super) parents: &'a [u32],
 }
 
 /// The next step of all members, which is of a kind that is computed in lanes.
@@ -100,24 +183,60 @@ impl<C: Company<COUNT>, const KIND: u32, const COUNT: usize> Work
     #[inline(always)]
     fn run<J: JointLanes>(self) {
         match KIND {
-            STEP_GAZE => self.0.gaze(),
-            STEP_REACH => self.0.reach(),
-            STEP_PELVIS => self.0.pelvis(),
-            STEP_FOOT => self.0.foot(),
+            STEP_GAZE => self.0.gaze::<J::Members>(),
+            STEP_REACH => self.0.reach::<J::Members>(),
+            STEP_PELVIS => self.0.pelvis::<J::Members>(),
+            STEP_FOOT => self.0.foot::<J::Members>(),
             _ => {}
         }
     }
 }
 
-impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
+impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
     /// Returns the member in a lane at the next step; `None` past the last member.
     #[inline(always)]
     pub(super) fn stop(&mut self, lane: usize) -> Option<Stop<'_, impl Hierarchy>> {
         let member = *self.members.get(lane)?;
         let step = steps_of(self.inputs.tables, member).get(self.next)?;
-        let rotations = self.rotations.get_mut(lane)?;
-        let solver = Solver::new(self.inputs, member, self.writes, rotations)?;
-        Some(Stop { solver, step, joints: self.joints.member(lane), parents: self.parents })
+        let solver = Solver::new(self.inputs, member, self.writes)?;
+        Some(Stop { solver, step, joints: self.joints.member(lane) })
+    }
+
+    /// Returns the next step of the first member, and its constraint. Those of the others have the
+    /// same joints and chains.
+    #[inline(always)]
+    pub(super) fn first_stop(&self) -> Option<(&'a Step, &'a Constraint)> {
+        let tables = self.inputs.tables;
+        let step = steps_of(tables, *self.members.first()?).get(self.next)?;
+        Some((step, &tables.constraints().as_slice()[step.index as usize]))
+    }
+
+    /// Walks down chains by their local transforms, in lanes from `lane` on. Writes the positions
+    /// of the chain's joints, in model space, and returns the model transform of the last joint.
+    #[inline(always)]
+    pub(super) fn walk<R: Members>(
+        &self,
+        links: &[Link],
+        lane: usize,
+        positions: &mut [[R; 3]],
+    ) -> [R; MATRIX] {
+        let mut end = [R::splat(0.0); MATRIX];
+        for (at, (position, link)) in positions.iter_mut().zip(links).enumerate() {
+            let joint = link.joint as usize;
+            end = if at == 0 {
+                self.joints.models_of(joint, lane)
+            } else {
+                product(&end, &self.joints.locals_of(joint, lane))
+            };
+            *position = origin(&end);
+        }
+        end
+    }
+
+    /// Returns the links of a constraint.
+    #[inline(always)]
+    pub(super) fn links(&self, constraint: &Constraint) -> &'a [Link] {
+        links_of(self.inputs.tables, constraint)
     }
 
     /// Computes the model transforms of all joints, parents first, and runs the members' steps on
@@ -134,7 +253,11 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             }
             self.next = nth;
             match step.kind {
-                STEP_ROTATION => self.rotate(step.joint as usize),
+                STEP_ROTATION => {
+                    let rotations = self.rotations[step.operand as usize];
+                    self.joints.rotate(step.joint as usize, rotations);
+                }
+                STEP_CHAIN => self.chains(),
                 STEP_GAZE => self.registers.run(StepInLanes::<_, STEP_GAZE>(self)),
                 STEP_REACH => self.registers.run(StepInLanes::<_, STEP_REACH>(self)),
                 STEP_PELVIS => self.registers.run(StepInLanes::<_, STEP_PELVIS>(self)),
@@ -147,23 +270,26 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         }
     }
 
-    /// Rotates a joint by what earlier steps handed down to the next step.
+    /// Bends the chains of one member after the other.
     #[inline(always)]
-    fn rotate(&mut self, joint: usize) {
-        let none = Simd([0.0; COUNT]);
-        let mut turns = [none, none, none, Simd([1.0; COUNT])];
-        for (lane, (member, own)) in self.members.iter().zip(self.rotations.iter()).enumerate() {
-            let step = &steps_of(self.inputs.tables, *member)[self.next];
-            put(&mut turns, lane, own[step.operand as usize]);
+    fn chains(&mut self) {
+        for lane in 0..self.members.len() {
+            let Some(Stop { solver, step, mut joints }) = self.stop(lane) else { continue };
+            let turned = solver.chain(&mut joints, step);
+            let links = solver.constraint(step).link_count as usize;
+            let first = step.operand as usize;
+            drop(joints);
+            for (all, one) in self.rotations[first..].iter_mut().zip(&turned[1..links]) {
+                put(all, lane, *one);
+            }
         }
-        self.joints.rotate(joint, turns);
     }
 
     /// Takes the next step of one member after the other.
     #[inline(always)]
     fn take_steps(&mut self) {
         for lane in 0..self.members.len() {
-            if let Some(Stop { mut solver, step, mut joints, .. }) = self.stop(lane) {
+            if let Some(Stop { mut solver, step, mut joints }) = self.stop(lane) {
                 solver.take_step(step, &mut joints);
             }
         }

@@ -6,19 +6,14 @@
 
 use populace_device::Tables;
 use populace_device::layout::{
-    Constraint, Control, Float4, Link, MAX_LINKS, MAX_STEP_ROTATIONS, STATES_PER_CONTROL, Step,
-    TARGET_DIRECTION, TARGET_FAR_M, TARGET_WATCHED, TARGET_WORLD, Target,
+    Constraint, Control, Float4, Link, STATES_PER_CONTROL, Step, TARGET_DIRECTION, TARGET_FAR_M,
+    TARGET_WATCHED, TARGET_WORLD, Target,
 };
-use populace_model::Affine;
-use populace_model::math::vec3;
+use populace_model::math::{Real, vec3};
 
 use crate::frame::FrameInputs;
-use crate::hierarchy::Hierarchy;
 use crate::history::DeferredWrites;
 use crate::members::control_of;
-
-/// Rotations in model space, from steps of a member that compute them to steps that apply them.
-pub(crate) type StepRotations = [[f32; 4]; MAX_STEP_ROTATIONS as usize];
 
 /// Solver of one member's constraints.
 pub(crate) struct Solver<'a> {
@@ -28,7 +23,43 @@ pub(crate) struct Solver<'a> {
     /// Index of the control.
     index: u32,
     pub(super) writes: &'a mut DeferredWrites,
-    pub(super) step_rotations: &'a mut StepRotations,
+}
+
+/// Where members stand: one, or several in SIMD lanes.
+#[derive(Clone, Copy)]
+pub(super) struct Standing<R> {
+    /// Position in the world in metres, and scale.
+    pub(super) place: [R; 4],
+    /// Sine and cosine of the heading.
+    pub(super) facing: [R; 2],
+}
+
+impl<R: Real> Standing<R> {
+    /// Takes a direction from world to model space. Its length stays.
+    #[inline(always)]
+    pub(super) fn direction_to_model(self, [x, y, z]: [R; 3]) -> [R; 3] {
+        let [sin, cos] = self.facing;
+        [cos * x - sin * z, y, sin * x + cos * z]
+    }
+
+    /// Takes a point from world to model space.
+    #[inline(always)]
+    pub(super) fn to_model(self, point: [R; 3]) -> [R; 3] {
+        let [x, y, z, scale] = self.place;
+        let shrinks = R::splat(1.0) / scale;
+        vec3::scale(self.direction_to_model(vec3::sub(point, [x, y, z])), shrinks)
+    }
+
+    /// Takes a point from model to world space.
+    #[inline(always)]
+    pub(super) fn to_world(self, p: [R; 3]) -> [R; 3] {
+        let ([x, y, z, scale], [sin, cos]) = (self.place, self.facing);
+        [
+            (cos * p[0] + sin * p[2]) * scale + x,
+            p[1] * scale + y,
+            (cos * p[2] - sin * p[0]) * scale + z,
+        ]
+    }
 }
 
 /// A point in model space, and its weight from 0 to 1.
@@ -38,25 +69,17 @@ pub(super) struct WeightedPoint {
     pub(super) weight: f32,
 }
 
-/// Joints of a chain in model space, before the constraint.
-pub(super) struct Chain {
-    pub(super) positions: [[f32; 3]; MAX_LINKS as usize],
-    /// Model transform of the last joint.
-    pub(super) end: Affine,
-}
-
 impl<'a> Solver<'a> {
     /// Makes the solver of a member; `None` if only clips move the member.
     pub(crate) fn new(
         inputs: &'a FrameInputs<'a>,
         member: u32,
         writes: &'a mut DeferredWrites,
-        step_rotations: &'a mut StepRotations,
     ) -> Option<Self> {
         let tables = inputs.tables;
         let control = control_of(tables, member)?;
         let index = tables.members().as_slice()[member as usize].control;
-        Some(Self { inputs, tables, control, index, writes, step_rotations })
+        Some(Self { inputs, tables, control, index, writes })
     }
 
     #[inline(always)]
@@ -85,28 +108,11 @@ impl<'a> Solver<'a> {
         self.writes.states.push((self.index * STATES_PER_CONTROL + element, value));
     }
 
-    /// Takes a direction from world to model space. Its length stays.
+    /// Returns where the member stands.
     #[inline(always)]
-    pub(super) fn direction_to_model(&self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+    pub(super) fn standing(&self) -> Standing<f32> {
         let [sin, cos, ..] = self.control.facing.0;
-        [cos * x - sin * z, y, sin * x + cos * z]
-    }
-
-    /// Takes a point from world to model space.
-    #[inline(always)]
-    pub(super) fn to_model(&self, point: [f32; 3]) -> [f32; 3] {
-        let [x, y, z, scale] = self.control.place.0;
-        vec3::scale(self.direction_to_model(vec3::sub(point, [x, y, z])), 1.0 / scale)
-    }
-
-    /// Takes a point from model to world space.
-    pub(super) fn to_world(&self, p: [f32; 3]) -> [f32; 3] {
-        let ([x, y, z, scale], [sin, cos, ..]) = (self.control.place.0, self.control.facing.0);
-        [
-            (cos * p[0] + sin * p[2]) * scale + x,
-            p[1] * scale + y,
-            (cos * p[2] - sin * p[0]) * scale + z,
-        ]
+        Standing { place: self.control.place.0, facing: [sin, cos] }
     }
 
     /// Returns a target's position as seen from a point, both in model space, and its present
@@ -115,9 +121,10 @@ impl<'a> Solver<'a> {
         let weight = target.weight_at(self.inputs.frame.tick);
         let point = target.point.xyz();
         let position = match target.kind {
-            TARGET_WORLD => self.to_model(point),
+            TARGET_WORLD => self.standing().to_model(point),
             TARGET_DIRECTION => {
-                vec3::add_scaled(from, self.direction_to_model(point), TARGET_FAR_M)
+                let direction = self.standing().direction_to_model(point);
+                vec3::add_scaled(from, direction, TARGET_FAR_M)
             }
             TARGET_WATCHED => {
                 let rows = self.inputs.history.watched_before(target.watched);
@@ -129,7 +136,7 @@ impl<'a> Solver<'a> {
                 if !seen {
                     return WeightedPoint { position: from, weight: 0.0 };
                 }
-                self.to_model(position)
+                self.standing().to_model(position)
             }
             _ => point,
         };
@@ -152,18 +159,5 @@ impl<'a> Solver<'a> {
         } else {
             WeightedPoint { position: from, weight: 0.0 }
         }
-    }
-
-    /// Walks down a chain by its local transforms. `from` is the first joint's model transform.
-    #[inline(always)]
-    pub(super) fn walk(joints: &impl Hierarchy, links: &[Link], from: Affine) -> Chain {
-        let mut positions = [[0.0; 3]; MAX_LINKS as usize];
-        let mut end = from;
-        positions[0] = end.origin();
-        for (position, link) in positions.iter_mut().zip(links).skip(1) {
-            end = end.mul(&joints.local_of(link.joint as usize));
-            *position = end.origin();
-        }
-        Chain { positions, end }
     }
 }

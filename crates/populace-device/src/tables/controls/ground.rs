@@ -1,8 +1,8 @@
-//! The ground that feet stand on. Twin of the functions of the ground in `kernels/foot.cl`.
+//! The ground that feet stand on. Twin of the functions of the ground in `kernels/foothold.cl`.
 
 use populace_model::LARGEST;
 use populace_model::convert::u32_from;
-use populace_model::math::vec3;
+use populace_model::math::{Real, vec3};
 
 use crate::Error;
 use crate::fault::{ConstraintFault, ConstraintPart};
@@ -88,11 +88,18 @@ fn grid_sample(at: f32, count: u32) -> (u32, f32) {
 }
 
 impl layout::Ground {
+    /// Returns the height of the plane, without the grid, at a point of the world.
+    #[inline(always)]
+    #[must_use]
+    pub fn plane_at<R: Real>(&self, x: R, z: R) -> R {
+        R::splat(self.offset) + R::splat(self.slope_x) * x + R::splat(self.slope_z) * z
+    }
+
     /// Returns the height and the upward unit normal at a point of the world. `heights` are the
     /// samples of the grid.
     #[must_use]
     pub fn at(&self, heights: &[f32], x: f32, z: f32) -> (f32, [f32; 3]) {
-        let mut height = self.offset + self.slope_x * x + self.slope_z * z;
+        let mut height = self.plane_at(x, z);
         let mut slope = [self.slope_x, self.slope_z];
         if self.per_metre > 0.0 {
             let (column, across) = grid_sample((x - self.grid_x) * self.per_metre, self.count_x);
