@@ -50,6 +50,18 @@ pub enum Error {
         /// The number that there may be.
         most: usize,
     },
+    /// A layer of a crowd of a plan that moves a part of the body which a character has not.
+    #[error(
+        "a [[crowd]] has `layers` with `mask = \"{part}\"`, and in the character \"{character}\" \
+         no joints are known for that part; write `mask = \"whole_body\"`, or name the joints as \
+         in a rig that is known"
+    )]
+    NoSuchPart {
+        /// The character.
+        character: String,
+        /// The part of the body, as a scene file names it.
+        part: &'static str,
+    },
     /// Another number of people than of agents.
     #[error("{people} people were given for {agents} agents; give one for each")]
     UnequalLengths {
@@ -81,6 +93,7 @@ impl Error {
             | Self::UnknownName { .. }
             | Self::UnequalCrowd { .. }
             | Self::TooFewSeats { .. }
+            | Self::NoSuchPart { .. }
             | Self::TooManyLayers { .. } => ErrorKind::InvalidInput,
         }
     }

@@ -10,8 +10,8 @@ mod view;
 use serde::{Deserialize, Serialize};
 
 pub use people::{
-    BehaviourPlan, CastPlan, CrowdPlan, FightPlan, GazePlan, LayerPlan, SpectatePlan, StandPlan,
-    StrollPlan,
+    BehaviourPlan, CastPlan, CrowdPlan, FightPlan, GazePlan, LayerPlan, MaskPlan, SpectatePlan,
+    StandPlan, StrollPlan,
 };
 pub use place::{
     BayPlan, CrossingPlan, FootwayPlan, GroundPlan, LanePlan, LeanPlan, PropPlan, SeatPlan,

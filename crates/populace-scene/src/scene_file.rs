@@ -274,6 +274,10 @@ fn line(text: &str, span: Range<usize>) -> usize {
 /// Says what a reader of TOML refused, with the nearest key for one that is unknown.
 fn refused(text: &str, error: &toml::de::Error) -> SceneFileError {
     let mut message = error.message().to_owned();
+    let span = error.span().unwrap_or_default();
+    // A value stands in quotes; a key need not, and is followed by its value.
+    let is_value = text.get(span.clone()).is_some_and(|it| it.starts_with(['"', '\'']));
+    let what = if is_value { "value" } else { "key" };
     for unknown in ["unknown field `", "unknown variant `"] {
         let Some(rest) = message.strip_prefix(unknown) else { continue };
         let mut quoted = rest.split('`');
@@ -281,11 +285,11 @@ fn refused(text: &str, error: &toml::de::Error) -> SceneFileError {
         // Every second part after the name is quoted.
         let known = quoted.skip(1).step_by(2).map(str::to_owned).collect::<Vec<_>>();
         let nearest = nearest_names(&name, known.iter().map(String::as_str));
-        message = format!("there is no key `{name}` here{}", did_you_mean(&nearest));
+        message = format!("there is no {what} `{name}` here{}", did_you_mean(&nearest));
         if nearest.is_empty() {
             message = format!("{message}; there are {}", known.join(", "));
         }
         break;
     }
-    SceneFileError { line: line(text, error.span().unwrap_or_default()), message }
+    SceneFileError { line: line(text, span), message }
 }

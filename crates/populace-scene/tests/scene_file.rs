@@ -1,6 +1,6 @@
 //! Scene files: what is written is read again, and what is wrong is named with its line.
 
-use populace_scene::plan::ScenePlan;
+use populace_scene::plan::{MaskPlan, ScenePlan};
 use populace_scene::{StreetSettings, street};
 
 /// A file with a footway and people on it, before a line that is put in.
@@ -90,4 +90,28 @@ fn a_prop_is_of_a_kind_or_of_a_file() {
     refused(&with("kind = \"banch\""), 19, "did you mean \"bench\"");
     refused(&with("kind = \"bench\"\nfile = \"kiosk.glb\""), 20, "one or the other");
     refused(&with(""), 17, "there must be a `file`");
+}
+
+#[test]
+fn layers_move_a_part_of_the_body_that_is_named() {
+    let with = |mask: &str| format!("{GOOD}layers = [{{ clip = \"Wave\"{mask} }}]\n");
+    for (mask, part) in [
+        ("", MaskPlan::UpperBody),
+        (", mask = \"whole_body\"", MaskPlan::WholeBody),
+        (", mask = \"upper_body\"", MaskPlan::UpperBody),
+        (", mask = \"left_arm\"", MaskPlan::LeftArm),
+        (", mask = \"right_arm\"", MaskPlan::RightArm),
+    ] {
+        let plan = ScenePlan::parse(&with(mask)).unwrap();
+        assert_eq!(plan.crowds[0].layers[0].mask, part, "{mask}");
+        assert_eq!(ScenePlan::parse(&plan.to_toml().unwrap()).unwrap(), plan);
+    }
+    let misspelt = with(", mask = \"left_amr\"");
+    refused(&misspelt, 16, "no value `left_amr` here; did you mean \"left_arm\"");
+    refused(
+        &with(", mask = \"tail\""),
+        16,
+        "there are whole_body, upper_body, left_arm, right_arm",
+    );
+    refused(&with(", msak = \"left_arm\""), 16, "no key `msak` here; did you mean \"mask\"");
 }

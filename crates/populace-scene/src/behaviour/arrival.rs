@@ -286,13 +286,13 @@ impl Arrival<'_> {
             return Err(Error::TooManyLayers { layers, most });
         }
         for (layer, plan) in (first..=ADDED).zip(&self.of.layers) {
-            let LayerPlan { clip, weight, additive, upper_body, share } = plan;
+            let LayerPlan { clip, weight, additive, mask, share } = plan;
             if !world.people[who].random.chance(*share) {
                 continue;
             }
+            let mask = world.body(who).mask(crowd, *mask)?;
             let clip = crowd.clip(world.body(who).character, clip)?;
             let phase = world.people[who].random.part();
-            let mask = world.body(who).upper.filter(|_| *upper_body);
             let mode = if *additive { LayerMode::Additive } else { LayerMode::default() };
             let mut member = crowd.member_mut(world.member(who))?;
             member.set_layer(layer, LayerSettings { mode, weight: *weight }, mask)?;

@@ -7,6 +7,7 @@ use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId};
 use populace_physics::{GetUp, RagdollPlan};
 
 use crate::Error;
+use crate::plan::MaskPlan;
 
 /// The use of a clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,6 +78,8 @@ pub(crate) struct Body {
     pub(crate) upper: Option<MaskId>,
     /// The left arm from the shoulder on.
     pub(crate) left_arm: Option<MaskId>,
+    /// The right arm from the shoulder on.
+    right_arm: Option<MaskId>,
     pub(crate) ragdoll: Arc<RagdollPlan>,
     pub(crate) get_up: GetUp,
     pub(crate) chest: Option<JointIndex>,
@@ -118,12 +121,14 @@ impl Body {
         };
         let upper = mask(joint(Role::Spine))?;
         let left_arm = mask(joint(Role::UpperArm(Side::Left)))?;
+        let right_arm = mask(joint(Role::UpperArm(Side::Right)))?;
         let chest = joint(Role::Chest).or_else(|| joint(Role::Spine));
         Ok(Self {
             character,
             clips,
             upper,
             left_arm,
+            right_arm,
             ragdoll: Arc::new(RagdollPlan::from_skeleton(&asset.skeleton)),
             get_up: GetUp::find(crowd, character),
             chest,
@@ -137,6 +142,21 @@ impl Body {
     pub(crate) fn clip(&self, usage: Use) -> Option<UsedClip> {
         let at = USES.iter().position(|(other, ..)| *other == usage)?;
         self.clips[at]
+    }
+
+    /// Returns the mask of a part of the body: `None` for the whole of it.
+    pub(crate) fn mask(&self, crowd: &Crowd, part: MaskPlan) -> Result<Option<MaskId>, Error> {
+        let (mask, name) = match part {
+            MaskPlan::WholeBody => return Ok(None),
+            MaskPlan::UpperBody => (self.upper, "upper_body"),
+            MaskPlan::LeftArm => (self.left_arm, "left_arm"),
+            MaskPlan::RightArm => (self.right_arm, "right_arm"),
+        };
+        if mask.is_none() {
+            let character = crowd.character(self.character)?.asset().name.clone();
+            return Err(Error::NoSuchPart { character, part: name });
+        }
+        Ok(mask)
     }
 
     /// Returns true if the character has clips for all of some uses.

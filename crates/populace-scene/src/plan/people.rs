@@ -210,9 +210,9 @@ pub struct LayerPlan {
     /// True to add the clip's difference from its first pose; it replaces otherwise.
     #[serde(default)]
     pub additive: bool,
-    /// True to affect the spine and all above it alone.
-    #[serde(default = "yes")]
-    pub upper_body: bool,
+    /// The part of the body that the clip moves.
+    #[serde(default)]
+    pub mask: MaskPlan,
     /// The share of members that play it, 0 to 1.
     #[serde(default = "one")]
     pub share: f32,
@@ -220,6 +220,22 @@ pub struct LayerPlan {
 
 const fn one() -> f32 {
     1.0
+}
+
+/// A part of the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+#[non_exhaustive]
+pub enum MaskPlan {
+    /// All joints.
+    WholeBody,
+    /// The spine and all above it.
+    #[default]
+    UpperBody,
+    /// The left arm from the shoulder on.
+    LeftArm,
+    /// The right arm from the shoulder on.
+    RightArm,
 }
 
 /// A point to look at.
