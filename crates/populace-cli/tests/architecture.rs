@@ -165,6 +165,7 @@ fn crates_use_only_what_lies_below_them() {
 const SOLE_USERS: &[(&str, &str)] = &[
     ("egui", "populace-viewer"),
     ("gif", "populace-film"),
+    ("gilrs", "populace-viewer"),
     ("glow", "populace-render"),
     ("khronos-egl", "populace-render"),
     ("opencl3", "populace-opencl"),

@@ -16,6 +16,7 @@ mod input;
 mod keys;
 mod layout;
 mod marks;
+mod pad;
 mod paint;
 mod panels;
 mod pick;

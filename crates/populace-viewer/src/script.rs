@@ -13,6 +13,7 @@ use populace_film::{Pixels, write_png};
 
 use crate::Error;
 use crate::desk::Command;
+use crate::pad::Sticks;
 use crate::viewer::{Input, Viewer};
 use line::{Action, Expected, Line};
 pub use report::{InputTime, ScriptReport};
@@ -47,6 +48,7 @@ struct Batch {
     events: Vec<Event>,
     modifiers: Modifiers,
     dropped: Vec<PathBuf>,
+    sticks: Sticks,
 }
 
 /// Input that no picture shows yet.
@@ -117,6 +119,8 @@ impl Run {
             return Ok(());
         }
         input.one_frame = !self.is_real_time;
+        // A gamepad of this machine has no say in a script.
+        input.sticks = Sticks::default();
         if input.one_frame {
             input.secs = 1.0 / viewer.stage.rate().per_sec();
         }
@@ -138,6 +142,7 @@ impl Run {
             input.events.extend(batch.events);
             input.modifiers = batch.modifiers;
             input.dropped.extend(batch.dropped);
+            input.sticks = batch.sticks;
             let last = self.current.take_if(|_| self.batches.is_empty());
             let shown = self.shown;
             let waiting = |(line, words)| Waiting { line, words, shown, came: Instant::now() };
@@ -241,21 +246,23 @@ fn batches(viewer: &Viewer, line: &Line) -> Result<Option<Vec<Batch>>, Error> {
             let events = vec![Event::PointerMoved(point(*at)), wheel];
             vec![Batch { events, ..Batch::default() }]
         }
-        Action::Hold { keys, modifiers, secs } => {
-            let rate = viewer.stage.rate().per_sec();
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "saturates"
-            )]
-            let frames = (secs * rate).round() as usize;
-            held(keys, *modifiers, frames)
+        Action::Hold { keys, modifiers, secs } => held(keys, *modifiers, frames(viewer, *secs)),
+        Action::Sticks(sticks, secs) => {
+            let batch = Batch { sticks: *sticks, ..Batch::default() };
+            vec![batch; frames(viewer, *secs).max(1)]
         }
         Action::Drop(path) => {
             vec![Batch { dropped: vec![path.clone()], ..Batch::default() }]
         }
         _ => return Ok(None),
     }))
+}
+
+/// Returns the number of frames in `secs`, rounded.
+fn frames(viewer: &Viewer, secs: f64) -> usize {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    let frames = (secs * viewer.stage.rate().per_sec()).round() as usize;
+    frames
 }
 
 fn one(event: Event) -> Batch {

@@ -1,6 +1,7 @@
 //! A frame of the window: input, panels, crowd, picture.
 
 mod commands;
+mod touch;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -11,15 +12,14 @@ use populace_render::{Camera, PassTimes, Renderer, TexturePatch};
 
 use crate::Error;
 use crate::aims::Aims;
-use crate::camera::Mode;
-use crate::desk::{Command, Desk, Page, Times};
+use crate::desk::{Command, Desk, Times};
 use crate::film::Recording;
 use crate::keys::Held;
 use crate::layout::Layout;
 use crate::marks::{self, Sight};
+use crate::pad::Sticks;
 use crate::paint::{self, Frame};
 use crate::panels;
-use crate::pick::{self, Ray};
 use crate::show::{Opener, Wish};
 use crate::stage::{Seen, Stage};
 use crate::theme::{self, PANEL};
@@ -30,6 +30,8 @@ pub(crate) struct Input {
     pub(crate) events: Vec<Event>,
     pub(crate) modifiers: Modifiers,
     pub(crate) dropped: Vec<PathBuf>,
+    /// Where the sticks of the gamepad are.
+    pub(crate) sticks: Sticks,
     /// Seconds that have passed in the window.
     pub(crate) secs: f64,
     /// Milliseconds since the last frame by the clock on the wall.
@@ -155,7 +157,7 @@ impl<'a> Viewer<'a> {
             self.rect = panels::lay_out(context, &mut self.stage, &mut self.desk);
             panels_ms = start.elapsed().as_secs_f64() * 1e3;
             CentralPanel::default().frame(Border::NONE).show(context, |ui| {
-                self.touch(ui, input.secs);
+                self.touch(ui, &input);
                 result = self.advance(&input).inspect(|_| self.mark(ui));
             });
         });
@@ -221,49 +223,6 @@ impl<'a> Viewer<'a> {
         Ok(self.desk.rig.camera(&self.stage.shown_camera()?))
     }
 
-    /// Moves the camera and picks members by the mouse.
-    fn touch(&mut self, ui: &mut Ui, secs: f64) {
-        let response = ui.allocate_rect(self.rect, egui::Sense::click_and_drag());
-        let Ok(shown) = self.stage.shown_camera() else { return };
-        let (shift, wheel) = ui.input(|i| (i.modifiers.shift, i.raw_scroll_delta.y));
-        let by = response.drag_delta() / self.rect.height().max(1.0);
-        let by = [by.x, by.y];
-        let rig = &mut self.desk.rig;
-        let [left, middle, right] = [
-            egui::PointerButton::Primary,
-            egui::PointerButton::Middle,
-            egui::PointerButton::Secondary,
-        ]
-        .map(|button| response.dragged_by(button));
-        if right {
-            rig.set_mode(Mode::Fly, &shown);
-            rig.turn(by, &shown);
-        } else if middle || left && shift {
-            rig.pan(by, &shown);
-        } else if left {
-            rig.turn(by, &shown);
-        }
-        if response.contains_pointer() && wheel != 0.0 {
-            rig.zoom(wheel / 40.0, &shown);
-        }
-        let flight = self.held.flight();
-        if flight != [0.0; 3] && (rig.mode() == Mode::Fly || self.stage.you().is_none()) {
-            #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
-            let secs = secs as f32;
-            rig.fly(flight.map(|speed| speed * secs), &shown);
-        }
-        if response.clicked()
-            && let Some(at) = response.interact_pointer_pos()
-        {
-            let at = at - self.rect.min;
-            let ray = Ray::new(&rig.camera(&shown), at.into(), self.rect.size().into());
-            self.desk.picked = ray.and_then(|ray| pick::pick(&mut self.stage, &ray));
-            if self.desk.picked.is_some() {
-                self.desk.page = Page::Member;
-            }
-        }
-    }
-
     /// Does what the panels wished for, and lets time pass. Returns true if the crowd was
     /// evaluated.
     fn advance(&mut self, input: &Input) -> Result<bool, Error> {
@@ -287,7 +246,8 @@ impl<'a> Viewer<'a> {
             self.stage.replay(&seen)?;
             animated = true;
         } else if secs > 0.0 {
-            if !self.stage.play(secs, self.held.steering(), &seen)? {
+            let steering = self.held.steering().with(input.sticks.steering());
+            if !self.stage.play(secs, steering, &seen)? {
                 self.desk.clock.plays = false;
             }
             animated = true;
@@ -317,18 +277,6 @@ impl<'a> Viewer<'a> {
         }
         if let Some(error) = error {
             self.desk.say(error.to_string(), self.now_secs);
-        }
-    }
-
-    /// Brings the camera up with the member that it follows.
-    fn follow(&mut self, secs: f64) {
-        if self.desk.rig.mode() != Mode::Follow {
-            return;
-        }
-        let member = self.stage.you().or(self.desk.picked);
-        if let Some(followed) = member.and_then(|member| self.stage.followed(member)) {
-            #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
-            self.desk.rig.follow(&followed, secs as f32);
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use egui::CursorIcon as Icon;
 use populace_render::Renderer;
@@ -16,6 +16,7 @@ use crate::Error;
 use crate::desk::Command;
 use crate::input::Translator;
 use crate::layout::Layout;
+use crate::pad::{Pads, Sticks};
 use crate::script::{Run, Script, ScriptReport};
 use crate::show::Opener;
 use crate::viewer::{Input, Viewer};
@@ -65,6 +66,8 @@ pub fn run(opener: Box<dyn Opener + '_>, settings: WindowSettings) -> Result<Clo
         run,
         translator: Translator::default(),
         input: Input::default(),
+        pads: Pads::open(),
+        is_left: false,
         last: Instant::now(),
         failure: None,
         layout: Layout::default(),
@@ -93,6 +96,9 @@ struct App<'a> {
     translator: Translator,
     /// What came since the last frame.
     input: Input,
+    pads: Pads,
+    /// True while another window has the keyboard, and with it the gamepad.
+    is_left: bool,
     last: Instant,
     failure: Option<Error>,
     layout: Layout,
@@ -189,7 +195,11 @@ impl ApplicationHandler for App<'_> {
                 viewer.resize([width.max(1), height.max(1)], scale);
             }
             WindowEvent::DroppedFile(path) => self.input.dropped.push(path),
-            WindowEvent::Focused(false) => viewer.leave(),
+            WindowEvent::Focused(false) => {
+                self.is_left = true;
+                viewer.leave();
+            }
+            WindowEvent::Focused(true) => self.is_left = false,
             event => self.translator.translate(&event, scale.into(), &mut self.input.events),
         }
         window.request_redraw();
@@ -197,11 +207,17 @@ impl ApplicationHandler for App<'_> {
 
     fn about_to_wait(&mut self, event_loop: &ActiveEventLoop) {
         let Some(Open { viewer, window }) = &self.open else { return };
-        if self.run.is_scripted() || viewer.is_moving() {
+        let sticks = self.pads.read();
+        self.input.sticks = if self.is_left { Sticks::default() } else { sticks };
+        if self.run.is_scripted() || viewer.is_moving() || self.input.sticks.moves() {
             event_loop.set_control_flow(ControlFlow::Poll);
             window.request_redraw();
         } else {
-            event_loop.set_control_flow(ControlFlow::Wait);
+            let wait = self.pads.wait_secs().map(Duration::from_secs_f64);
+            event_loop.set_control_flow(match wait {
+                Some(wait) => ControlFlow::WaitUntil(Instant::now() + wait),
+                None => ControlFlow::Wait,
+            });
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The member that the keyboard drives, by the calls that drive all walkers.
+//! The member that the keyboard or a gamepad drives, by the calls that drive all walkers.
 
 use std::f32::consts::TAU;
 
@@ -12,7 +12,7 @@ const BACK: f32 = 0.8;
 /// Speed of turning in radians per second.
 const TURN: f32 = 2.4;
 
-/// Keys that are held.
+/// Where the keys and the stick send the driven member.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Steering {
     /// From -1, backwards, to 1, forwards.
@@ -20,6 +20,17 @@ pub(crate) struct Steering {
     /// From -1, to the right, to 1, to the left.
     pub(crate) left: f32,
     pub(crate) runs: bool,
+}
+
+impl Steering {
+    /// Returns what both say together.
+    pub(crate) fn with(self, other: Self) -> Self {
+        Self {
+            forward: (self.forward + other.forward).clamp(-1.0, 1.0),
+            left: (self.left + other.left).clamp(-1.0, 1.0),
+            runs: self.runs || other.runs,
+        }
+    }
 }
 
 /// A member that is driven.
@@ -59,7 +70,7 @@ impl You {
         self.member
     }
 
-    /// Goes on for `secs` as the keys say. Before the crowd's update.
+    /// Goes on for `secs` as it is steered. Before the crowd's update.
     pub(crate) fn step(
         &mut self,
         crowd: &mut Crowd,

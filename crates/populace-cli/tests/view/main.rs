@@ -34,6 +34,7 @@ fn main() -> ExitCode {
         trial("a slider moves an arm, and nothing else", people::slides),
         trial("a picked member falls and gets up", people::falls),
         trial("the keyboard drives a member", people::drives),
+        trial("sticks drive a member and the camera", people::drives_by_stick),
         trial("seeking lands on the picture of render --at", time::seeks_crowds),
         trial("seeking in a recording lands on the picture of render --at", time::seeks_recordings),
         trial("the timeline pauses, steps and is dragged", time::steps),

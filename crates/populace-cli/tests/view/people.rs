@@ -120,3 +120,25 @@ pub(super) fn drives(desk: &Desk) -> Result<(), Failed> {
     );
     desk.view(&["@woman", "--members", "1", "--clip", "Idle"], &script).map(|_| ())
 }
+
+/// A driven member walks while the left stick of a gamepad is pushed, and not within its dead zone;
+/// the right stick turns the view, as a drag does.
+pub(super) fn drives_by_stick(desk: &Desk) -> Result<(), Failed> {
+    let [x, y] = places_beside_panels();
+    let script = format!(
+        "at 0.1 click {x} {y}\nat 0.2 key y\nat 0.3 expect you\nat 0.5 stick left 0.1 0.1 1\n\
+         at 1.6 key space\nat 1.7 picture still.png\nat 1.8 stick right 0.1 0.1 0.5\n\
+         at 2.4 picture rest.png\nat 2.5 stick right 1 0 0.5\nat 3.1 picture turned.png\n\
+         at 3.2 key space\nat 3.3 stick left 0 1 1.5\nat 4.9 expect walked 1.2\n"
+    );
+    desk.view(&["@woman", "--members", "1", "--clip", "Idle"], &script)?;
+    let still = desk.image("still.png")?;
+    let moved = |name: &str| Ok::<_, Failed>(differing(&still, &desk.image(name)?).len());
+    let (rest, turned) = (moved("rest.png")?, moved("turned.png")?);
+    ensure(rest == 0, || format!("{rest} pixels moved in the dead zone"))?;
+    ensure(turned > 5000, || format!("the view did not turn: {turned} pixels moved"))?;
+    let early = script.replace("at 3.3 stick left 0 1 1.5", "at 3.3 stick left 0.1 0.1 1.5");
+    let stays = early.replace("expect walked 1.2", "expect walked 0.1");
+    let walks = desk.view(&["@woman", "--members", "1", "--clip", "Idle"], &stays).is_ok();
+    ensure(!walks, || "somebody walks in the dead zone".into())
+}

@@ -5,6 +5,9 @@ use egui::{Align2, Context, Grid, RichText, Window};
 use crate::desk::Desk;
 use crate::theme::ACCENT;
 
+/// Sticks of a gamepad, where the program knows gamepads.
+const STICKS: &[(&str, &str)] =
+    &[("left stick", "walk and turn as \"you\""), ("right stick", "turn the camera")];
 /// Keys and what they do, by group.
 const GROUPS: [(&str, &[(&str, &str)]); 4] = [
     (
@@ -57,7 +60,8 @@ pub(super) fn show(context: &Context, desk: &mut Desk) {
         .collapsible(false)
         .show(context, |ui| {
             Grid::new("keys").num_columns(2).spacing([18.0, 4.0]).show(ui, |ui| {
-                for (title, keys) in GROUPS {
+                let sticks = Some(("Gamepad", STICKS)).filter(|_| cfg!(feature = "gamepad"));
+                for (title, keys) in GROUPS.into_iter().chain(sticks) {
                     ui.label(RichText::new(title).color(ACCENT));
                     ui.end_row();
                     for (key, words) in keys {

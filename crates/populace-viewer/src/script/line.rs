@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use egui::{Key, Modifiers, PointerButton};
 
 use crate::Error;
+use crate::pad::Sticks;
 
 /// Forms of a line, for messages.
-const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, drop, seek, shot, \
+const ACTIONS: &str = "click, drag, move, wheel, press, slide, key, hold, stick, drop, seek, shot, \
                        picture, expect, pace, measure or quit";
 
 /// A line.
@@ -38,6 +39,8 @@ pub(super) enum Action {
         modifiers: Modifiers,
         secs: f64,
     },
+    /// Holds the sticks of a gamepad.
+    Sticks(Sticks, f64),
     Drop(PathBuf),
     /// Goes to a time in seconds, as the timeline does.
     Seek(f64),
@@ -166,6 +169,18 @@ fn action(words: &[&str], folder: &Path) -> Result<Action, String> {
         }
         ["key", name] => hold(name, 0.0)?,
         ["hold", name, secs] => hold(name, seconds(secs)?)?,
+        ["stick", side, x, y, secs] => {
+            let (at, rest) = (point(x, y)?, Sticks::default());
+            let sticks = match *side {
+                "left" => Sticks { left: at, ..rest },
+                "right" => Sticks { right: at, ..rest },
+                _ => return Err("a stick is left or right".into()),
+            };
+            if at.iter().any(|axis| axis.abs() > 1.0) {
+                return Err("a stick is pushed by -1 to 1".into());
+            }
+            Action::Sticks(sticks, seconds(secs)?)
+        }
         ["drop", name] => Action::Drop(path(name)),
         ["seek", secs] => Action::Seek(seconds(secs)?),
         ["shot", name] => Action::Shot(path(name)),
@@ -282,6 +297,8 @@ mod tests {
             ("at 1 key nokey", "nokey"),
             ("at 1 slide a 2", "0 to 1"),
             ("at 1 press \"a", "quotation"),
+            ("at 1 stick up 0 1 2", "left or right"),
+            ("at 1 stick left 0 2 1", "-1 to 1"),
             ("at 1 expect x", "picked"),
             ("at 1", "after the time"),
         ] {
