@@ -64,6 +64,52 @@ pub fn helmet(character: &Character) -> Option<(JointIndex, Trs)> {
     place(character, head, middle, DQuat::IDENTITY, size / ADULT_HEAD_M)
 }
 
+/// Returns where a phone is attached to the right hand of somebody who plays `Phone`: the joint, and
+/// `joint_from_prop`.
+///
+/// The phone's origin, its middle, comes before the palm. Its +Z, the screen, faces as the palm does,
+/// to the head, and its +Y points along the fingers. It is not scaled.
+///
+/// `None` if the character is not one of this crate's people, or has another skeleton.
+#[must_use]
+pub fn phone_at_ear(character: &Character) -> Option<(JointIndex, Trs)> {
+    in_palm(character, [0.30, 0.105], 0.0)
+}
+
+/// Returns where a phone is attached to the right hand of somebody who plays `Text`: the joint, and
+/// `joint_from_prop`.
+///
+/// The phone's origin, its middle, comes before the palm. Its +Z, the screen, faces as the palm does,
+/// and its +Y points between the fingers and the thumb, away from who reads it. It is not scaled.
+///
+/// `None` if the character is not one of this crate's people, or has another skeleton.
+#[must_use]
+pub fn phone_to_read(character: &Character) -> Option<(JointIndex, Trs)> {
+    in_palm(character, [0.38, 0.105], 1.0)
+}
+
+/// Returns a place in the right hand, at `[ahead, inwards]` as in [`FIST`], with +Z out of the palm,
+/// and +Y along the fingers and by `turned` of it to the thumb.
+fn in_palm(
+    character: &Character,
+    place_in_hand: [f64; 2],
+    turned: f64,
+) -> Option<(JointIndex, Trs)> {
+    let [elbow, wrist] =
+        joints(&character.skeleton, ["RightForearm", "RightHand"], ["r_forearm", "r_hand"])?;
+    let models = character.skeleton.rest_models();
+    let [from, to] = [elbow, wrist].map(|joint| models[joint.index()].translation);
+    let forearm = (to - from).length();
+    let fingers = (to - from).normalize_or(DVec3::NEG_Y);
+    // Arms at rest lie in the plane of the body, with the thumbs forward.
+    let palm = -DVec3::Z.cross(fingers) * Side::Right.sign();
+    let [ahead, inwards] = place_in_hand.map(|part| part * forearm);
+    let at = to + fingers * ahead + palm * inwards;
+    let up = (fingers + DVec3::Z * turned).normalize();
+    let axes = DMat3::from_cols(up.cross(palm), up, palm);
+    place(character, wrist, at, DQuat::from_mat3(&axes), 1.0)
+}
+
 /// Returns where a box is attached to the chest of somebody who plays `Carry`: the joint, and
 /// `joint_from_prop`.
 ///

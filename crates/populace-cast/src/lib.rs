@@ -25,7 +25,7 @@
 //! stand, so trunk and arms also play alone above a walk.
 //!
 //! Constants such as [`SEAT_HEIGHT_M`], [`CAR_SEAT_M`] and [`DOOR_HANDLE_M`] say where the things
-//! are that the clips use. [`grip`] and [`helmet`] say how props are attached.
+//! are that the clips use. [`grip`], [`helmet`] and [`phone_at_ear`] say how props are attached.
 //!
 //! ```
 //! use populace_cast::{Look, person};
@@ -58,7 +58,7 @@ mod surface;
 use populace_character::{Character, Error};
 
 pub use anatomy::Side;
-pub use grip::{carried, grip, helmet};
+pub use grip::{carried, grip, helmet, phone_at_ear, phone_to_read};
 pub use look::{Bag, Bottom, Colors, Extra, Face, Glasses, Hair, Hat, Look, Reach, Rig, Top};
 pub use places::{
     CAR_FLOOR_M, CAR_ROOF_M, CAR_SEAT_M, CARRY_WIDTH, DOOR_HANDLE_M, DOOR_HINGE_M, DOOR_OPEN_RAD,

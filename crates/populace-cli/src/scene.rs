@@ -160,7 +160,8 @@ impl SceneSource<'_> {
     fn sizes(&self) -> [usize; 2] {
         let holds = self.plan.casts.iter().map(|cast| cast.holds.len()).max().unwrap_or(0);
         let people = self.plan.member_count();
-        [people * (1 + holds) + self.plan.props.len() + BESIDES, SLOTS]
+        // One in two may hold a phone at once.
+        [people * (1 + holds) + people / 2 + self.plan.props.len() + BESIDES, SLOTS]
     }
 
     /// The camera that was asked for: one of the scene by its name, or the scene's first.

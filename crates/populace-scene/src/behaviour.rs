@@ -7,6 +7,7 @@ mod crossings;
 mod driving;
 mod falls;
 mod footways;
+mod hands;
 mod leans;
 mod person;
 mod phones;
@@ -30,10 +31,11 @@ use populace_physics::Ragdolls;
 use crate::Error;
 use crate::plan::ScenePlan;
 use crate::replay::Person as CastPerson;
-use crate::stage::{Lights, Stage};
+use crate::stage::{Lights, PHONE, Stage};
 
 use arrival::Arrival;
 use footways::Footway;
+use hands::Phones;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
@@ -97,6 +99,7 @@ impl Behaviours {
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
             traffic,
             talks: Vec::new(),
+            phones: Phones::new(stage.things(PHONE).first().copied()),
             counts: Counts::default(),
         };
         let mut behaviours = Self { world, stops: Vec::new() };
@@ -131,6 +134,7 @@ impl Behaviours {
         crossings::stops(world, &mut self.stops);
         world.traffic.advance(crowd, &self.stops, (world.now, secs))?;
         stroll::step(world, crowd)?;
+        world.phones.step(crowd, (world.now, world.step_secs))?;
         world.walkers.update(crowd, secs)?;
         Ok(world.ragdolls.step(crowd, secs)?)
     }

@@ -11,7 +11,7 @@ use populace_props::{CarKind, Crossing, CrossingKind, Lamp, Road, RoadPlan};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::plan::{BehaviourPlan, LeanPlan, PropPlan, ScenePlan, SeatPlan, SpotPlan};
+use crate::plan::{BehaviourPlan, CrowdPlan, LeanPlan, PropPlan, ScenePlan, SeatPlan, SpotPlan};
 
 /// The kinds of props that are made by code.
 pub const PROP_KINDS: [&str; 15] = [
@@ -37,6 +37,9 @@ pub const THING_KINDS: [&str; 5] = ["box", "helmet", "phone", "shield", "spear"]
 
 /// The thing that people carry with both hands.
 pub(crate) const PARCEL: &str = "box";
+
+/// The thing that people telephone with and read.
+pub(crate) const PHONE: &str = "phone";
 
 /// Number of different shields and helmets.
 const VARIANTS: u64 = 4;
@@ -158,7 +161,10 @@ impl Stage {
             _ => false,
         };
         let parcel = plan.crowds.iter().any(|crowd| carry(&crowd.does)).then(|| PARCEL.to_owned());
-        for kind in plan.casts.iter().flat_map(|cast| &cast.holds).chain(&parcel) {
+        let strolls = |crowd: &CrowdPlan| matches!(crowd.does, BehaviourPlan::Stroll(_));
+        let phone = plan.crowds.iter().any(strolls).then(|| PHONE.to_owned());
+        let held = plan.casts.iter().flat_map(|cast| &cast.holds);
+        for kind in held.chain(&parcel).chain(&phone) {
             if !stage.things.contains_key(kind) {
                 stage.things.insert(kind.clone(), things(crowd, kind, files, prepare)?);
             }

@@ -153,6 +153,27 @@ fn equal_seeds_give_equal_frames_and_others_do_not() {
     assert!(first != run(2), "two seeds give the same frame");
 }
 
+/// Who telephones or reads holds a phone, from the first frame on; it comes and goes with what they
+/// do.
+#[test]
+fn phones_are_in_the_hands_of_people_who_use_them() {
+    let mut street = Street::new(300, 7);
+    let phones = |street: &Street| -> Vec<_> {
+        let is_phone = |id| street.crowd.character(id).unwrap().asset().name == "phone";
+        let held = street.crowd.members().filter(|member| is_phone(member.character()));
+        held.map(|phone| phone.attached_to().expect("a phone in a hand").0).collect()
+    };
+    let first = phones(&street);
+    assert!((10..150).contains(&first.len()), "{} phones at the beginning", first.len());
+    (0..600).for_each(|_| street.frame());
+    let later = phones(&street);
+    assert!((10..150).contains(&later.len()), "{} phones later", later.len());
+    let kept = later.iter().filter(|owner| first.contains(owner)).count();
+    assert!(kept < first.len(), "everybody has kept the phone");
+    let people: Vec<_> = street.behaviours.people().collect();
+    assert!(later.iter().all(|owner| people.contains(owner)));
+}
+
 #[test]
 fn nobody_walks_into_a_house_and_nobody_sinks() {
     let mut street = Street::new(200, 5);

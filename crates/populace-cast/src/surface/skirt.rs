@@ -14,8 +14,9 @@ const AROUND: usize = 16;
 const UPPER: [(usize, f64); 3] = [(3, 0.002), (2, 0.006), (0, 0.012)];
 /// Rows below the hips: position between hips (0) and hem (1).
 const LOWER: [f64; 3] = [0.34, 0.68, 1.0];
-/// Half breadth and half depth of the hem as fractions of the height.
-const HEM: [f64; 2] = [0.117, 0.108];
+/// Half breadth of the hem, and its depth behind and in front, as fractions of the height. In front
+/// it is near the knees, so that it lies on the thighs of who sits.
+const HEM: [f64; 3] = [0.117, 0.094, 0.084];
 
 /// Adds the skirt of a person who wears one.
 pub(super) fn build(surface: &mut Surface, body: &Body) {
@@ -63,7 +64,8 @@ fn lower(surface: &mut Surface, body: &Body, t: f64, scale: f64, up: f64) -> Vec
         let angle = TAU * j as f64 / AROUND as f64;
         // Pleats deepen towards the hem.
         let pleat = 1.0 + 0.014 * t * if j % 2 == 0 { 1.0 } else { -1.0 };
-        let [x, z] = [HEM[0] * angle.sin(), HEM[1] * angle.cos()].map(|v| v * girth * pleat * h);
+        let depth = if angle.cos() < 0.0 { HEM[1] } else { HEM[2] };
+        let [x, z] = [HEM[0] * angle.sin(), depth * angle.cos()].map(|v| v * girth * pleat * h);
         let hip_out = DVec3::new(hip.x, 0.0, hip.z).normalize() * 0.012 * h;
         let (hip_x, hip_z) = (hip.x + hip_out.x, hip.z + hip_out.z);
         let p = DVec3::new(

@@ -7,6 +7,7 @@ mod acts;
 mod bodies;
 mod gaits;
 mod get_ups;
+mod held;
 mod motions;
 mod options;
 mod skinning;

@@ -54,7 +54,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
 }
 
 /// Plays a motion once, and returns when it ends.
-fn begin(world: &World, crowd: &mut Crowd, who: usize, usage: Use) -> Result<f64, Error> {
+fn begin(world: &mut World, crowd: &mut Crowd, who: usize, usage: Use) -> Result<f64, Error> {
     let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
     let playing = world.play(crowd, who, usage, (UPPER, once))?;
     Ok(world.now + playing.map_or(0.0, |(_, secs)| secs))

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use populace::model::{Role, RoleMap, Side};
-use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId};
+use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId, Trs};
 use populace_physics::{GetUp, RagdollPlan};
 
 use crate::Error;
@@ -84,6 +84,8 @@ pub(crate) struct Body {
     pub(crate) get_up: GetUp,
     pub(crate) chest: Option<JointIndex>,
     pub(crate) right_hand: Option<JointIndex>,
+    /// Where the right hand holds a phone at the ear, and one to read.
+    pub(crate) phones: [Option<(JointIndex, Trs)>; 2],
     pub(crate) can_look: bool,
     /// Height in metres, at scale 1.
     pub(crate) height_m: f32,
@@ -133,6 +135,7 @@ impl Body {
             get_up: GetUp::find(crowd, character),
             chest,
             right_hand: joint(Role::Hand(Side::Right)),
+            phones: [populace_cast::phone_at_ear(&asset), populace_cast::phone_to_read(&asset)],
             can_look: joint(Role::Head).is_some(),
             height_m: asset.height_m(),
         })

@@ -12,6 +12,7 @@ use crate::plan::{
 
 use super::body::{Body, Use};
 use super::footways::{Footway, Place};
+use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
 use super::traffic::Traffic;
 
@@ -131,6 +132,7 @@ pub(crate) struct World {
     pub(crate) crossings: Vec<Crossing>,
     pub(crate) traffic: Traffic,
     pub(crate) talks: Vec<Option<Talk>>,
+    pub(crate) phones: Phones,
     pub(crate) counts: Counts,
 }
 
@@ -251,13 +253,17 @@ impl World {
     /// Plays a motion on a layer for as long as it is or until it is ended, and returns its length
     /// in seconds; `None` if the body has none.
     pub(crate) fn play(
-        &self,
+        &mut self,
         crowd: &mut Crowd,
         who: usize,
         usage: Use,
         (layer, playback): (usize, ClipPlayback),
     ) -> Result<Option<(PlaybackId, f64)>, Error> {
         let Some(clip) = self.body(who).clip(usage) else { return Ok(None) };
+        if layer == UPPER {
+            let place = hands::place(self.body(who), usage);
+            self.phones.change(crowd, self.people[who].member, place, self.now)?;
+        }
         let mut member = crowd.member_mut(self.member(who))?;
         let begins = if self.has_begun() { playback } else { playback.fade_in_secs(0.0) };
         let playing = member.play(clip.id, begins.on_layer(layer))?;
@@ -266,12 +272,15 @@ impl World {
 
     /// Ends what a layer plays.
     pub(crate) fn end(
-        &self,
+        &mut self,
         crowd: &mut Crowd,
         who: usize,
         layer: usize,
         secs: f32,
     ) -> Result<(), Error> {
+        if layer == UPPER {
+            self.phones.change(crowd, self.people[who].member, None, self.now)?;
+        }
         Ok(crowd.member_mut(self.member(who))?.stop(layer, secs)?)
     }
 
