@@ -53,6 +53,39 @@ fn demo() {
     assert_unchanged("demo", Limits::surfaces(), &["demo", "--members", "40", "--size", "240x135"]);
 }
 
+/// A scene of the repository with fewer people, at the time and in the light that it says.
+fn assert_scene_unchanged(name: &str, text: &str, fewer: &[(&str, &str)], camera: &str) {
+    let folder = Folder::new();
+    let scene = folder.text("scene.toml");
+    let mut text = text.to_owned();
+    for (many, few) in fewer {
+        assert!(text.contains(many), "{name} has no {many}");
+        text = text.replace(many, few);
+    }
+    std::fs::write(&scene, text).expect("a file");
+    let camera = format!("--camera={camera}");
+    let args = ["render", &scene, "--size", "240x135", &camera];
+    assert_unchanged(name, Limits::surfaces(), &args);
+}
+
+/// The wave has reached the first seats: some cheer, some rise, some sit.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn stand() {
+    let text = include_str!("../../../../scenes/stand.toml");
+    let fewer = [("count = 10000", "count = 300"), ("lead_in_s = 22", "lead_in_s = 21")];
+    assert_scene_unchanged("stand", text, &fewer, "-59,5,2.5,-65,2.2,-4");
+}
+
+/// Two lines fight: shields are up, and spears thrust beside them.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn battle() {
+    let text = include_str!("../../../../scenes/battle.toml");
+    let fewer = [("count = 5000", "count = 48"), ("rank = 250", "rank = 12")];
+    assert_scene_unchanged("battle", text, &fewer, "-5.5,2.4,-0.3,3,0.9,0");
+}
+
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn built_in_people() {
