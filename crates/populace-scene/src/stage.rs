@@ -88,8 +88,9 @@ pub(crate) struct VehicleModel {
     pub(crate) seat: [f32; 3],
     /// Where the driver stands before getting in, facing the vehicle: `[x, z]` in metres.
     pub(crate) entry: [f32; 2],
-    /// The handle of the driver's door, in metres.
+    /// The handle of the driver's door, and its hinge, in metres.
     pub(crate) handle: [f32; 3],
+    pub(crate) hinge: [f32; 3],
 }
 
 /// Changes a character before it comes into a crowd.
@@ -450,6 +451,7 @@ fn vehicles(crowd: &mut Crowd, prepare: &Prepare<'_>) -> Result<Vec<VehicleModel
             seat: plan.seat,
             entry: [x, z],
             handle: plan.door_handle,
+            hinge: plan.door_hinge,
         });
     }
     Ok(models)

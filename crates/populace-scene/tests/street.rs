@@ -4,7 +4,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use populace::{Affine, Crowd, Device};
+use glam::Vec2;
+use populace::{Affine, Crowd, Device, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_scene::{Behaviours, Counts, Person, Stage, StreetSettings, street};
 
@@ -172,6 +173,58 @@ fn phones_are_in_the_hands_of_people_who_use_them() {
     assert!(kept < first.len(), "everybody has kept the phone");
     let people: Vec<_> = street.behaviours.people().collect();
     assert!(later.iter().all(|owner| people.contains(owner)));
+}
+
+/// Returns the ends of a vehicle's door in the world as `[x, z]`, if it is open.
+fn open_door(crowd: &mut Crowd, vehicle: MemberId) -> Option<[Vec2; 2]> {
+    let view = crowd.member(vehicle).unwrap();
+    let world = view.placement().world_from_model();
+    let asset = Arc::clone(crowd.character(view.character()).unwrap().asset());
+    let joint = asset.skeleton.find("Door")?;
+    let door = crowd.member_mut(vehicle).unwrap().model_from_joints().unwrap()[joint.index()];
+    let is_open = door.rows[0][2].abs() > 0.1;
+    let ends = [[0.0; 3], [0.0, 0.0, -0.95]].map(|end| {
+        let [x, _, z] = world.transform_point(door.transform_point(end));
+        Vec2::new(x, z)
+    });
+    is_open.then_some(ends)
+}
+
+/// Doors swing clear of who opens them, of who gets in, and of who has got out.
+#[test]
+fn doors_pass_through_nobody() {
+    let mut street = Street::new(200, 7);
+    let people: Vec<_> = street.behaviours.people().collect();
+    let vehicles: Vec<_> = street.behaviours.vehicles().collect();
+    let (mut nearest, mut doors) = (f32::MAX, 0);
+    for _ in 0..900 {
+        street.frame();
+        let at = |member: &MemberId| {
+            let view = street.crowd.member(*member).unwrap();
+            let [x, _, z] = view.placement().position();
+            view.attached_to().is_none().then_some(Vec2::new(x, z))
+        };
+        // Nobody else comes near a vehicle on the road.
+        let walkers: Vec<_> = people.iter().filter_map(at).collect();
+        for vehicle in &vehicles {
+            let middle = street.crowd.member(*vehicle).unwrap().placement().position();
+            let middle = Vec2::new(middle[0], middle[2]);
+            let near = walkers.iter().filter(|at| at.distance(middle) < 3.0);
+            let beside: Vec<_> = near.filter(|at| at.y.abs() < middle.y.abs()).collect();
+            if beside.is_empty() {
+                continue;
+            }
+            let Some([hinge, edge]) = open_door(&mut street.crowd, *vehicle) else { continue };
+            doors += 1;
+            for at in beside {
+                let along = edge - hinge;
+                let part = ((*at - hinge).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+                nearest = nearest.min(at.distance(hinge + along * part));
+            }
+        }
+    }
+    assert!(doors > 100, "doors are open in {doors} frames");
+    assert!(nearest > 0.25, "somebody is {nearest:.2} m from a door");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec2;
+use glam::{Quat, Vec2, Vec3};
 use populace::{ClipPlayback, Crowd, JointIndex, Placement, Reach, Target, Trs, Weight};
 use populace_locomotion::{Goal, Path};
 
@@ -19,11 +19,22 @@ const PATIENCE_SECS: f64 = 40.0;
 /// The least height of drivers, in metres: children do not drive.
 const ADULT_M: f32 = 1.5;
 const FADE_SECS: f32 = 0.25;
-/// Seconds after which the hand has the handle, and after which the door begins to open.
-const HANDLE_SECS: f32 = 0.35;
-const OPENS_AFTER_SECS: f32 = 0.55;
-/// Seconds before the end of opening at which the hand lets the handle go.
-const LETS_GO_SECS: f64 = 0.5;
+/// Seconds after which the hand has the handle, after which the door begins to open, after which the
+/// hand lets the handle go and the door swings on, and after which the door is open.
+const HANDLE_SECS: f32 = 0.6;
+const OPENS_AFTER_SECS: f32 = 0.75;
+const LETS_GO_SECS: f64 = 1.1;
+const IS_OPEN_SECS: f64 = 1.6;
+/// Seconds in which `Door_Open` opens a door, which starts and stops softly.
+const SWING_SECS: f32 = 0.8;
+/// Where somebody stands who opens a door, behind its swing: metres towards the vehicle and towards
+/// its rear from where somebody gets in; and the turn to its front in radians.
+const BESIDE_M: [f32; 2] = [0.10, 0.55];
+const BESIDE_RAD: f32 = 1.19;
+/// Seconds after which somebody gets in who has not come to the seat.
+const STEPS_SECS: f64 = 4.0;
+/// Seconds after which the door of somebody who walks away closes.
+const CLOSES_AFTER_SECS: f32 = 1.1;
 /// The least time in seconds that a driver drives, and that a vehicle stands between two drivers.
 const LEAST_DRIVE_SECS: f64 = 4.0;
 const LEAST_STAND_SECS: f64 = 5.0;
@@ -61,6 +72,8 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     // Around the rear of the vehicle to its door.
     let mut way = around(world, car);
     way.insert(0, at);
+    way.pop();
+    way.push(beside(world, car));
     go(world, who, &way)?;
     Ok(true)
 }
@@ -89,6 +102,19 @@ fn around(world: &World, car: usize) -> Vec<Vec2> {
         .to_vec()
 }
 
+/// Returns where somebody stands who opens the door of a vehicle, out of its swing.
+fn beside(world: &World, car: usize) -> Vec2 {
+    let [x, z] = world.traffic.models[world.traffic.vehicles[car].model].entry;
+    let [nearer, behind] = BESIDE_M;
+    let [x, _, z] = world.traffic.world_point(car, [x - nearer, 0.0, z - behind]);
+    Vec2::new(x, z)
+}
+
+/// Returns where somebody faces who opens the door of a vehicle.
+fn beside_yaw_rad(world: &World, car: usize) -> f32 {
+    world.traffic.entry_yaw_rad(car) + BESIDE_RAD
+}
+
 fn go(world: &mut World, who: usize, way: &[Vec2]) -> Result<(), Error> {
     let points: Vec<[f32; 2]> = way.iter().map(Vec2::to_array).collect();
     let path = Path::new(&points)?;
@@ -104,7 +130,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         Doing::NearsCar { car, until } => {
             if world.has_arrived(who) {
                 world.halt(who)?;
-                let yaw_rad = world.traffic.entry_yaw_rad(car);
+                let yaw_rad = beside_yaw_rad(world, car);
                 world.face(who, Some(yaw_rad))?;
                 world.traffic.vehicles[car].is_open = true;
                 world.people[who].doing = Doing::FacesCar { car, until: now + 4.0 };
@@ -114,7 +140,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
         }
         Doing::FacesCar { car, until } => open_door(world, crowd, who, (car, until))?,
-        Doing::OpensDoor { car, until } => get_in(world, crowd, who, (car, until))?,
+        Doing::OpensDoor { car, since } => pull_door(world, crowd, who, (car, since))?,
+        Doing::StepsIn { car, until } => get_in(world, crowd, who, (car, until))?,
         Doing::GetsIn { car, until } if now > until => {
             let member = world.member(who);
             world.walkers.remove(member)?;
@@ -144,21 +171,52 @@ fn open_door(
     (car, until): (usize, f64),
 ) -> Result<(), Error> {
     let now = world.now;
-    if !world.faces(crowd, who, world.traffic.entry_yaw_rad(car))? && now <= until {
+    if !world.faces(crowd, who, beside_yaw_rad(world, car))? && now <= until {
         return Ok(());
     }
     let member = world.member(who);
     world.walkers.set_heedless(member, true)?;
     let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
-    let playing = world.play(crowd, who, Use::OpenDoor, (WHOLE, once))?;
-    let secs = playing.map_or(0.0, |(_, secs)| secs);
-    reach_for_handle(world, crowd, who, car)?;
+    world.play(crowd, who, Use::OpenDoor, (WHOLE, once))?;
+    let weight = Weight::FULL.over_secs(HANDLE_SECS);
+    reach_for_handle(world, crowd, who, (car, 0.0, weight))?;
     move_door(world, crowd, (car, 0), OPENS_AFTER_SECS)?;
-    world.people[who].doing = Doing::OpensDoor { car, until: now + secs };
+    world.people[who].doing = Doing::OpensDoor { car, since: now };
     Ok(())
 }
 
-/// Lets the handle go, and gets in once the door is open.
+/// Pulls the door by its handle, lets it go, and steps to the seat once the door is open.
+fn pull_door(
+    world: &mut World,
+    crowd: &mut Crowd,
+    who: usize,
+    (car, since): (usize, f64),
+) -> Result<(), Error> {
+    let (secs, step_secs) = (world.now - since, world.step_secs);
+    let lets_go = (secs - step_secs..secs).contains(&LETS_GO_SECS);
+    if let Some(hand) = world.body(who).right_hand.filter(|_| lets_go) {
+        crowd.member_mut(world.member(who))?.clear_reach(hand, 0.3)?;
+    } else if secs < LETS_GO_SECS && secs > f64::from(OPENS_AFTER_SECS) {
+        #[expect(clippy::cast_possible_truncation, reason = "below a second")]
+        let part = (secs as f32 - OPENS_AFTER_SECS) / SWING_SECS;
+        let eased = part * part * part * (part * (6.0 * part - 15.0) + 10.0);
+        let turn_rad = populace_props::DOOR_TURN_RAD * eased;
+        reach_for_handle(world, crowd, who, (car, turn_rad, Weight::FULL))?;
+    }
+    if secs < IS_OPEN_SECS {
+        return Ok(());
+    }
+    world.end(crowd, who, WHOLE, 0.35)?;
+    let [x, z] = world.traffic.models[world.traffic.vehicles[car].model].entry;
+    let [x, _, z] = world.traffic.world_point(car, [x, 0.0, z]);
+    world.send(who, Vec2::new(x, z))?;
+    let yaw_rad = world.traffic.entry_yaw_rad(car);
+    world.face(who, Some(yaw_rad))?;
+    world.people[who].doing = Doing::StepsIn { car, until: world.now + STEPS_SECS };
+    Ok(())
+}
+
+/// Gets in from beside the seat.
 fn get_in(
     world: &mut World,
     crowd: &mut Crowd,
@@ -166,12 +224,9 @@ fn get_in(
     (car, until): (usize, f64),
 ) -> Result<(), Error> {
     let (now, member) = (world.now, world.member(who));
-    if let Some(hand) = world.body(who).right_hand
-        && until - now < LETS_GO_SECS
-    {
-        crowd.member_mut(member)?.clear_reach(hand, 0.3)?;
-    }
-    if now <= until {
+    let is_there =
+        world.has_arrived(who) && world.faces(crowd, who, world.traffic.entry_yaw_rad(car))?;
+    if !is_there && now <= until {
         return Ok(());
     }
     let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
@@ -191,7 +246,7 @@ fn leave_car(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Re
     let member = world.member(who);
     world.walkers.add(crowd, member)?;
     world.set_layers(crowd, who)?;
-    move_door(world, crowd, (car, 1), 0.2)?;
+    move_door(world, crowd, (car, 1), CLOSES_AFTER_SECS)?;
     let vehicle = &mut world.traffic.vehicles[car];
     (vehicle.driver, vehicle.claimed, vehicle.is_open) = (None, None, false);
     if let Drive::Stands { since, .. } = &mut vehicle.drive {
@@ -299,12 +354,18 @@ fn alight(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Resul
     Ok(())
 }
 
-/// Puts a hand on the handle of a vehicle's door.
-fn reach_for_handle(world: &World, crowd: &mut Crowd, who: usize, car: usize) -> Result<(), Error> {
+/// Puts a hand on the handle of a vehicle's door, which is turned by an angle in radians.
+fn reach_for_handle(
+    world: &World,
+    crowd: &mut Crowd,
+    who: usize,
+    (car, turn_rad, weight): (usize, f32, Weight),
+) -> Result<(), Error> {
     let model = &world.traffic.models[world.traffic.vehicles[car].model];
-    let at = world.traffic.world_point(car, model.handle);
+    let [handle, hinge] = [model.handle, model.hinge].map(Vec3::from);
+    let swung = hinge + Quat::from_rotation_y(turn_rad) * (handle - hinge);
+    let at = world.traffic.world_point(car, swung.to_array());
     if let Some(hand) = world.body(who).right_hand {
-        let weight = Weight::FULL.over_secs(HANDLE_SECS);
         let mut member = crowd.member_mut(world.member(who))?;
         member.reach(Reach::with(hand), Target::Point(at), weight)?;
     }

@@ -59,7 +59,9 @@ pub(crate) enum Doing {
     /// It turns to the vehicle.
     FacesCar { car: usize, until: f64 },
     /// It reaches for the handle and opens the door.
-    OpensDoor { car: usize, until: f64 },
+    OpensDoor { car: usize, since: f64 },
+    /// It steps to the seat past the open door.
+    StepsIn { car: usize, until: f64 },
     /// It gets in.
     GetsIn { car: usize, until: f64 },
     /// It drives. It may get out after a time.

@@ -57,6 +57,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
             Doing::NearsCar { .. }
             | Doing::FacesCar { .. }
             | Doing::OpensDoor { .. }
+            | Doing::StepsIn { .. }
             | Doing::GetsIn { .. }
             | Doing::Drives { .. }
             | Doing::GetsOut { .. }
