@@ -9,7 +9,9 @@ use crate::rig_file::Weights;
 use crate::surface::{Surface, Vertex, grid, smoothstep};
 
 /// Columns and rows of a skirt.
-const SKIRT: [usize; 2] = [36, 10];
+const SKIRT: [usize; 2] = [44, 10];
+/// Part of a turn in radians by which columns of a skirt move towards its front and back.
+const DENSER: f32 = 0.35;
 
 /// How close smoothed cloth may come to the body, as a part of how far it was pushed out.
 const LEAST_PUSH: f32 = 0.6;
@@ -59,7 +61,7 @@ impl Cover<'_> {
         match self.outfit.bottom {
             Bottom::Trousers => marks.ankle_y - 0.05,
             Bottom::Shorts => marks.knee_y + 0.45,
-            Bottom::Skirt => marks.knee_y + 0.35,
+            Bottom::Skirt => marks.knee_y + 0.6,
         }
     }
 
@@ -167,9 +169,12 @@ struct Ring {
 fn hanging(body: &Body, cover: &Cover) -> Surface {
     let [columns, rows] = SKIRT;
     let (high, low) = (cover.marks.hip_y + 0.25, cover.bottom_hem());
-    let directions: Vec<Vec2> = (0..columns)
-        .map(|c| Vec2::from(((c as f32 / columns as f32) * std::f32::consts::TAU).sin_cos()))
-        .collect();
+    // Columns are dense in front and behind, where the cloth passes from one thigh to the other.
+    let direction = |column: usize| {
+        let turn = (column as f32 + 0.5) / columns as f32 * std::f32::consts::TAU;
+        Vec2::from((turn - DENSER * (2.0 * turn).sin_cos().0).sin_cos())
+    };
+    let directions: Vec<Vec2> = (0..columns).map(direction).collect();
     let mut rings: Vec<Ring> = Vec::new();
     for row in 0..rows {
         let down = row as f32 / (rows - 1) as f32;
@@ -177,7 +182,7 @@ fn hanging(body: &Body, cover: &Cover) -> Surface {
         let near = |v: &&Vertex| (v.base.y - base_y).abs() < 0.25 && cover.marks.arm_share(v) < 0.5;
         let near: Vec<&Vertex> = body.skin.vertices.iter().filter(near).collect();
         let Some(center) = row_center(&near, base_y) else { continue };
-        let slack = (0.008 + 0.012 * smoothstep(0.0, 0.2, down) + 0.026 * down) * body.size;
+        let slack = (0.008 + 0.012 * smoothstep(0.0, 0.2, down) + 0.04 * down) * body.size;
         let mut reach = hull_reach(&near, center, &directions);
         for (column, reach) in reach.iter_mut().enumerate() {
             // It hangs from where the body is widest.
@@ -238,12 +243,12 @@ fn row_center(near: &[&Vertex], base_y: f32) -> Option<Vec3> {
 }
 
 /// Weights of a skirt: those of the waist at the top, and those of the thighs from the hips down.
-/// Between the thighs it passes from one to the other within a few centimetres, so that it is drawn
-/// tight between the legs of a step, and no leg comes through it.
+/// Between the thighs it passes from one to the other within 24 mm, so that it is drawn tight between
+/// the legs of a step, and no leg comes through it.
 fn skirt_weights(body: &Body, marks: &Marks, at: Vec3, base_y: f32) -> Weights {
     let waist = nearest_weights(&body.skin, at);
     let thighs = smoothstep(marks.hip_y + 0.3, marks.crotch_y - 0.6, base_y);
-    let left = smoothstep(-0.035, 0.035, at.x);
+    let left = smoothstep(-0.012, 0.012, at.x);
     let upper = smoothstep(marks.hip_y, marks.waist_y, base_y);
     Weights::mix(&[
         (waist, (1.0 - thighs) * upper),

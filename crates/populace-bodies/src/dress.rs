@@ -14,9 +14,11 @@ use crate::person::{Bottom, Person};
 use crate::surface::{Surface, rgba, srgb};
 use crate::{Error, face, shoes};
 
-/// How far skin reaches under the edge of clothes, into shoes and under hair, in decimetres.
+/// How far skin reaches under the edge of clothes, into shoes and skirts, and under hair, in
+/// decimetres.
 const UNDER_CLOTHES: f32 = 0.12;
 const IN_SHOES: f32 = 0.4;
+const IN_SKIRTS: f32 = 0.35;
 const UNDER_HAIR: f32 = 0.3;
 
 /// A part of a person before it becomes one of a character.
@@ -53,8 +55,12 @@ impl BodySystem {
         let Person { features, outfit, seed, .. } = person;
         let cover = Cover { marks: &self.marks, outfit };
         let hair = Hair { marks: &self.marks, features, seed: *seed };
+        let under_bottom = match outfit.bottom {
+            Bottom::Skirt => IN_SKIRTS,
+            _ => UNDER_CLOTHES,
+        };
         let bare = body.skin.kept(|v| {
-            let clothes = UNDER_CLOTHES - cover.top(v).max(cover.bottom(v));
+            let clothes = (UNDER_CLOTHES - cover.top(v)).min(under_bottom - cover.bottom(v));
             clothes.min(IN_SHOES - cover.shoe(v)).min(UNDER_HAIR - hair.scalp(v))
         });
         let mut hairs = hair.all(body);

@@ -4,6 +4,7 @@
 #![expect(clippy::print_stdout, reason = "measurements are printed for runs with --nocapture")]
 
 mod covered;
+mod posed;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
