@@ -28,6 +28,9 @@ use crate::{Camera, Error, Scene};
 
 /// Smallest and largest side of the shadow map in texels.
 const SHADOW_SIZES: [u32; 2] = [1024, 4096];
+/// Least error in metres with which a coarser level throws a shadow. The error of a level is
+/// measured at rest; where a pose adds to it, the level would shade the surface that is seen.
+const LEAST_SHADOW_ERROR_M: f32 = 0.01;
 
 /// An OpenGL renderer that draws crowds into a picture in memory, and from there into a window if
 /// it has one.
@@ -280,7 +283,10 @@ impl Renderer {
             let scale = if model_radius > 0.0 { sphere.radius / model_radius } else { 1.0 };
             // The mesh that is seen throws no false shadow on itself.
             let seen = instances[index].level.min(model.info.level_count - 1);
-            Some(model.level_within(scene.sun.error_texels * sun.texel_m / scale).max(seen))
+            let error_m = scene.sun.error_texels * sun.texel_m;
+            let is_trusted = error_m >= LEAST_SHADOW_ERROR_M;
+            let coarsest = if is_trusted { model.level_within(error_m / scale) } else { 0 };
+            Some(coarsest.max(seen))
         };
         let eye = Vec3::from(camera.eye);
         let batches = Batches::new(instances, &models, &infos, &page_len, &shadow_level, eye)?;

@@ -17,7 +17,7 @@ pub struct Sun {
     pub casts_shadows: bool,
     /// Greatest distance, in texels of the shadow map, between what throws a shadow and the
     /// character's surface. Coarser levels of detail throw the shadows of characters that have
-    /// some; 0 takes the level in which the member is seen.
+    /// some. If the distance is less than 10 mm, the level in which the member is seen throws it.
     pub error_texels: f32,
 }
 

@@ -296,6 +296,22 @@ fn far_members_have_fewer_triangles_and_others_are_hidden() {
     assert!(number(&finer, "triangles") > number(&seen, "triangles"));
 }
 
+/// A coarser level would shade a surface that is seen from near.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn near_members_throw_the_shadows_of_the_level_that_is_seen() {
+    let folder = Folder::new();
+    let out = folder.text("x.png");
+    let common = ["--size", "160x120", "--device", "native", "--json", "--out", &out];
+    let near = json_of(
+        &[&["render", "@man", "--members", "1", "--camera", "close"], &common[..]].concat(),
+    );
+    assert_eq!(near["shadow"]["triangles"], near["triangles"], "{near}");
+    let many = json_of(&[&["render", "@man", "--members", "100"], &common[..]].concat());
+    let [shadows, seen] = [&many["shadow"], &many].map(|d| d["triangles"].as_u64());
+    assert!(shadows < seen, "{many}");
+}
+
 /// `script` provides a terminal. The run is far too long, and is ended once the bar has shown.
 #[cfg(target_os = "linux")]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
