@@ -302,12 +302,13 @@ fn far_members_have_fewer_triangles_and_others_are_hidden() {
 fn near_members_throw_the_shadows_of_the_level_that_is_seen() {
     let folder = Folder::new();
     let out = folder.text("x.png");
-    let common = ["--size", "160x120", "--device", "native", "--json", "--out", &out];
+    let common = ["--size", "640x360", "--device", "native", "--json", "--out", &out];
     let near = json_of(
-        &[&["render", "@man", "--members", "1", "--camera", "close"], &common[..]].concat(),
+        &[&["render", "@man", "--members", "8", "--camera", "close"], &common[..]].concat(),
     );
     assert_eq!(near["shadow"]["triangles"], near["triangles"], "{near}");
-    let many = json_of(&[&["render", "@man", "--members", "100"], &common[..]].concat());
+    let among = ["render", "@man", "--members", "100", "--camera", "0,1.7,4,6,1,-10"];
+    let many = json_of(&[&among[..], &common[..]].concat());
     let [shadows, seen] = [&many["shadow"], &many].map(|d| d["triangles"].as_u64());
     assert!(shadows < seen, "{many}");
 }
