@@ -58,7 +58,7 @@ INLINE void put_leg(Legs *legs, uint lane, const Leg *leg, __global const Constr
 }
 
 // Gives legs their goals. `hip` are the places of their hips.
-INLINE void bend(Legs *legs, const FootGoals *goals, Vec3 hip)
+INLINE void bend_leg(Legs *legs, const FootGoals *goals, Vec3 hip)
 {
     const Quat follows = { goals->normal.x, goals->normal.y, goals->normal.z, goals->near };
     legs->limb.to = vec3_add_scaled(goals->ankle, hip, -1.0f);
@@ -208,7 +208,7 @@ APART_STEP void pelvis(YieldPoint *at, uint count)
         all = put_feet(legs, inputs, all, at + m, constraint_of(at + m)->target_count, left[m]);
     for (uint i = 0; i * LANES < all; i++) {
         goals[i] = foot_goal(at->s->tables, &inputs[i]);
-        bend(&legs[i], &goals[i], inputs[i].hip);
+        bend_leg(&legs[i], &goals[i], inputs[i].hip);
         needed[i] = sinks(legs[i].limb, legs[i].soft);
     }
     for (uint m = 0; m < count; m++)
@@ -245,7 +245,7 @@ APART_STEP void foot(YieldPoint *at, uint count)
         PUT(goals.turn, m, step_rotations[0].w);
         PUT(goals.near, m, step_rotations[1].w);
     }
-    bend(&legs, &goals, hips);
+    bend_leg(&legs, &goals, hips);
     const LegRotations rotations = leg_rotations(&legs);
     for (uint m = 0; m < count; m++) {
         hand_down(at + m, 0, rotations, m);

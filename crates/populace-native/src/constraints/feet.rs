@@ -43,7 +43,7 @@ impl<R: Real> Bent<R> {
 
     /// Puts a leg, its goal, and the limits of its constraint together.
     #[inline(always)]
-    fn bend(leg: &Leg<R>, goal: &FootGoal<R>, [soft, weight]: [R; 2]) -> Self {
+    fn bend_leg(leg: &Leg<R>, goal: &FootGoal<R>, [soft, weight]: [R; 2]) -> Self {
         let [x, y, z, turn] = goal.ankle;
         let limb = Limb {
             upper: vec3::sub(leg.knee, leg.hip),
@@ -219,7 +219,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 store(&goal.ankle, &mut self.rotations[operand + 3 * nth], first);
                 store(&goal.follows, &mut self.rotations[operand + 3 * nth + 1], first);
             }
-            legs[nth] = Bent::bend(&inputs.leg, &goal, [soft, weight]);
+            legs[nth] = Bent::bend_leg(&inputs.leg, &goal, [soft, weight]);
             let sinks = legs[nth].sinks();
             needed = R::choose(needed.less(sinks), sinks, needed);
         }
@@ -275,7 +275,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 ankle: load(&self.rotations[operand], first),
                 follows: load(&self.rotations[operand + 1], first),
             };
-            let rotations = Bent::bend(&leg, &goal, [soft, weight]).leg_rotations();
+            let rotations = Bent::bend_leg(&leg, &goal, [soft, weight]).leg_rotations();
             for (at, rotation) in rotations.iter().enumerate() {
                 store(rotation, &mut self.rotations[operand + at], first);
             }
