@@ -38,7 +38,7 @@ INLINE Vec3 turned(Turn turn, Vec3 v)
     return t;
 }
 
-// Feet in lanes as their clips pose them, and all that they go by. In model space: the hip and the
+// Feet in lanes as their clips pose them, and their other inputs. In model space: the hip and the
 // ankle; relative to the ankle, the point of the sole that was planted, 0 if none was, and the lowest
 // one, with its index and its height; the direction from heel to ball, 0 if it is not known. Settings
 // of the constraint: height of the ankle at rest, heights above it of planted and lifted feet, the

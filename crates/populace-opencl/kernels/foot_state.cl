@@ -50,7 +50,7 @@ INLINE void keep_foot_states(const FootState *all, uint lane, const Solver *s, u
                                        LANE(all->above, lane), LANE(all->climb, lane));
 }
 
-// Where members stand, and how they stride, in lanes.
+// Places and strides of members, in lanes.
 typedef struct {
     Vec3 place, stride;
     Real scale, sine, cosine;

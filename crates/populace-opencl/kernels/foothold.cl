@@ -153,7 +153,7 @@ INLINE Real shown_height(const ConstraintTables *tables, const FootState *state,
                          const Under *under, Real ahead, Real *climb)
 {
     const Choice known = state->known > (Real)(0.5f), stood = state->planted > (Real)(0.5f);
-    // What a foot that stays planted is above or below the ground, it loses.
+    // A foot that stays planted loses its height above or below the ground.
     const Choice stays = planted & stood & !under->on_edge;
     const Real before = stays ? state->above : state->height;
     const Real ground = planted ? under->ground : ahead;

@@ -30,7 +30,7 @@ pub(crate) struct Input {
     pub(crate) events: Vec<Event>,
     pub(crate) modifiers: Modifiers,
     pub(crate) dropped: Vec<PathBuf>,
-    /// Where the sticks of the gamepad are.
+    /// Positions of the sticks of the gamepad.
     pub(crate) sticks: Sticks,
     /// Seconds that have passed in the window.
     pub(crate) secs: f64,

@@ -12,7 +12,7 @@ const BACK: f32 = 0.8;
 /// Speed of turning in radians per second.
 const TURN: f32 = 2.4;
 
-/// Where the keys and the stick send the driven member.
+/// Direction in which keys and stick send the driven member.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Steering {
     /// From -1, backwards, to 1, forwards.

@@ -10,7 +10,7 @@ use populace::model::Affine;
 pub(crate) struct Binds(Vec<DAffine3>);
 
 impl Binds {
-    /// Returns those of a pose, given the transforms of its joints.
+    /// Returns the transforms of a pose, from `models`, those of its joints.
     pub(crate) fn new(person: &Character, models: &[Affine]) -> Self {
         let models: Vec<DAffine3> = models.iter().map(affine).collect();
         Self::of(person, &models)

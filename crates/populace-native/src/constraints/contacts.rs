@@ -45,7 +45,7 @@ fn secs_within(contact: &Contact, secs: f32, cycle_secs: f32) -> f32 {
     0.5 * (contact.until_secs - contact.from_secs) - away
 }
 
-/// Where a foot is in its contacts.
+/// The place of a foot in its contacts.
 #[derive(Clone, Copy)]
 pub(super) struct InContact<R: Real> {
     /// Seconds from the nearest end of a contact, see [`Solver::contacts_of`].

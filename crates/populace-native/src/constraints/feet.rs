@@ -85,11 +85,13 @@ impl<R: Real> Bent<R> {
     }
 }
 
-/// Numbers of members side by side that a step of feet goes by, as collected member by member.
+/// Inputs of a step of feet, in lanes of members, collected member by member.
 struct Collected<const COUNT: usize> {
-    /// Of each foot: numbers of [`Settings`], [`InContact`] and [`FootState`].
+    /// Numbers of [`Settings`] for each foot.
     settings: [[Simd<COUNT>; SETTINGS]; FEET],
+    /// Numbers of [`InContact`] for each foot.
     contacts: [[Simd<COUNT>; 2]; FEET],
+    /// Numbers of [`FootState`] for each foot, in the frame before, then in this one.
     states: [[Simd<COUNT>; STATE]; FEET],
     /// Numbers of [`Stance`].
     stances: [Simd<COUNT>; STANCE],
@@ -140,7 +142,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         leg
     }
 
-    /// Collects the settings of the members' constraints, each the `nth` from that of its step on.
+    /// Collects the settings of each member's constraint at `nth` after that of its step.
     #[inline(always)]
     fn put_settings(&mut self, nth: usize) -> [Simd<COUNT>; SETTINGS] {
         let mut settings = [Simd([0.0; COUNT]); SETTINGS];
@@ -155,7 +157,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         settings
     }
 
-    /// Collects what members side by side go by. `feet` are the constraints of the first one.
+    /// Collects the inputs of all members. `feet` are the constraints of the first member.
     #[inline(always)]
     fn collect(&mut self, feet: &[Constraint]) -> Collected<COUNT> {
         let none = Simd([0.0; COUNT]);

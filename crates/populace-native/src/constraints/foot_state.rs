@@ -35,7 +35,7 @@ impl<R: Copy> Settings<R> {
     }
 }
 
-/// Where a member stands, and how it strides.
+/// Place and stride of a member.
 #[derive(Clone, Copy)]
 pub(super) struct Stance<R> {
     pub(super) standing: Standing<R>,

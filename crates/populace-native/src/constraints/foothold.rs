@@ -169,7 +169,7 @@ impl<'a> Floor<'a> {
         ahead: R,
     ) -> [R; 2] {
         let zero = R::splat(0.0);
-        // What a foot that stays planted is above or below the ground, it loses.
+        // A foot that stays planted loses its height above or below the ground.
         let stays = R::both(planted, R::both(state.planted, R::others(under.on_edge)));
         let before = R::choose(stays, state.above, state.height);
         let wanted = R::choose(stays, zero, R::choose(planted, under.ground, ahead));

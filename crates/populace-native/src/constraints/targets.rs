@@ -25,7 +25,7 @@ pub(crate) struct Solver<'a> {
     pub(super) writes: &'a mut DeferredWrites,
 }
 
-/// Where members stand: one, or several in SIMD lanes.
+/// Places of members: of one, or of several in SIMD lanes.
 #[derive(Clone, Copy)]
 pub(super) struct Standing<R> {
     /// Position in the world in metres, and scale.

@@ -84,7 +84,7 @@ pub(crate) struct Body {
     pub(crate) get_up: GetUp,
     pub(crate) chest: Option<JointIndex>,
     pub(crate) right_hand: Option<JointIndex>,
-    /// Where the right hand holds a phone at the ear, and one to read.
+    /// Places of a phone in the right hand: at the ear, and to read.
     pub(crate) phones: [Option<(JointIndex, Trs)>; 2],
     pub(crate) can_look: bool,
     /// Height in metres, at scale 1.

@@ -8,95 +8,95 @@ use super::random::Random;
 /// The activity of a person. Times are seconds of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Doing {
-    /// It walks along its footway.
+    /// Walks along its footway.
     Strolls,
-    /// It walks to a spot, and gives up at a time.
+    /// Walks to a spot, and gives up at a time.
     NearsSpot { spot: usize, until: f64 },
-    /// It turns to what is to be seen there.
+    /// Turns to what is to be seen there.
     FacesSpot { spot: usize, until: f64 },
-    /// It looks.
+    /// Looks.
     LooksIn { spot: usize, until: f64 },
-    /// It walks to a seat.
+    /// Walks to a seat.
     NearsSeat { seat: usize, until: f64 },
-    /// It turns its back to it.
+    /// Turns its back to it.
     FacesSeat { seat: usize, until: f64 },
-    /// It sits down.
+    /// Sits down.
     SitsDown { seat: usize, until: f64 },
-    /// It sits.
+    /// Sits.
     Sits { seat: usize, until: f64 },
-    /// It stands up.
+    /// Stands up.
     StandsUp { seat: usize, until: f64 },
-    /// It walks to a wall.
+    /// Walks to a wall.
     NearsWall { lean: usize, until: f64 },
-    /// It turns its back to it.
+    /// Turns its back to it.
     FacesAway { lean: usize, until: f64 },
-    /// It leans.
+    /// Leans.
     Leans { lean: usize, until: f64 },
-    /// It stands up from the wall.
+    /// Stands up from the wall.
     Straightens { lean: usize, until: f64 },
-    /// It walks to the end `side` of a crossing.
+    /// Walks to the end `side` of a crossing.
     NearsCrossing { crossing: usize, side: usize, until: f64 },
-    /// It looks left and right since a time.
+    /// Looks left and right since a time.
     LooksBothWays { crossing: usize, side: usize, since: f64 },
-    /// It waits for the lights and for vehicles.
+    /// Waits for the lights and for vehicles.
     Waits { crossing: usize, side: usize },
-    /// It crosses from an end.
+    /// Crosses from an end.
     Crosses { crossing: usize, side: usize, until: f64 },
-    /// It walks to its place in a talk.
+    /// Walks to its place in a talk.
     Meets { talk: usize },
-    /// It talks.
+    /// Talks.
     Talks { talk: usize },
-    /// It talks, and points at a window.
+    /// Talks, and points at a window.
     Points { talk: usize },
-    /// It says goodbye.
+    /// Says goodbye.
     Leaves { until: f64 },
-    /// It walks on with a telephone at its ear.
+    /// Walks on with a telephone at its ear.
     Phones { until: f64 },
-    /// It walks on and reads a message.
+    /// Walks on and reads a message.
     Texts { until: f64 },
-    /// It walks to the door of a vehicle.
+    /// Walks to the door of a vehicle.
     NearsCar { car: usize, until: f64 },
-    /// It turns to the vehicle.
+    /// Turns to the vehicle.
     FacesCar { car: usize, until: f64 },
-    /// It reaches for the handle and opens the door.
+    /// Reaches for the handle and opens the door.
     OpensDoor { car: usize, since: f64 },
-    /// It steps to the seat past the open door.
+    /// Steps to the seat past the open door.
     StepsIn { car: usize, until: f64 },
-    /// It gets in.
+    /// Gets in.
     GetsIn { car: usize, until: f64 },
-    /// It drives. It may get out after a time.
+    /// Drives. It may get out after a time.
     Drives { car: usize, since: f64 },
-    /// It gets out.
+    /// Gets out.
     GetsOut { car: usize, until: f64 },
-    /// It walks from a vehicle back to its footway.
+    /// Walks from a vehicle back to its footway.
     WalksFromCar { until: f64 },
-    /// It hurries towards somebody who does not look.
+    /// Hurries towards somebody who does not look.
     Hurries { victim: usize, until: f64 },
-    /// It has run into somebody, and stops.
+    /// Has run into somebody, and stops.
     Stops { until: f64 },
-    /// It falls, and lies until a time.
+    /// Falls, and lies until a time.
     Falls { until: f64 },
-    /// It gets up.
+    /// Gets up.
     GetsUp,
-    /// It sits and watches.
+    /// Sits and watches.
     Watches,
-    /// It sits and claps.
+    /// Sits and claps.
     Claps { until: f64 },
-    /// It sits and cheers.
+    /// Sits and cheers.
     Cheers { until: f64 },
-    /// It rises for a wave.
+    /// Rises for a wave.
     Rises { until: f64 },
-    /// It sits down after a wave.
+    /// Sits down after a wave.
     Subsides { until: f64 },
-    /// It advances to its post in a line of battle.
+    /// Advances to its post in a line of battle.
     Advances,
-    /// It stands at its post.
+    /// Stands at its post.
     Guards,
-    /// It thrusts its spear.
+    /// Thrusts its spear.
     Thrusts { until: f64 },
-    /// It is hit.
+    /// Is hit.
     Flinches { until: f64 },
-    /// It stands where it is.
+    /// Stands where it is.
     Stands,
 }
 

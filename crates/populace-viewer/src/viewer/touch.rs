@@ -1,4 +1,4 @@
-//! What the mouse, the keys and a gamepad do to the camera.
+//! The camera, moved by mouse, keys and gamepad; members, picked by mouse.
 
 use egui::Ui;
 
