@@ -119,10 +119,6 @@ device_consts! {
     /// elements of 16 bytes are 256 bytes (Lister & Day 2012, section 3.1, fig. 3). Columns of clip
     /// rows are stored in blocks of 16 as well.
     pub const JOINT_BLOCK: u32 = populace_clip::COLUMNS_PER_BLOCK;
-    /// Members whose gaze, limb and foot constraints one work-item of the wide schedule solves as a
-    /// batch. With two legs each, the batch fills all lanes. The matrices of all members of a batch
-    /// are in memory at the same time.
-    pub const MEMBERS_PER_BATCH: u32 = 8;
     /// Palette entries per block. Each member's palette starts at a block boundary.
     pub const PALETTE_BLOCK: u32 = 4;
     /// Palette entries per page. A page is 48 MiB, within the allocation limit of every OpenCL and

@@ -28,7 +28,7 @@ use populace_device::layout::{
 use populace_model::math::{quat, vec3};
 use populace_model::{Affine, Trs};
 
-pub(crate) use self::programs::{Alone, Company, Programs, are_alike, signature, step_rotations};
+pub(crate) use self::programs::{Alone, Company, Programs, step_rotations};
 use self::targets::Solver;
 use crate::hierarchy::Hierarchy;
 use crate::stages::stage_model;

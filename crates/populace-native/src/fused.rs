@@ -13,14 +13,14 @@ use populace_model::Affine;
 use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
-use crate::constraints::{Alone, Programs, are_alike, signature, step_rotations};
+use crate::constraints::{Alone, Programs, step_rotations};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::{LANES, Lanes, Simd};
 use crate::local::Local;
-use crate::members::{body_of, parents_of, steps_of};
+use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
 use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
@@ -178,18 +178,13 @@ pub(crate) fn fused(
                     seats.push(Seat { member, palette });
                 }
             });
-            // By body, then by program.
-            seats.sort_by_cached_key(|seat| {
-                let steps = steps_of(tables, seat.member);
-                (members[seat.member as usize].posed, signature(steps), seat.member)
-            });
-            let scratch = &mut scratch.of_current_thread();
-            let alike = |a: &Seat, b: &Seat| {
-                let [body, other] = [a, b].map(|seat| members[seat.member as usize].posed);
-                let [steps, others] = [a, b].map(|seat| steps_of(tables, seat.member));
-                body == other && are_alike(tables, steps, others)
+            let kind = |seat: &Seat| {
+                let member = &members[seat.member as usize];
+                (member.posed, member.shape)
             };
-            for seats in seats.chunk_by_mut(alike) {
+            seats.sort_by_key(|seat| (kind(seat), seat.member));
+            let scratch = &mut scratch.of_current_thread();
+            for seats in seats.chunk_by_mut(|a, b| kind(a) == kind(b)) {
                 let Machine { registers, lanes } = machine;
                 match lanes {
                     MemberLanes::Four => write_groups::<4>(inputs, registers, seats, scratch),

@@ -91,12 +91,13 @@ APART_STEP float16 attach(const Solver *s, Step step, float16 own)
     return affine_mul(affine_mul(parent, given_transform(s->tables->overrides[step.operand])), own);
 }
 
-// Runs a step that needs no other member's lanes, and returns the joint's new model transform.
-INLINE float16 take_step(const Solver *s, Hierarchy joints, Step step, float16 own)
+// Runs the step of the member in a lane, and returns the joint's new model transform.
+INLINE float16 take_step(const Stop *at, uint lane, float16 own)
 {
+    const Solver *s = at->members + lane;
+    const Step step = step_in(at, lane);
     switch (step.kind) {
-    case STEP_ROTATION: return affine_rotated(own, s->step_rotations[step.operand]);
-    case STEP_CHAIN: return chain(s, joints, step, own);
+    case STEP_CHAIN: return chain(at, lane, own);
     case STEP_OVERRIDE: return override_model(s->tables->overrides[step.index], own);
 #ifdef USER_STAGES
     case STEP_STAGE: {
@@ -113,40 +114,35 @@ INLINE float16 take_step(const Solver *s, Hierarchy joints, Step step, float16 o
     }
 }
 
-INLINE bool is_batched(uint kind)
+// Runs the step of all members.
+INLINE void take_steps(Stop *at)
 {
-    return kind == STEP_GAZE || kind == STEP_PELVIS || kind == STEP_REACH || kind == STEP_FOOT;
-}
-
-// Runs steps of one kind for a batch of members.
-INLINE void take_batch(uint kind, YieldPoint *at, uint count)
-{
-    switch (kind) {
-    case STEP_GAZE: gaze(at, count); break;
-    case STEP_PELVIS: pelvis(at, count); break;
-    case STEP_REACH: reach(at, count); break;
-    case STEP_FOOT: foot(at, count); break;
+    switch (at->step.kind) {
+    case STEP_ROTATION: matrix_rotate(&at->own, handed_down(at, 0)); return;
+    case STEP_GAZE: gaze(at); return;
+    case STEP_PELVIS: pelvis(at); return;
+    case STEP_REACH: reach(at); return;
+    case STEP_FOOT: foot(at); return;
+    default:
+        for (uint lane = 0; lane < at->count; lane++)
+            put_matrix(&at->own, lane, take_step(at, lane, matrix_in(&at->own, lane)));
     }
 }
 
 #if LANES == 1
 
 // Runs all steps of one joint, for schedules that compute the joints of a level side by side.
-INLINE float16 solve_joint(const Solver *s, Hierarchy joints, uint joint, float16 own,
-                           float16 parent, bool has_parent)
+INLINE float16 solve_joint(const Solver *s, Hierarchy joints, Rotations rotations, uint joint,
+                           float16 own, float16 parent, bool has_parent)
 {
-    for (uint i = 0; i < s->control.step_count; i++) {
-        const Step step = s->tables->steps[s->control.step_first + i];
-        if (step.joint != joint) continue;
-        if (is_batched(step.kind)) {
-            YieldPoint alone = { s, joints, step, own, parent, has_parent };
-            take_batch(step.kind, &alone, 1);
-            own = alone.own;
-        } else {
-            own = take_step(s, joints, step, own);
-        }
+    Stop at = { s, 1, 0, { 0 }, joints, rotations, { { 0 } }, { { 0 } }, has_parent };
+    put_matrix(&at.own, 0, own);
+    put_matrix(&at.parent, 0, parent);
+    for (; at.nth < s->control.step_count; at.nth++) {
+        at.step = step_in(&at, 0);
+        if (at.step.joint == joint) take_steps(&at);
     }
-    return own;
+    return matrix_in(&at.own, 0);
 }
 
 #endif

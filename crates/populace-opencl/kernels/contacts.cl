@@ -57,7 +57,7 @@ INLINE void mix_contacts(const Solver *s, Slot slot, const uint *ankles, uint co
     }
 }
 
-// Writes for each foot the seconds from the nearest end of a contact: positive within it, negative
+// Writes for each foot of a member the seconds from the nearest end of a contact: positive within it, negative
 // outside of it, at most FOOT_NEAR_SECS in size. NAN if no clip knows.
 INLINE void contacts_of(const Solver *s, const uint *ankles, uint count, float *within_secs)
 {
@@ -76,5 +76,23 @@ INLINE void contacts_of(const Solver *s, const uint *ankles, uint count, float *
         within_secs[foot] = total > 0.0f
                                 ? (stands_still ? FOOT_NEAR_SECS : mix.within / mix.steps)
                                 : NAN;
+    }
+}
+
+// Writes the same for all members at a step of feet, in lanes. `feet` are the constraints of the
+// first member.
+INLINE void contacts_in_lanes(const Stop *at, __global const Constraint *feet, uint count,
+                              Real *within_secs)
+{
+    uint ankles[MAX_FEET];
+    for (uint foot = 0; foot < count; foot++) {
+        const uint link = feet[foot].link_first + ankle_link(feet + foot);
+        ankles[foot] = at->members->tables->links[link].joint;
+        within_secs[foot] = 0.0f;
+    }
+    for (uint lane = 0; lane < at->count; lane++) {
+        float own[MAX_FEET];
+        contacts_of(at->members + lane, ankles, count, own);
+        for (uint foot = 0; foot < count; foot++) PUT(within_secs[foot], lane, own[foot]);
     }
 }

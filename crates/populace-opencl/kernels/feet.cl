@@ -7,63 +7,52 @@
 //
 // Twin of populace-native/src/constraints/feet.rs: same arithmetic, same order of operations.
 
-// Legs in lanes: the limbs, in `follows` the ground's normal and how much the foot follows it, the
-// turn of the foot, and the settings of their constraints.
+// Legs and their goals: the limbs, in `follows` the ground's normal and how much the foot follows it,
+// the turn of the foot, and the settings of their constraints.
 typedef struct {
     Limb limb;
     Quat follows;
     Real turn, soft, weight;
 } Legs;
 
-#define MAX_LEGS ((BATCH * MAX_FEET + LANES - 1) / LANES)
-
-// Walks a leg's chain from link `start`, whose joint has the model transform `from`.
-INLINE Leg walk_leg(const Solver *s, Hierarchy joints, __global const Constraint *constraint,
-                    uint start, float16 from)
+// Walks down the chains of legs from link `start`, which is the joint of the step. `axis` is the
+// direction in the hip that the knee bends to.
+INLINE void walk_leg(const Stop *at, __global const Constraint *foot, uint start, Vec3 axis,
+                     Leg *leg)
 {
-    Leg leg;
-    const uint ankle = ankle_link(constraint);
-    leg.hip = leg.knee = leg.bend = vec(0.0f, 0.0f, 0.0f);
-    leg.ankle = from;
-    for (uint at = start; at < constraint->link_count; at++) {
-        if (at > start)
-            from = affine_mul(
-                from, local_of(joints, s->tables->links[constraint->link_first + at].joint));
-        if (at == constraint->upper) {
-            leg.hip = origin_of(from);
-            leg.bend = transform_vector(from, constraint->axis);
+    __global const Link *links = at->members->tables->links + foot->link_first;
+    const uint ankle = ankle_link(foot);
+    const Vec3 none = { 0.0f, 0.0f, 0.0f };
+    leg->hip = leg->knee = leg->bend = none;
+    leg->toes = leg->ankle = at->own;
+    for (uint link = start; link < foot->link_count; link++) {
+        if (link > start) {
+            Matrix locals;
+            locals_of(at->joints, links[link].joint, &locals);
+            matrix_mul(&leg->toes, &locals, &leg->toes);
         }
-        if (at == constraint->middle) leg.knee = origin_of(from);
-        if (at == ankle) leg.ankle = from;
+        if (link == foot->upper) {
+            leg->hip = matrix_origin(&leg->toes);
+            leg->bend = matrix_vector(&leg->toes, axis);
+        }
+        if (link == foot->middle) leg->knee = matrix_origin(&leg->toes);
+        if (link == ankle) leg->ankle = leg->toes;
     }
-    leg.toes = from;
-    return leg;
 }
 
-// Fills unused lanes with an identity.
-INLINE void clear_legs(Legs *legs)
+// Puts legs and their goals together.
+INLINE Legs bend_leg(const Leg *leg, const FootGoals *goals, Real soft, Real weight)
 {
-    legs->limb = no_limb();
-    legs->follows = quat_identity();
-    legs->turn = legs->soft = legs->weight = 0.0f;
-}
-
-// Puts a leg into a lane, without its goal.
-INLINE void put_leg(Legs *legs, uint lane, const Leg *leg, __global const Constraint *constraint)
-{
-    put_limb(&legs->limb, lane, leg->knee - leg->hip, origin_of(leg->ankle) - leg->knee, leg->bend,
-             vec(0.0f, 0.0f, 0.0f));
-    PUT(legs->soft, lane, constraint->limits.x);
-    PUT(legs->weight, lane, constraint->limits.y);
-}
-
-// Gives legs their goals. `hip` are the places of their hips.
-INLINE void bend_leg(Legs *legs, const FootGoals *goals, Vec3 hip)
-{
-    const Quat follows = { goals->normal.x, goals->normal.y, goals->normal.z, goals->near };
-    legs->limb.to = vec3_add_scaled(goals->ankle, hip, -1.0f);
-    legs->follows = follows;
-    legs->turn = goals->turn;
+    const Legs legs = {
+        { vec3_add_scaled(leg->knee, leg->hip, -1.0f),
+          vec3_add_scaled(matrix_origin(&leg->ankle), leg->knee, -1.0f), leg->bend,
+          vec3_add_scaled(goals->ankle, leg->hip, -1.0f) },
+        { goals->normal.x, goals->normal.y, goals->normal.z, goals->near },
+        goals->turn,
+        soft,
+        weight
+    };
+    return legs;
 }
 
 // Returns how far the pelvis has to sink for each leg to reach its goal.
@@ -102,153 +91,94 @@ INLINE LegRotations leg_rotations(const Legs *legs)
     return rotations;
 }
 
-INLINE void hand_down(const YieldPoint *at, uint foot, LegRotations rotations, uint lane)
+INLINE void hand_down_leg(Stop *at, uint foot, const Legs *legs)
 {
-    STEP_ROTATIONS float4 *to = at->s->step_rotations + at->step.operand + 3 * foot;
-    to[0] = quat_in(rotations.hip, lane);
-    to[1] = quat_in(rotations.knee, lane);
-    to[2] = quat_in(rotations.ankle, lane);
+    const LegRotations rotations = leg_rotations(legs);
+    hand_down(at, 3 * foot, rotations.hip);
+    hand_down(at, 3 * foot + 1, rotations.knee);
+    hand_down(at, 3 * foot + 2, rotations.ankle);
 }
 
-// Puts a member's legs and feet into lanes from `next` on. Returns the next free lane. `left` is the
-// state of each foot after the previous frame.
-INLINE uint put_feet(Legs *legs, FootInputs *inputs, uint next, const YieldPoint *at, uint feet,
-                     const float4 (*left)[2])
+// Hands down goals, for legs that another step moves after the pelvis.
+INLINE void hand_down_goals(Stop *at, uint foot, const FootGoals *goals)
 {
-    __global const Constraint *constraints = at->s->tables->constraints + at->step.index;
-    uint ankles[MAX_FEET];
-    float within_secs[MAX_FEET];
-    for (uint foot = 0; foot < feet; foot++)
-        ankles[foot] =
-            at->s->tables->links[constraints[foot].link_first + ankle_link(constraints + foot)]
-                .joint;
-    contacts_of(at->s, ankles, feet, within_secs);
-    for (uint foot = 0; foot < feet; foot++, next++) {
-        __global const Constraint *constraint = constraints + foot;
-        const Leg leg = walk_leg(at->s, at->joints, constraint, 0, at->own);
-        const uint group = next / LANES, lane = next % LANES;
-        put_leg(&legs[group], lane, &leg, constraint);
-        put_foot(&inputs[group], lane, at->s, constraint, &leg, within_secs[foot], left[foot]);
+    const Quat ankle = { goals->ankle.x, goals->ankle.y, goals->ankle.z, goals->turn };
+    const Quat follows = { goals->normal.x, goals->normal.y, goals->normal.z, goals->near };
+    hand_down(at, 3 * foot, ankle);
+    hand_down(at, 3 * foot + 1, follows);
+}
+
+// Returns how far pelvises are lowered, in metres, and keeps it. They sink at once, so that feet
+// reach the ground, and take their time to rise.
+INLINE Real eased_drop(const Stop *at, Real wanted)
+{
+    const float elapsed_secs = at->members->tables->elapsed_secs,
+                part = elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS);
+    Real before = 0.0f, known = 0.0f;
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        const float4 left = s->tables->states_before[s->index * STATES_PER_CONTROL + PELVIS_STATE];
+        PUT(before, lane, left.x);
+        PUT(known, lane, as_uint(left.w) == s->control.epoch ? 1.0f : 0.0f);
     }
-    return next;
-}
-
-// Keeps the states of a member's feet, the first of which is in lane `next`. Hands their goals down
-// for legs that another step moves after the pelvis. Returns the lane after them.
-INLINE uint keep_feet(const FootInputs *inputs, const FootGoals *goals, uint next,
-                      const YieldPoint *at, __global const Constraint *first)
-{
-    for (uint foot = 0; foot < first->target_count; foot++, next++) {
-        const uint group = next / LANES, lane = next % LANES;
-        keep_foot_states(&inputs[group].state, lane, at->s, foot);
-        if (first->at_once) continue;
-        const FootGoals *goal = goals + group;
-        STEP_ROTATIONS float4 *step_rotations = at->s->step_rotations + at->step.operand + 3 * foot;
-        const float4 ankle = vec3_in(goal->ankle, lane), normal = vec3_in(goal->normal, lane);
-        step_rotations[0] = (float4)(ankle.xyz, LANE(goal->turn, lane));
-        step_rotations[1] = (float4)(normal.xyz, LANE(goal->near, lane));
+    const Choice rises = (wanted < before) & (known > (Real)(0.5f));
+    const Real drop = rises ? before + (wanted - before) * part : wanted;
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        s->tables->states[s->index * STATES_PER_CONTROL + PELVIS_STATE] =
+            (float4)(LANE(drop, lane), 0.0f, 0.0f, as_float(s->control.epoch));
     }
-    return next;
-}
-
-// Returns how far the pelvis is lowered, in metres, and keeps it. It sinks at once, so that feet
-// reach the ground, and takes its time to rise.
-INLINE float eased_drop(const Solver *s, float wanted)
-{
-    const uint state = s->index * STATES_PER_CONTROL + PELVIS_STATE;
-    const float4 left = s->tables->states_before[state];
-    const float elapsed_secs = s->tables->elapsed_secs;
-    const bool rises = wanted < left.x && as_uint(left.w) == s->control.epoch;
-    const float drop =
-        rises ? left.x + (wanted - left.x) * (elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS))
-              : wanted;
-    s->tables->states[state] = (float4)(drop, 0.0f, 0.0f, as_float(s->control.epoch));
     return drop;
 }
 
-// Lowers a member's pelvis for its legs, the first of which is in lane `next`. Returns the lane
-// after them.
-INLINE uint sink(Legs *legs, const Real *needed, uint next, YieldPoint *at,
-                 __global const Constraint *first)
+// Finds the goals of all feet, and lowers pelvises until the legs can reach them. Solves the legs
+// too, unless another step moves them after the pelvis.
+APART_STEP void pelvis(Stop *at)
 {
-    float drop = 0.0f;
-    for (uint leg = next; leg < next + first->target_count; leg++)
-        drop = max(drop, LANE(needed[leg / LANES], leg % LANES));
-    drop = eased_drop(at->s, drop * first->limits.y);
-    at->own.s7 -= drop;
-    for (uint foot = 0; foot < first->target_count; foot++, next++)
-        PUT(legs[next / LANES].limb.to.y, next % LANES,
-            LANE(legs[next / LANES].limb.to.y, next % LANES) + drop);
-    return next;
-}
-
-APART_STEP void pelvis(YieldPoint *at, uint count)
-{
-    Legs legs[MAX_LEGS];
-    FootInputs inputs[MAX_LEGS];
-    FootGoals goals[MAX_LEGS];
-    Real needed[MAX_LEGS];
-    LegRotations rotations[MAX_LEGS];
-    uint all = 0, next = 0;
-    for (uint i = 0; i < MAX_LEGS; i++) {
-        clear_legs(&legs[i]);
-        clear_feet(&inputs[i]);
+    __global const Constraint *feet = constraint_in(at, 0);
+    const uint count = feet->target_count;
+    const Stance stance = stance_of(at);
+    FootStates states = foot_states_before(at);
+    Real within_secs[MAX_FEET], needed = 0.0f, weight = 0.0f;
+    Legs legs[MAX_FEET];
+    contacts_in_lanes(at, feet, count, within_secs);
+    for (uint foot = 0; foot < count; foot++) {
+        const Numbers settings = settings_of(at, foot);
+        Leg leg;
+        walk_leg(at, feet + foot, 0, vec3_of(&settings, 0), &leg);
+        const FootInputs inputs = { at->members->tables, feet + foot, &settings,
+                                    &stance,             &leg,        within_secs[foot] };
+        FootState state = foot_state(&states, foot);
+        const FootGoals goals = foot_goal(&inputs, &state);
+        put_foot_state(&states, foot, &state);
+        if (!feet->at_once) hand_down_goals(at, foot, &goals);
+        if (foot == 0) weight = settings.n[13];
+        legs[foot] = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
+        const Real own = sinks(legs[foot].limb, legs[foot].soft);
+        needed = needed < own ? own : needed;
     }
-    // Load the previous state of all feet first, so that the cache misses overlap.
-    float4 left[BATCH][MAX_FEET][2];
-    for (uint m = 0; m < count; m++) {
-        __global const float4 *before =
-            at[m].s->tables->states_before + at[m].s->index * STATES_PER_CONTROL;
-        for (uint foot = 0; foot < constraint_of(at + m)->target_count; foot++) {
-            left[m][foot][0] = before[foot];
-            left[m][foot][1] = before[FOOT_TURN_STATE + foot];
-        }
+    const Real drop = eased_drop(at, needed * weight);
+    at->own.m[7] -= drop;
+    for (uint foot = 0; foot < count && feet->at_once; foot++) {
+        legs[foot].limb.to.y += drop;
+        hand_down_leg(at, foot, &legs[foot]);
     }
-    for (uint m = 0; m < count; m++)
-        all = put_feet(legs, inputs, all, at + m, constraint_of(at + m)->target_count, left[m]);
-    for (uint i = 0; i * LANES < all; i++) {
-        goals[i] = foot_goal(at->s->tables, &inputs[i]);
-        bend_leg(&legs[i], &goals[i], inputs[i].hip);
-        needed[i] = sinks(legs[i].limb, legs[i].soft);
-    }
-    for (uint m = 0; m < count; m++)
-        next = keep_feet(inputs, goals, next, at + m, constraint_of(at + m));
-    next = 0;
-    for (uint m = 0; m < count; m++) next = sink(legs, needed, next, at + m, constraint_of(at + m));
-    for (uint i = 0; i * LANES < all; i++) rotations[i] = leg_rotations(&legs[i]);
-    next = 0;
-    for (uint m = 0; m < count; m++) {
-        __global const Constraint *first = constraint_of(at + m);
-        for (uint foot = 0; foot < first->target_count; foot++, next++)
-            if (first->at_once) hand_down(at + m, foot, rotations[next / LANES], next % LANES);
-    }
+    keep_foot_states(at, &states, count);
 }
 
 // Solves legs that another step moved after the pelvis. They go where the pelvis step found.
-APART_STEP void foot(YieldPoint *at, uint count)
+APART_STEP void foot(Stop *at)
 {
-    Legs legs;
-    FootGoals goals;
-    const Vec3 none = { 0.0f, 0.0f, 0.0f };
-    Vec3 hips = none;
-    clear_legs(&legs);
-    goals.ankle = goals.normal = none;
-    goals.turn = goals.near = 0.0f;
-    for (uint m = 0; m < count; m++) {
-        __global const Constraint *constraint = constraint_of(at + m);
-        const Leg leg = walk_leg(at[m].s, at[m].joints, constraint, constraint->upper, at[m].own);
-        STEP_ROTATIONS float4 *step_rotations = at[m].s->step_rotations + at[m].step.operand;
-        put_leg(&legs, m, &leg, constraint);
-        put_vec3(&hips, m, leg.hip);
-        put_vec3(&goals.ankle, m, step_rotations[0]);
-        put_vec3(&goals.normal, m, step_rotations[1]);
-        PUT(goals.turn, m, step_rotations[0].w);
-        PUT(goals.near, m, step_rotations[1].w);
-    }
-    bend_leg(&legs, &goals, hips);
-    const LegRotations rotations = leg_rotations(&legs);
-    for (uint m = 0; m < count; m++) {
-        hand_down(at + m, 0, rotations, m);
-        at[m].own = affine_rotated(at[m].own, quat_in(rotations.hip, m));
-    }
+    __global const Constraint *constraint = constraint_in(at, 0);
+    const Numbers settings = settings_of(at, 0);
+    const Quat ankle = handed_down(at, 0), follows = handed_down(at, 1);
+    const FootGoals goals = { { ankle.x, ankle.y, ankle.z },
+                              { follows.x, follows.y, follows.z },
+                              ankle.w,
+                              follows.w };
+    Leg leg;
+    walk_leg(at, constraint, constraint->upper, vec3_of(&settings, 0), &leg);
+    const Legs legs = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
+    hand_down_leg(at, 0, &legs);
+    matrix_rotate(&at->own, handed_down(at, 0));
 }

@@ -6,11 +6,14 @@
 //
 // Twin of populace-native/src/constraints/foot.rs: same arithmetic, same order of operations.
 
-// A leg as its clips pose it, in model space: with the transforms of the ankle and of the joint that
-// carries the front of the sole.
+// The most points of a sole: those of the ankle and those of the toes.
+#define SOLE_POINTS (2 * MAX_SOLE_POINTS)
+
+// Legs as their clips pose them, in model space: with the transforms of the ankles and of the joints
+// that carry the front of the sole.
 typedef struct {
-    float4 hip, knee, bend;
-    float16 ankle, toes;
+    Vec3 hip, knee, bend;
+    Matrix ankle, toes;
 } Leg;
 
 // Rotations about +Y, by the tangents of half their angles.
@@ -38,38 +41,27 @@ INLINE Vec3 turned(Turn turn, Vec3 v)
     return t;
 }
 
-// Feet in lanes as their clips pose them, and their other inputs. In model space: the hip and the
-// ankle; relative to the ankle, the point of the sole that was planted, 0 if none was, and the lowest
-// one, with its index and its height; the direction from heel to ball, 0 if it is not known. Settings
-// of the constraint: height of the ankle at rest, heights above it of planted and lifted feet, the
-// longest offset, and z of the ankle at rest. Seconds within a contact, NAN if they are not known.
+// Feet as their clips and the members' strides pose them, in model space. `along` leads from heel to
+// ball, as the clips have it. `sole` are its points relative to the ankle, as the clips have them:
+// first the point on the ground beneath the ankle, which stands in for a sole without points. Then
+// the index of the lowest point, and its height.
 typedef struct {
-    Vec3 hip, ankle, kept, low, along;
-    Real lowest, clearance, has_sole;
-    Real rest, planted_below, lifted_above, longest, rest_z;
-    Real within_secs;
-    Stance stance;
-    FootState state;
-    Leg legs[LANES];
-    __global const Constraint *constraints[LANES]; // 0 in unused lanes
-    uint points_most;
-} FootInputs;
+    Vec3 ankle, along;
+    Turn turn;
+    Vec3 sole[1 + SOLE_POINTS];
+    uint points;
+    Real lowest, clearance;
+} Stepped;
 
-// Fills unused lanes.
-INLINE void clear_feet(FootInputs *all)
-{
-    const Vec3 none = { 0.0f, 0.0f, 0.0f };
-    const Stance stance = { none, none, 1.0f, 0.0f, 1.0f };
-    const FootState state = { 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f };
-    all->hip = all->ankle = all->kept = all->low = all->along = none;
-    all->lowest = all->clearance = all->has_sole = 0.0f;
-    all->rest = all->planted_below = all->longest = all->rest_z = all->within_secs = 0.0f;
-    all->lifted_above = 1.0f;
-    all->stance = stance;
-    all->state = state;
-    for (uint lane = 0; lane < LANES; lane++) all->constraints[lane] = 0;
-    all->points_most = 0;
-}
+// Feet and all that they go by.
+typedef struct {
+    const ConstraintTables *tables;
+    __global const Constraint *foot; // of the first member
+    const Numbers *settings;
+    const Stance *stance;
+    const Leg *leg;
+    Real within_secs; // seconds within a contact, NAN if they are not known
+} FootInputs;
 
 // Where feet in lanes go, in model space: the ankles, the turns of the feet, the ground's unit
 // normals, and how much the feet follow them.
@@ -78,91 +70,57 @@ typedef struct {
     Real turn, near;
 } FootGoals;
 
-// Returns the number of points of a sole.
-INLINE uint point_count(__global const Constraint *foot)
+INLINE Vec3 same_in_lanes(float4 v)
 {
-    return foot->sole_count + foot->toe_count;
+    const Vec3 all = { v.x, v.y, v.z };
+    return all;
 }
 
-// Returns a point of a sole as the clips pose it, relative to the ankle; on the ground beneath the
-// ankle if none is known.
-INLINE float4 arm(const Leg *leg, __global const Constraint *foot, __global const float4 *soles,
-                  uint point)
-{
-    float4 at = vec(leg->ankle.s3, leg->ankle.s7 - foot->limits.w, leg->ankle.sb);
-    if (point < foot->sole_count)
-        at = transform_point(leg->ankle, soles[foot->sole_first + point]);
-    else if (point - foot->sole_count < foot->toe_count)
-        at = transform_point(leg->toes, soles[foot->toe_first + (point - foot->sole_count)]);
-    return at - origin_of(leg->ankle);
-}
-
-// Finds the lowest of the points that a joint carries, the first of which has the index `first`.
-INLINE void lower(float16 joint, __global const float4 *points, uint count, uint first,
-                  uint *lowest, float *clearance)
+// Adds the points of the sole that a joint carries.
+INLINE void put_points(Stepped *stepped, const Matrix *joint, Vec3 ankle,
+                       __global const float4 *points, uint count)
 {
     for (uint i = 0; i < count; i++) {
-        const float4 at = points[i];
-        const float height = joint.s4 * at.x + joint.s5 * at.y + joint.s6 * at.z + joint.s7;
-        if (height < *clearance) {
-            *lowest = first + i;
-            *clearance = height;
-        }
+        const Vec3 at = matrix_point(joint, same_in_lanes(points[i]));
+        const Choice is_lower = at.y < stepped->clearance;
+        stepped->clearance = is_lower ? at.y : stepped->clearance;
+        stepped->lowest = is_lower ? (Real)((float)stepped->points) : stepped->lowest;
+        stepped->sole[++stepped->points] = vec3_add_scaled(at, ankle, -1.0f);
     }
 }
 
-// Puts a member's foot into a lane. `left` is its state after the previous frame.
-INLINE void put_foot(FootInputs *all, uint lane, const Solver *s,
-                     __global const Constraint *foot, const Leg *leg, float within_secs,
-                     const float4 *left)
+// Applies the members' strides: distances that the clips step along +Z, from the ankle's position at
+// rest, are scaled and turned, and the foot turns by them about the origin.
+INLINE void step_foot(const FootInputs *in, Stepped *stepped)
 {
-    __global const float4 *soles = s->tables->soles, *of_ankle = soles + foot->sole_first;
-    const float4 ankle = origin_of(leg->ankle);
-    uint lowest = 0;
-    float clearance = FLT_MAX;
-    lower(leg->ankle, of_ankle, foot->sole_count, 0, &lowest, &clearance);
-    lower(leg->toes, soles + foot->toe_first, foot->toe_count, foot->sole_count, &lowest,
-          &clearance);
-    if (point_count(foot) == 0) clearance = ankle.y - foot->limits.w;
-    const bool has_sole = foot->sole_count > 1;
-    const uint pivot = foot_states(&all->state, lane, s, left[0], left[1]);
-    put_stance(&all->stance, lane, &s->control);
-    put_vec3(&all->hip, lane, leg->hip);
-    put_vec3(&all->ankle, lane, ankle);
-    put_vec3(&all->kept, lane,
-             pivot == NONE ? vec(0.0f, 0.0f, 0.0f) : arm(leg, foot, soles, pivot));
-    put_vec3(&all->low, lane, arm(leg, foot, soles, lowest));
-    put_vec3(&all->along, lane,
-             has_sole ? transform_vector(leg->ankle, of_ankle[foot->sole_count - 1] - of_ankle[0])
-                      : vec(0.0f, 0.0f, 0.0f));
-    PUT(all->lowest, lane, (float)lowest);
-    PUT(all->clearance, lane, clearance);
-    PUT(all->has_sole, lane, has_sole ? 1.0f : 0.0f);
-    PUT(all->rest, lane, foot->up.x);
-    PUT(all->planted_below, lane, foot->up.y);
-    PUT(all->lifted_above, lane, foot->up.z);
-    PUT(all->longest, lane, foot->up.w);
-    PUT(all->rest_z, lane, foot->limits.z);
-    PUT(all->within_secs, lane, within_secs);
-    all->legs[lane] = *leg;
-    all->constraints[lane] = foot;
-    all->points_most = max(all->points_most, point_count(foot));
+    __global const Constraint *foot = in->foot;
+    __global const float4 *soles = in->tables->soles, *of_ankle = soles + foot->sole_first;
+    const Vec3 at = matrix_origin(&in->leg->ankle), with = in->stance->stride;
+    const Real rest_z = in->settings->n[14], stride = at.z - rest_z;
+    const Vec3 strided = { at.x + stride * with.x, at.y, rest_z + stride * with.y };
+    const Vec3 beneath = { at.x, at.y - in->settings->n[15], at.z }, none = { 0.0f, 0.0f, 0.0f };
+    stepped->turn = turn_of(with.z * stride);
+    stepped->ankle = turned(stepped->turn, strided);
+    stepped->along = none;
+    if (foot->sole_count > 1)
+        stepped->along = matrix_vector(
+            &in->leg->ankle, same_in_lanes(of_ankle[foot->sole_count - 1] - of_ankle[0]));
+    stepped->sole[0] = vec3_add_scaled(beneath, at, -1.0f);
+    stepped->points = 0;
+    stepped->lowest = 0.0f;
+    stepped->clearance = FLT_MAX;
+    put_points(stepped, &in->leg->ankle, at, of_ankle, foot->sole_count);
+    put_points(stepped, &in->leg->toes, at, soles + foot->toe_first, foot->toe_count);
+    if (stepped->points == 0) stepped->clearance = beneath.y;
 }
 
-// Returns point `point` of each sole relative to its ankle. *has_it tells which soles have it.
-INLINE Vec3 sole_points(const FootInputs *all, __global const float4 *soles, uint point,
-                        Choice *has_it)
+// Returns where points of the soles of turned feet are, relative to the ankles.
+INLINE Vec3 sole_point(const Stepped *stepped, Real point, Turn turn)
 {
-    Vec3 points = { 0.0f, 0.0f, 0.0f };
-    Real there = 0.0f;
-    for (uint lane = 0; lane < LANES; lane++) {
-        __global const Constraint *foot = all->constraints[lane];
-        if (!foot || point >= point_count(foot)) continue;
-        put_vec3(&points, lane, arm(&all->legs[lane], foot, soles, point));
-        PUT(there, lane, 1.0f);
-    }
-    *has_it = there > (Real)(0.5f);
-    return points;
+    Vec3 arm = stepped->sole[0];
+    for (uint i = 0; i < stepped->points; i++)
+        arm = vec3_choose(fabs(point - (float)i) < (Real)(0.5f), stepped->sole[i + 1], arm);
+    return turned(turn, arm);
 }
 
 // Returns a part of the way from 0 to 1 that begins and ends without speed.
@@ -174,21 +132,21 @@ INLINE Real eased(Real part)
 }
 
 // Returns which feet stand, and in *near how near they are to that: 1 while they stand, 0 in the air.
-INLINE Choice stands(const FootInputs *all, Real ankle_height, Real *near)
+INLINE Choice stands(const FootInputs *in, Real ankle_height, Real *near)
 {
-    const Real within_secs = all->within_secs, lift = ankle_height - all->rest;
-    const Real above = (lift - all->planted_below) / (all->lifted_above - all->planted_below);
+    const Real *up = in->settings->n + 8, within_secs = in->within_secs;
+    const Real lift = ankle_height - up[0], above = (lift - up[1]) / (up[2] - up[1]);
     const Choice known = within_secs == within_secs;
     *near = eased(known ? 1.0f + within_secs * (1.0f / FOOT_NEAR_SECS) : 1.0f - above);
-    return (known & (within_secs >= (Real)(0.0f))) | (!known & (lift <= all->planted_below));
+    return (known & (within_secs >= (Real)(0.0f))) | (!known & (lift <= up[1]));
 }
 
 // Returns the horizontal offsets of feet from their positions in the clip, at most `most` metres.
 // *elsewhere tells which members were moved elsewhere, which ends the offset. `pivot` is where the
 // clip has the point that stands.
-INLINE Vec3 offset(const FootState *state, Choice stood, Vec3 pivot, Real decay, Real most,
-                   Choice *elsewhere)
+INLINE Vec3 offset(const FootState *state, Vec3 pivot, Real decay, Real most, Choice *elsewhere)
 {
+    const Choice stood = state->planted;
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
     const Vec3 vector = { stood ? state->x - pivot.x : state->x * decay, 0.0f,
                           stood ? state->z - pivot.z : state->z * decay };
@@ -201,12 +159,12 @@ INLINE Vec3 offset(const FootState *state, Choice stood, Vec3 pivot, Real decay,
 
 // Returns the tangents of half the angles by which feet are turned from where the clip has them.
 // `own` is the direction from heel to toes in the clip, in world space.
-INLINE Real turn_lag(const FootState *state, Choice stood, Vec3 own, Real decay)
+INLINE Real turn_lag(const FootState *state, Vec3 own, Real decay)
 {
     const Real x = state->along_x, z = state->along_z, none = 0.0f;
     const Real cross = own.z * x - own.x * z, dot = own.x * x + own.z * z;
     const Real kept = dot > none ? cross / (1.0f + dot) : none;
-    return within(stood ? kept : x * decay, -FOOT_MAX_TURN, FOOT_MAX_TURN);
+    return within(state->planted ? kept : x * decay, -FOOT_MAX_TURN, FOOT_MAX_TURN);
 }
 
 // Returns the unit directions in world space of vectors of model space, along X and Z.
@@ -219,10 +177,10 @@ INLINE Vec3 level_direction(const Stance *stance, Vec3 v)
 }
 
 // Returns which offsets take an ankle too far from its hip, horizontally.
-INLINE Choice overstretches(const FootInputs *all, Vec3 ankle, Vec3 offset, Real most)
+INLINE Choice overstretches(const FootInputs *in, Vec3 ankle, Vec3 offset, Real most)
 {
-    const Vec3 to = vec3_to_world(&all->stance, ankle);
-    const Vec3 from = vec3_to_world(&all->stance, all->hip);
+    const Vec3 to = vec3_to_world(in->stance, ankle);
+    const Vec3 from = vec3_to_world(in->stance, in->leg->hip);
     const Real own_x = to.x - from.x, own_z = to.z - from.z;
     const Real x = own_x + offset.x, z = own_z + offset.z;
     const Real of_clip = own_x * own_x + own_z * own_z, with_offset = x * x + z * z;
@@ -238,35 +196,38 @@ typedef struct {
 } Lock;
 
 // Locks feet that stand, unless the lock holds them too far back.
-INLINE Lock lock(const FootInputs *all, Vec3 ankle, Choice stands, Turn turn, Real decay, Real most)
+INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *stepped, Choice stands,
+                 Turn turn, Real decay, Real most)
 {
     Lock lock;
-    const Choice stood = all->state.planted > (Real)(0.5f);
-    const Vec3 kept_arm = turned(turn, all->kept), low_arm = turned(turn, all->low);
-    const Vec3 pivot = vec3_to_world(&all->stance, vec3_add(ankle, kept_arm));
-    lock.vector = offset(&all->state, stood, pivot, decay, most, &lock.moved_elsewhere);
+    const Vec3 none = { 0.0f, 0.0f, 0.0f };
+    const Vec3 kept_arm =
+        vec3_choose(state->planted, sole_point(stepped, state->pivot, turn), none);
+    const Vec3 pivot = vec3_to_world(in->stance, vec3_add(stepped->ankle, kept_arm));
+    lock.vector = offset(state, pivot, decay, most, &lock.moved_elsewhere);
     const Real relock = FOOT_RELOCK * most;
-    const Choice is_behind = (all->state.released > (Real)(0.5f))
-                             & (vec3_dot(lock.vector, lock.vector) > relock * relock);
-    const Choice lets_go = is_behind | overstretches(all, ankle, lock.vector, most);
+    const Choice is_behind =
+        state->released & (vec3_dot(lock.vector, lock.vector) > relock * relock);
+    const Choice lets_go = is_behind | overstretches(in, stepped->ankle, lock.vector, most);
     lock.released = stands & lets_go;
     lock.planted = stands & !lets_go;
-    const Real slack = FOOT_PIVOT_SLACK * all->longest;
-    const Choice keeps = stood & (ankle.y + kept_arm.y <= all->clearance + slack);
-    lock.pivot = keeps ? all->state.pivot : all->lowest;
-    lock.arm = vec3_choose(keeps, kept_arm, low_arm);
+    const Real slack = FOOT_PIVOT_SLACK * in->settings->n[11];
+    const Choice keeps =
+        state->planted & (stepped->ankle.y + kept_arm.y <= stepped->clearance + slack);
+    lock.pivot = keeps ? state->pivot : stepped->lowest;
+    lock.arm = vec3_choose(keeps, kept_arm, sole_point(stepped, stepped->lowest, turn));
     return lock;
 }
 
 // Returns the ankles' positions in model space above the places of their pivots. A lifted foot is as
 // far above the ground as the clip has it. `arm` leads from the ankle to the pivot.
-INLINE Vec3 ankle_over(const FootInputs *all, Vec3 ankle, Vec3 place, Vec3 arm, Vec3 normal,
-                       Real near)
+INLINE Vec3 ankle_over(const Stance *stance, const Stepped *stepped, Vec3 place, Vec3 arm,
+                       Vec3 normal, Real near)
 {
-    const Real none = 0.0f, clearance = all->clearance;
+    const Real none = 0.0f, clearance = stepped->clearance;
     const Real kept = clearance > none ? clearance * (1.0f - near) : none;
-    const Real above = kept + (ankle.y + arm.y - clearance);
-    const Vec3 over = { place.x, place.y + above * all->stance.scale, place.z };
+    const Real above = kept + (stepped->ankle.y + arm.y - clearance);
+    const Vec3 over = { place.x, place.y + above * stance->scale, place.z };
     const Choice leans = (normal.x != none) | (normal.z != none);
     Vec3 tilted = arm;
     if (ANY(leans)) {
@@ -274,46 +235,39 @@ INLINE Vec3 ankle_over(const FootInputs *all, Vec3 ankle, Vec3 place, Vec3 arm, 
         const Quat slope = quat_part(quat_normalize_or(tilt, quat_identity()), near);
         tilted = vec3_choose(leans, quat_rotated(slope, arm), arm);
     }
-    return vec3_add_scaled(vec3_to_model(&all->stance, over), tilted, -1.0f);
+    return vec3_add_scaled(vec3_to_model(stance, over), tilted, -1.0f);
 }
 
-// Returns where feet go. The states in `all` become those after this frame.
-INLINE FootGoals foot_goal(const ConstraintTables *tables, FootInputs *all)
+// Returns where feet go. `state` becomes that after this frame.
+INLINE FootGoals foot_goal(const FootInputs *in, FootState *state)
 {
-    const Real none = 0.0f, one = 1.0f, most = all->longest * all->stance.scale;
-    // The stride: distances that the clip steps along +Z, from the ankle's position at rest, are
-    // scaled and turned, and the foot turns by them about the origin.
-    const Vec3 with = all->stance.stride;
-    const Real stride = all->ankle.z - all->rest_z;
-    const Turn step = turn_of(with.z * stride);
-    const Vec3 stepped = { all->ankle.x + stride * with.x, all->ankle.y,
-                           all->rest_z + stride * with.y };
-    const Vec3 ankle = turned(step, stepped);
+    const ConstraintTables *tables = in->tables;
+    const Stance *stance = in->stance;
+    const Real none = 0.0f, most = in->settings->n[11] * stance->scale;
+    Stepped stepped;
     FootGoals goals;
-    const Choice standing = stands(all, ankle.y, &goals.near);
+    step_foot(in, &stepped);
+    const Choice standing = stands(in, stepped.ankle.y, &goals.near);
     const float decay = 1.0f / (1.0f + tables->elapsed_secs * (1.0f / FOOT_RELEASE_SECS));
-    const Vec3 own = level_direction(&all->stance, turned(step, all->along));
-    const Real turns = turn_lag(&all->state, all->state.planted > (Real)(0.5f), own, decay);
-    const Real lag = all->has_sole > (Real)(0.5f) ? turns : none;
-    const Turn turn = turn_and(step, lag);
-    const Lock to = lock(all, ankle, standing, turn, decay, most);
+    const Vec3 own = level_direction(stance, turned(stepped.turn, stepped.along));
+    const Real lag = in->foot->sole_count > 1 ? turn_lag(state, own, decay) : none;
+    const Turn turn = turn_and(stepped.turn, lag);
+    const Lock to = lock(in, state, &stepped, standing, turn, decay, most);
     const Vec3 place =
-        vec3_add(vec3_to_world(&all->stance, vec3_add(ankle, to.arm)), to.vector);
+        vec3_add(vec3_to_world(stance, vec3_add(stepped.ankle, to.arm)), to.vector);
     Under under = ground_under(tables, place);
     if (tables->ground->per_metre > 0.0f) {
-        for (uint point = 0; point < all->points_most; point++) {
-            Choice has_it;
-            const Vec3 arm = turned(turn, sole_points(all, tables->soles, point, &has_it));
-            const Vec3 at = vec3_to_world(&all->stance, vec3_add(ankle, arm));
-            stand_on(tables, &under, vec3_add(at, to.vector), has_it, FOOT_EDGE * most);
+        for (uint point = 0; point < stepped.points; point++) {
+            const Vec3 arm = turned(turn, stepped.sole[point + 1]);
+            const Vec3 at = vec3_to_world(stance, vec3_add(stepped.ankle, arm));
+            stand_on(tables, &under, vec3_add(at, to.vector), FOOT_EDGE * most);
         }
         settle(&under);
     }
-    all->state.known = to.moved_elsewhere ? none : all->state.known;
-    const Real ahead =
-        ground_ahead(tables, &all->stance, place, under.ground, most, goals.near);
+    state->known = state->known & !to.moved_elsewhere;
+    const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near);
     Real climb;
-    const Real height = shown_height(tables, &all->state, to.planted, &under, ahead, &climb);
+    const Real height = shown_height(tables, state, to.planted, &under, ahead, &climb);
     const Vec3 direction = turned(turn_of(lag), own);
     const FootState next = { to.planted ? place.x : to.vector.x,
                              to.planted ? place.z : to.vector.z,
@@ -323,13 +277,13 @@ INLINE FootGoals foot_goal(const ConstraintTables *tables, FootInputs *all)
                              to.planted ? height - under.ground : none,
                              climb,
                              to.pivot,
-                             to.planted ? one : none,
-                             to.released ? one : none,
-                             one };
-    all->state = next;
+                             to.planted,
+                             to.released,
+                             state->known };
+    *state = next;
     const Vec3 over = { place.x, height, place.z };
-    goals.normal = vec3_direction_to_model(&all->stance, under.normal);
-    goals.ankle = ankle_over(all, ankle, over, to.arm, goals.normal, goals.near);
+    goals.normal = vec3_direction_to_model(stance, under.normal);
+    goals.ankle = ankle_over(stance, &stepped, over, to.arm, goals.normal, goals.near);
     goals.turn = turn.half_tan;
     return goals;
 }

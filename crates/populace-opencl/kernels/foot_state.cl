@@ -8,47 +8,13 @@
 // A foot's state, in world space. If planted: the horizontal position of the pivot and its index, the
 // direction from heel to toes along X and Z, and the height of the pivot above the true ground. Else
 // the offset from the clip, and the tangent of half the angle by which the foot is turned from it.
-// Then the height of the ground that the foot is shown on, and the speed at which it rises to it.
-// Flags are 1 for true: the lock was let go within a contact that has not ended; the member had a
-// state in the previous frame.
+// Then the height of the ground that the foot is shown on, and the speed at which it rises to it; and
+// whether the lock was let go within a contact that has not ended, and whether the member had a state
+// in the previous frame.
 typedef struct {
     Real x, z, along_x, along_z, height, above, climb, pivot;
-    Real planted, released, known;
+    Choice planted, released, known;
 } FootState;
-
-// Puts the state of a member's foot into a lane. Returns the index of the point of the sole that
-// stands, NONE if the foot is not planted.
-INLINE uint foot_states(FootState *all, uint lane, const Solver *s, float4 left, float4 turned)
-{
-    const uint bits = as_uint(left.w), pivot = bits >> 1 & 15u;
-    const bool known = bits >> FOOT_STATE_BITS == s->control.epoch, planted = known && (bits & 1u);
-    PUT(all->x, lane, known ? left.x : 0.0f);
-    PUT(all->z, lane, known ? left.z : 0.0f);
-    PUT(all->along_x, lane, known ? turned.x : 0.0f);
-    PUT(all->along_z, lane, known ? turned.y : 0.0f);
-    PUT(all->height, lane, left.y);
-    PUT(all->above, lane, turned.z);
-    PUT(all->climb, lane, turned.w);
-    PUT(all->pivot, lane, (float)pivot);
-    PUT(all->planted, lane, planted ? 1.0f : 0.0f);
-    PUT(all->released, lane, known && (bits & 32u) ? 1.0f : 0.0f);
-    PUT(all->known, lane, known ? 1.0f : 0.0f);
-    return planted ? pivot : NONE;
-}
-
-// Writes the state in a lane as that of a member's foot.
-INLINE void keep_foot_states(const FootState *all, uint lane, const Solver *s, uint foot)
-{
-    const uint flags =
-        (LANE(all->released, lane) > 0.5f ? 32u : 0u) | (LANE(all->planted, lane) > 0.5f ? 1u : 0u);
-    const uint bits =
-        s->control.epoch << FOOT_STATE_BITS | flags | (uint)LANE(all->pivot, lane) << 1;
-    __global float4 *states = s->tables->states + s->index * STATES_PER_CONTROL + foot;
-    states[0] = (float4)(LANE(all->x, lane), LANE(all->height, lane), LANE(all->z, lane),
-                         as_float(bits));
-    states[FOOT_TURN_STATE] = (float4)(LANE(all->along_x, lane), LANE(all->along_z, lane),
-                                       LANE(all->above, lane), LANE(all->climb, lane));
-}
 
 // Places and strides of members, in lanes.
 typedef struct {
@@ -56,13 +22,88 @@ typedef struct {
     Real scale, sine, cosine;
 } Stance;
 
-INLINE void put_stance(Stance *all, uint lane, const Control *control)
+// States of all feet of members as they are stored, and the epochs of their owners.
+typedef struct {
+    Numbers places, turns;
+    Words epochs;
+} FootStates;
+
+INLINE FootStates foot_states_before(const Stop *at)
 {
-    put_vec3(&all->place, lane, control->place);
-    put_vec3(&all->stride, lane, control->stride);
-    PUT(all->scale, lane, control->place.w);
-    PUT(all->sine, lane, control->facing.x);
-    PUT(all->cosine, lane, control->facing.y);
+    FootStates all = { no_numbers(), no_numbers(), 0 };
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        __global const float4 *before = s->tables->states_before + s->index * STATES_PER_CONTROL;
+        put_numbers(&all.places, lane, (__global const float *)before);
+        put_numbers(&all.turns, lane, (__global const float *)(before + FOOT_TURN_STATE));
+        PUT_WORD(all.epochs, lane, s->control.epoch);
+    }
+    turn_numbers(&all.places);
+    turn_numbers(&all.turns);
+    return all;
+}
+
+INLINE FootState foot_state(const FootStates *all, uint foot)
+{
+    const Real *place = all->places.n + 4 * foot, *turn = all->turns.n + 4 * foot, none = 0.0f;
+    const Words bits = AS_WORDS(place[3]);
+    const Choice known = bits >> FOOT_STATE_BITS == all->epochs;
+    const FootState state = { known ? place[0] : none,
+                              known ? place[2] : none,
+                              known ? turn[0] : none,
+                              known ? turn[1] : none,
+                              place[1],
+                              turn[2],
+                              turn[3],
+                              CONVERT_REAL(AS_INTS(bits >> 1 & 15u)),
+                              known & ((bits & 1u) != 0u),
+                              known & ((bits & 32u) != 0u),
+                              known };
+    return state;
+}
+
+INLINE void put_foot_state(FootStates *all, uint foot, const FootState *state)
+{
+    Real *place = all->places.n + 4 * foot, *turn = all->turns.n + 4 * foot;
+    const Words none = 0, flags = (state->released ? (Words)(32u) : none)
+                                  | (state->planted ? (Words)(1u) : none);
+    const Words bits =
+        all->epochs << FOOT_STATE_BITS | flags | CONVERT_WORDS(state->pivot) << 1;
+    place[0] = state->x;
+    place[1] = state->height;
+    place[2] = state->z;
+    place[3] = AS_REAL(bits);
+    turn[0] = state->along_x;
+    turn[1] = state->along_z;
+    turn[2] = state->above;
+    turn[3] = state->climb;
+}
+
+// Writes the states of the first feet of members.
+INLINE void keep_foot_states(const Stop *at, FootStates *all, uint feet)
+{
+    turn_numbers(&all->places);
+    turn_numbers(&all->turns);
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        __global float4 *states = s->tables->states + s->index * STATES_PER_CONTROL;
+        for (uint foot = 0; foot < feet; foot++) {
+            states[foot] = numbers_in(&all->places, lane, 4 * foot);
+            states[FOOT_TURN_STATE + foot] = numbers_in(&all->turns, lane, 4 * foot);
+        }
+    }
+}
+
+INLINE Stance stance_of(const Stop *at)
+{
+    Numbers all = no_numbers();
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        put_numbers(&all, lane, (__global const float *)(s->tables->controls + s->index));
+    }
+    turn_numbers(&all);
+    const Stance stance = { vec3_of(&all, 0), vec3_of(&all, 8), all.n[3], all.n[4], all.n[5] };
+    return stance;
 }
 
 // Takes directions from world to model space.

@@ -106,9 +106,8 @@ INLINE Under ground_under(const ConstraintTables *tables, Vec3 pivot)
     return under;
 }
 
-// Takes a point of the sole into account, for soles that have it.
-INLINE void stand_on(const ConstraintTables *tables, Under *under, Vec3 at, Choice has_it,
-                     Real edge)
+// Takes a point of the sole into account.
+INLINE void stand_on(const ConstraintTables *tables, Under *under, Vec3 at, Real edge)
 {
     Vec3 unused;
     const Vec3 normal = under->normal;
@@ -116,12 +115,10 @@ INLINE void stand_on(const ConstraintTables *tables, Under *under, Vec3 at, Choi
     const Real x = at.x - under->pivot.x, z = at.z - under->pivot.z;
     const Real ground = grounds_at(tables, at.x, at.z, &unused);
     const Real above = at.y - under->pivot.y, fall = fall_x * x + fall_z * z;
-    const Real level = larger(under->level, ground - above),
-               tilted = larger(under->tilted, ground + fall - above);
-    under->level = has_it ? level : under->level;
-    under->tilted = has_it ? tilted : under->tilted;
+    under->level = larger(under->level, ground - above);
+    under->tilted = larger(under->tilted, ground + fall - above);
     const Real off = ground + fall - under->ground;
-    under->on_edge = under->on_edge | (has_it & (off * off > edge * edge));
+    under->on_edge = under->on_edge | (off * off > edge * edge);
 }
 
 // Raises the ground until no point of the sole is in it. On an edge the sole is level.
@@ -152,7 +149,7 @@ INLINE Real ground_ahead(const ConstraintTables *tables, const Stance *stance, V
 INLINE Real shown_height(const ConstraintTables *tables, const FootState *state, Choice planted,
                          const Under *under, Real ahead, Real *climb)
 {
-    const Choice known = state->known > (Real)(0.5f), stood = state->planted > (Real)(0.5f);
+    const Choice known = state->known, stood = state->planted;
     // A foot that stays planted loses its height above or below the ground.
     const Choice stays = planted & stood & !under->on_edge;
     const Real before = stays ? state->above : state->height;

@@ -28,7 +28,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
 typedef struct {
     const ConstraintTables *tables;
     uint control;
-    STEP_ROTATIONS float4 *step_rotations;
+    Rotations step_rotations;
     Hierarchy models;
 } Descent;
 
@@ -42,8 +42,8 @@ INLINE void descend(Descent to, uint joint, uint parent)
         model = affine_mul(above, model);
     }
     if (to.control != NONE) {
-        const Solver s = solver_of(to.tables, to.control, to.step_rotations);
-        model = solve_joint(&s, to.models, joint, model, above, parent != NONE);
+        const Solver s = solver_of(to.tables, to.control);
+        model = solve_joint(&s, to.models, to.step_rotations, joint, model, above, parent != NONE);
     }
     keep_model(to.models, joint, model.s0123, model.s4567, model.s89ab);
 }

@@ -1,38 +1,17 @@
-// fused_wide.cl - Fused schedule for CPUs: one work-item computes the whole frame of a member. It
-// computes local transforms from rows for sixteen joints at a time, transposes them into one matrix
-// each, then descends the hierarchy and writes the palette. Everything between clip and palette
-// stays in the core's caches. Members with constraints wait at yield points until eight of them can
-// be solved side by side; see yield_points.cl.
+// fused_wide.cl - Fused schedule for CPUs: a work-item computes whole frames of members of one body,
+// sixteen at a time, side by side. Local transforms come from rows for sixteen joints of a member at
+// a time, and are transposed into lanes of members. Hierarchy, constraint programs and palettes then
+// have members in lanes. What is between clip and palette stays in the core's caches.
 //
-// NDRange  (runs of members of one page), work-groups of one; one enqueue for each phase
+// NDRange  (runs of members of one page, those of a kind side by side), work-groups of one; one
+//          enqueue for each phase
 // Reads    the page's members; slots, machines, layers, rows, controls and the tables that they
 //          index; watched joints that earlier phases wrote
-// Writes   palette: each entry of the phase's members in [place_first, place_end) once; matrices:
-//          scratch for as many members as wait at once; states and watched joints of those members
+// Writes   palette: each entry of the phase's members in [place_first, place_end) once, and zeros
+//          into padding; desk: scratch; states and watched joints of those members
 // Oracle   populace-testkit/src/oracle
-// Twin of populace-native/src/fused.rs: same arithmetic, same order of operations.
-
-// Two rows of a matrix in memory, where matrices are 48 bytes apart.
-typedef float8 Rows __attribute__((aligned(16)));
-
-// Transposes a 16 x 16 matrix by four perfect shuffles.
-INLINE void transpose(float16 m[16])
-{
-    float16 t[16];
-#pragma unroll
-    for (int round = 0; round < 4; round++) {
-#pragma unroll
-        for (int i = 0; i < 8; i++) {
-            const float16 p = m[i], q = m[i + 8];
-            t[2 * i] = (float16)(p.s0, q.s0, p.s1, q.s1, p.s2, q.s2, p.s3, q.s3, p.s4, q.s4, p.s5,
-                                 q.s5, p.s6, q.s6, p.s7, q.s7);
-            t[2 * i + 1] = (float16)(p.s8, q.s8, p.s9, q.s9, p.sa, q.sa, p.sb, q.sb, p.sc, q.sc,
-                                     p.sd, q.sd, p.se, q.se, p.sf, q.sf);
-        }
-#pragma unroll
-        for (int i = 0; i < 16; i++) m[i] = t[i];
-    }
-}
+// Twin of populace-native/src/abreast.rs and populace-native/src/fused.rs: same arithmetic, same order
+// of operations.
 
 // Collects the member's slots that have weight now, in order.
 INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
@@ -48,131 +27,148 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
     return playback;
 }
 
-INLINE void descend_to(uint joint, __global const uint *parent, __global float16 *models)
-{
-    if (parent[joint] != NONE) models[joint] = affine_mul(models[parent[joint]], models[joint]);
-}
+// Components of a local transform: translation, rotation, scale.
+#define COMPONENTS 10
 
-// Destination and entries of a member's palette.
+// Members side by side, each in a lane of its own: of one body, with programs of one shape or none.
 typedef struct {
-    __global const Entry *entries;
-    uint count;
-    __global float *to;
-} Output;
+    uint count, owners[LANES], controls[LANES], layer_counts[LANES];
+    Playback plays[LANES];
+    Playing playing[LANES][MAX_SLOTS];
+    Body body;
+    __global const uint *parents;
+} Company;
 
-INLINE void write_palette(Output output, __global const float16 *models)
+// Returns whether a frame evaluates a member.
+INLINE bool is_due(uint owner, Member member, uint place_first, uint place_end, uint phase)
 {
-    __global const Entry *entry = output.entries;
-    __global float *to = output.to;
-    for (uint e = 0; e < output.count; e++, entry++, to += 12) {
-        const float16 out =
-            affine_mul_rows(models[entry->joint], entry->row0, entry->row1, entry->row2);
-        *(__global Rows *)to = out.lo;
-        vstore4(out.hi.lo, 0, to + 8);
-    }
+    return owner >= place_first && owner < place_end && member_phase(member) == phase;
 }
 
-// A member with a constraint program on its way down its hierarchy.
-typedef struct {
-    Solver s;
-    __global const uint *parent;
-    __global float16 *models;
-    uint joint_count, joint, step; // next joint and next step
-    uint stands_at; // kind of the step that the member waits at, NONE if it does not wait
-    Output output;
-    float4 turns[MAX_STEP_ROTATIONS];
-} Descent;
-
-INLINE void descend(Descent *down, uint end)
+// Takes a member into the next free lane.
+INLINE void join(Company *all, uint owner, Member member, __global const Slot *slots,
+                 uint slots_per_member, Machines machines, ulong tick, const ClipTables *tables,
+                 __global const float *row_times, __global const uint *buckets)
 {
-    for (; down->joint < end; down->joint++) descend_to(down->joint, down->parent, down->models);
+    const uint lane = all->count++;
+    all->owners[lane] = owner;
+    all->controls[lane] = member.control;
+    all->layer_counts[lane] = member_layers(member);
+    all->plays[lane] = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
+                                tables, row_times, buckets, all->playing[lane]);
 }
 
-// Descends to the next batched step, or to the end and writes the palette.
-APART void go_down(Descent *down)
+INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
 {
-    const Solver *s = &down->s;
-    const Hierarchy joints = { down->models };
-    for (; down->step < s->control.step_count; down->step++) {
-        const Step step = s->tables->steps[s->control.step_first + down->step];
-        descend(down, step.joint + 1);
-        down->stands_at = step.kind;
-        if (is_batched(step.kind)) return;
-        down->models[step.joint] = take_step(s, joints, step, down->models[step.joint]);
-    }
-    descend(down, down->joint_count);
-    down->stands_at = NONE;
-    write_palette(down->output, down->models);
+    if (all->parents[joint] == NONE) return;
+    Matrix parent, own;
+    matrices_of(joints, all->parents[joint], &parent);
+    locals_of(joints, joint, &own);
+    matrix_mul(&parent, &own, &own);
+    keep_matrices(joints, joint, &own);
 }
 
-// Returns the step that a member waits at.
-INLINE YieldPoint stop_of(const Descent *down)
+// Computes the local transforms of a block of joints, member by member, and transposes them into
+// lanes of members. If `planes` is not 0, it receives those of the first member too, as ten planes
+// in the layout of stored poses.
+INLINE void pose_block(const Company *all, const ClipTables *tables, Adjustments adjustments,
+                       __global const Layer *layers, uint first, float16 posed[COMPONENTS][LANES],
+                       __global float *planes)
 {
-    const Step step = down->s.tables->steps[down->s.control.step_first + down->step];
-    const uint above = down->parent[step.joint];
-    const Hierarchy joints = { down->models };
-    const YieldPoint stop = { &down->s,
-                              joints,
-                              step,
-                              down->models[step.joint],
-                              down->models[above == NONE ? step.joint : above],
-                              above != NONE };
-    return stop;
-}
-
-// Runs the pending step of the first waiting member together with all pending steps of the same
-// kind, then descends further with those members. Returns whether any member was waiting.
-APART bool step_batch(Descent *all, uint count)
-{
-    YieldPoint at[BATCH];
-    Descent *who[BATCH];
-    uint kind = NONE, stopped = 0;
-    for (Descent *down = all; down < all + count; down++) {
-        if (kind == NONE) kind = down->stands_at;
-        if (kind == NONE || down->stands_at != kind) continue;
-        at[stopped] = stop_of(down);
-        who[stopped++] = down;
-    }
-    if (stopped == 0) return false;
-    take_batch(kind, at, stopped);
-    for (uint m = 0; m < stopped; m++) {
-        who[m]->models[at[m].step.joint] = at[m].own;
-        who[m]->step++;
-        go_down(who[m]);
-    }
-    return true;
-}
-
-// Computes a member's local transforms, one float16 each. If `planes` is not 0, it receives them
-// too, as ten planes in the layout of stored poses.
-INLINE void pose_member(const ClipTables *tables, Adjustments adjustments, uint control,
-                        Playback playback, __global const Layer *layers, uint layer_count,
-                        Body body, __global float16 *restrict models, __global float *planes)
-{
-    for (uint joint = 0; joint < body.joint_count; joint += JOINT_BLOCK) {
+    for (uint lane = 0; lane < all->count; lane++) {
         const Local trs =
-            pose_joint(tables, adjustments, control, playback, layers, layer_count, body, joint);
-        if (planes) store_trs(trs, planes + joint, body.padded_count);
-        float16 m[16];
-        components_of(trs, m);
-        m[12] = m[13] = m[14] = m[15] = 0.0f;
-        transpose(m);
-#pragma unroll
-        for (int i = 0; i < 16; i++) models[joint + i] = m[i];
+            pose_joint(tables, adjustments, all->controls[lane], all->plays[lane],
+                       layers + all->owners[lane] * LAYERS_PER_MEMBER, all->layer_counts[lane],
+                       all->body, first);
+        if (planes) store_trs(trs, planes + first, all->body.padded_count);
+        posed[0][lane] = trs.t.x;
+        posed[1][lane] = trs.t.y;
+        posed[2][lane] = trs.t.z;
+        posed[3][lane] = trs.r.x;
+        posed[4][lane] = trs.r.y;
+        posed[5][lane] = trs.r.z;
+        posed[6][lane] = trs.r.w;
+        posed[7][lane] = trs.s.x;
+        posed[8][lane] = trs.s.y;
+        posed[9][lane] = trs.s.z;
+    }
+    for (uint component = 0; component < COMPONENTS; component++) transpose(posed[component]);
+}
+
+// Computes the members' local transforms, and without programs their model transforms.
+INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustments adjustments,
+                         __global const Layer *layers, Hierarchy joints, __global float *planes)
+{
+    float16 posed[COMPONENTS][LANES];
+    for (uint c = 0; c < COMPONENTS; c++)
+        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
+    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
+        pose_block(all, tables, adjustments, layers, first, posed, planes);
+        const uint count = min(all->body.joint_count - first, JOINT_BLOCK);
+        for (uint at = 0; at < count; at++) {
+            const Local trs = { { posed[0][at], posed[1][at], posed[2][at] },
+                                { posed[3][at], posed[4][at], posed[5][at], posed[6][at] },
+                                { posed[7][at], posed[8][at], posed[9][at] } };
+            Matrix own;
+            components_of(trs, own.m);
+            keep_matrices(joints, first + at, &own);
+            if (all->controls[0] == NONE) descend_to(all, joints, first + at);
+        }
     }
 }
 
-// Starts a member at the top of its hierarchy.
-INLINE void set_out(Descent *down, const ConstraintTables *tables, uint control, Body body,
-                    __global const uint *parents, __global float16 *models, Output output)
+// Leads members with programs down their hierarchies.
+APART void descend(const Company *all, const ConstraintTables *tables, Hierarchy joints)
 {
-    down->s = solver_of(tables, control, down->turns);
-    down->parent = parents + body.joint_first;
-    down->models = models;
-    down->joint_count = body.joint_count;
-    down->joint = down->step = 0;
-    down->output = output;
-    go_down(down);
+    Solver members[LANES];
+    Quat rotations[MAX_STEP_ROTATIONS];
+    for (uint lane = 0; lane < all->count; lane++)
+        members[lane] = solver_of(tables, all->controls[lane]);
+    Stop at;
+    at.members = members;
+    at.count = all->count;
+    at.joints = joints;
+    at.rotations = rotations;
+    uint joint = 0;
+    for (at.nth = 0; at.nth < members->control.step_count; at.nth++) {
+        at.step = step_in(&at, 0);
+        for (; joint <= at.step.joint; joint++) descend_to(all, joints, joint);
+        const uint parent = all->parents[at.step.joint];
+        at.has_parent = parent != NONE;
+        if (at.has_parent && at.step.kind == STEP_GAZE) matrices_of(joints, parent, &at.parent);
+        matrices_of(joints, at.step.joint, &at.own);
+        take_steps(&at);
+        keep_matrices(joints, at.step.joint, &at.own);
+    }
+    for (; joint < all->body.joint_count; joint++) descend_to(all, joints, joint);
+}
+
+// Writes the members' palettes, with zeros for the padding of the last block.
+INLINE void write_palettes(const Company *all, __global const Entry *entries, Hierarchy joints,
+                           __global float *const *to)
+{
+    for (uint block = 0; block < all->body.entry_count; block += PALETTE_BLOCK) {
+        Matrix palettes[PALETTE_BLOCK];
+        for (uint e = 0; e < PALETTE_BLOCK; e++) {
+            if (block + e >= all->body.entry_count) {
+                for (uint i = 0; i < 12; i++) palettes[e].m[i] = 0.0f;
+                continue;
+            }
+            __global const Entry *entry = entries + block + e;
+            const float4 row0 = entry->row0, row1 = entry->row1, row2 = entry->row2;
+            const Matrix bind = { { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y, row1.z, row1.w,
+                                    row2.x, row2.y, row2.z, row2.w } };
+            Matrix models;
+            matrices_of(joints, entry->joint, &models);
+            matrix_mul(&models, &bind, &palettes[e]);
+        }
+        // Four matrices are three squares of sixteen numbers.
+        Real *squares = palettes->m;
+        for (uint square = 0; square < 3; square++) transpose(squares + 16 * square);
+        for (uint lane = 0; lane < all->count; lane++)
+            for (uint square = 0; square < 3; square++)
+                vstore16(squares[16 * square + lane], 0, to[lane] + 12 * block + 16 * square);
+    }
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
@@ -194,7 +190,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     __global const uint *page_members, __global const Entry *entries, uint place_first,
     uint place_end, uint phase, uint page_first, __global float4 *restrict palette,
     // Distribution over work-items, and their scratch.
-    uint member_count, uint run, uint abreast, uint padded_most, __global float4 *restrict matrices)
+    uint member_count, uint run, uint padded_most, __global float4 *restrict desk)
 {
     const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
                                      clips,       row_blocks,   0,       rows,
@@ -208,41 +204,30 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-    __global float16 *desk =
-        (__global float16 *)matrices + get_global_id(0) * padded_most * abreast;
-    const uint begin = (uint)get_global_id(0) * run, end = min(begin + run, member_count);
-    Descent down[BATCH];
-    uint count = 0;
-    for (uint index = begin; index < end; index++) {
-        const uint owner = page_members[index];
-        if (owner < place_first || owner >= place_end) continue;
-        const Member member = members[owner];
-        if (member_phase(member) != phase) continue;
-        const Body body = bodies[member.posed];
-        __global float16 *restrict models = desk + count * padded_most;
-        Playing playing[MAX_SLOTS];
-        const Playback playback =
-            play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
-                     &clip_tables, row_times, buckets, playing);
-        pose_member(&clip_tables, adjustments, member.control, playback,
-                    layers + owner * LAYERS_PER_MEMBER, member_layers(member), body, models, 0);
-        const Output output = {
-            entries + body.entry_first, body.entry_count,
-            (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first))
-        };
-        if (member.control == NONE) {
-            for (uint joint = 0; joint < body.joint_count; joint++)
-                descend_to(joint, parents + body.joint_first, models);
-            write_palette(output, models);
-            continue;
+    const Hierarchy joints = { (__global Matrix *)desk + get_global_id(0) * padded_most };
+    const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
+    Company all;
+    for (uint index = (uint)get_global_id(0) * run; index < end;) {
+        __global float *to[LANES];
+        uint posed, shape;
+        for (all.count = 0; index < end && all.count < LANES; index++) {
+            const uint owner = page_members[index];
+            const Member member = members[owner];
+            if (!is_due(owner, member, place_first, place_end, phase)) continue;
+            if (all.count > 0 && (member.posed != posed || member.shape != shape)) break;
+            posed = member.posed;
+            shape = member.shape;
+            to[all.count] = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
+            join(&all, owner, member, slots, slots_per_member, machines, tick, &clip_tables,
+                 row_times, buckets);
         }
-        set_out(&down[count], &constraint_tables, member.control, body, parents, models, output);
-        if (down[count].stands_at != NONE) count++;
-        if (count < abreast) continue;
-        while (step_batch(down, count)) {}
-        count = 0;
+        if (all.count == 0) break;
+        all.body = bodies[posed];
+        all.parents = parents + all.body.joint_first;
+        pose_members(&all, &clip_tables, adjustments, layers, joints, 0);
+        if (all.controls[0] != NONE) descend(&all, &constraint_tables, joints);
+        write_palettes(&all, entries + all.body.entry_first, joints, to);
     }
-    while (step_batch(down, count)) {}
 }
 
 // Computes samples, local transforms and model_from_joint of one member, for reading back.
@@ -262,7 +247,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     // Constraint programs.
     __global const float *joint_scales, CONSTRAINT_PARAMETERS,
     // The member, and outputs.
-    uint owner, __global SlotSample *samples, __global float *planes, __global float4 *matrices)
+    uint owner, __global SlotSample *samples, __global float *planes, __global float4 *matrices,
+    // Scratch.
+    __global float4 *restrict desk)
 {
     const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
                                      clips,       row_blocks,   0,       rows,
@@ -277,23 +264,18 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
     const Member member = members[owner];
-    const Body body = bodies[member.posed];
     __global const Slot *mine = slots + owner * slots_per_member;
-    __global float16 *models = (__global float16 *)matrices;
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = play(mine[s], machines, tick, &clip_tables, row_times, buckets).at;
-    Playing playing[MAX_SLOTS];
-    const Playback playback =
-        play_all(mine, slots_per_member, machines, tick, &clip_tables, row_times, buckets, playing);
-    pose_member(&clip_tables, adjustments, member.control, playback,
-                layers + owner * LAYERS_PER_MEMBER, member_layers(member), body, models, planes);
-    if (member.control == NONE) {
-        for (uint joint = 0; joint < body.joint_count; joint++)
-            descend_to(joint, parents + body.joint_first, models);
-        return;
-    }
-    const Output none = { 0, 0, 0 };
-    Descent down;
-    set_out(&down, &constraint_tables, member.control, body, parents, models, none);
-    while (step_batch(&down, 1)) {}
+    const Hierarchy joints = { (__global Matrix *)desk };
+    Company all;
+    all.count = 0;
+    join(&all, owner, member, slots, slots_per_member, machines, tick, &clip_tables, row_times,
+         buckets);
+    all.body = bodies[member.posed];
+    all.parents = parents + all.body.joint_first;
+    pose_members(&all, &clip_tables, adjustments, layers, joints, planes);
+    if (member.control != NONE) descend(&all, &constraint_tables, joints);
+    for (uint joint = 0; joint < all.body.joint_count; joint++)
+        vstore16(local_in(joints, joint, 0), joint, (__global float *)matrices);
 }

@@ -21,17 +21,16 @@ typedef struct {
     Real left, up, front, level;
 } Sight;
 
-// Aim constraints of a batch of members, one in each lane.
+// Aim constraints of members, one in each lane.
 typedef struct {
-    const YieldPoint *at;
-    uint count, links_most, targets_most;
+    const Stop *at;
+    uint targets_most;
     Frame frame;
-    // Origins of the chain's joints as the clips pose them. Shorter chains repeat their last joint.
-    Vec3 places[MAX_LINKS];
-    Real shares[MAX_LINKS]; // share of the whole rotation for each link; 0 from the last joint on
-    Sight start;             // direction that the end of the chain faces
-    Vec3 tangents, limits;   // of the limits: to either side, up, down (radians)
-} GazeBatch;
+    Vec3 places[MAX_LINKS]; // origins of the chain's joints as the clips pose them
+    Real shares[MAX_LINKS]; // share of the whole rotation for each link but the last
+    Sight start;            // direction that the end of the chain faces
+    Vec3 tangents, limits;  // of the limits: to either side, up, down (radians)
+} Gazes;
 
 INLINE Frame frame_of(Vec3 front, Vec3 up)
 {
@@ -75,19 +74,18 @@ INLINE Real held(Real yaw, Real limit)
 }
 
 // Returns target `t` of each member as seen from `from`, its weight, and whether it counts.
-INLINE Sight see_target(const GazeBatch *g, uint t, Vec3 from, Real *weight, Choice *counts)
+INLINE Sight see_target(const Gazes *g, uint t, Vec3 from, Real *weight, Choice *counts)
 {
     Vec3 place = from;
     *weight = 0.0f;
-    for (uint m = 0; m < g->count; m++) {
-        const Solver *s = g->at[m].s;
-        __global const Constraint *constraint = constraint_of(g->at + m);
+    for (uint lane = 0; lane < g->at->count; lane++) {
+        const Solver *s = g->at->members + lane;
+        __global const Constraint *constraint = constraint_in(g->at, lane);
         if (t >= constraint->target_count) continue;
+        const Target target = s->tables->targets[constraint->target_first + t];
         float own;
-        put_vec3(
-            &place, m,
-            sight(s, s->tables->targets[constraint->target_first + t], vec3_in(from, m), &own));
-        PUT(*weight, m, own);
+        put_vec3(&place, lane, sight(s, target, vec3_in(from, lane), &own));
+        PUT(*weight, lane, own);
     }
     const Sight seen = seen_in(g->frame, vec3_add_scaled(place, from, -1.0f));
     const Real length = seen.left * seen.left + seen.up * seen.up + seen.front * seen.front;
@@ -96,7 +94,7 @@ INLINE Sight see_target(const GazeBatch *g, uint t, Vec3 from, Real *weight, Cho
 }
 
 // Returns the rotation towards the weighted mean of all targets within the limits.
-APART_STEP Quat aim_by_angles(const GazeBatch *g, Vec3 from)
+APART_STEP Quat aim_by_angles(const Gazes *g, Vec3 from)
 {
     const Real none = 0.0f, side = g->limits.x, most = g->limits.y, least = -g->limits.z;
     Real yaw = 0.0f, pitch = 0.0f, total = 0.0f, half_side, half_ahead, height, level;
@@ -119,7 +117,7 @@ APART_STEP Quat aim_by_angles(const GazeBatch *g, Vec3 from)
 }
 
 // Returns the rotation from `start` to the aim as seen from `from`, and its weight.
-INLINE Quat aim(const GazeBatch *g, Vec3 from, Real *weight)
+INLINE Quat aim(const Gazes *g, Vec3 from, Real *weight)
 {
     const Sight start = g->start;
     Sight to = { 0.0f, 0.0f, 0.0f, 0.0f };
@@ -154,79 +152,63 @@ INLINE Quat aim(const GazeBatch *g, Vec3 from, Real *weight)
     return rotation;
 }
 
-// Puts a member's constraint into lane `m`: `front` and `up` of its parent, and what its end faces.
-INLINE void put_gaze(GazeBatch *g, uint m, Vec3 *front, Vec3 *up, Vec3 *facing)
+// Collects the shares of the chains' joints, and the largest number of targets.
+INLINE void put_gazes(Gazes *g, uint link_count)
 {
-    const YieldPoint *at = g->at + m;
-    __global const Constraint *constraint = constraint_of(at);
-    const float4 ahead = constraint->front, above = constraint->up;
-    float4 places[MAX_LINKS];
-    const float16 end = walk(at->s, at->joints, constraint, at->own, places);
-    put_vec3(front, m, at->has_parent ? transform_vector(at->parent, ahead) : ahead);
-    put_vec3(up, m, at->has_parent ? transform_vector(at->parent, above) : above);
-    put_vec3(facing, m, transform_vector(end, constraint->axis));
-    put_vec3(&g->tangents, m, vec(constraint->axis.w, ahead.w, above.w));
-    put_vec3(&g->limits, m, constraint->limits);
-    const uint last = constraint->link_count - 1;
-    for (uint link = 0; link < g->links_most; link++)
-        put_vec3(&g->places[link], m, places[min(link, last)]);
-    for (uint link = 0; link < last; link++)
-        PUT(g->shares[link], m, at->s->tables->links[constraint->link_first + link].share);
-}
-
-// Finds the longest chain and the largest target count, and fills unused lanes with zeros.
-INLINE void clear_gazes(GazeBatch *g, const YieldPoint *at, uint count)
-{
-    g->at = at;
-    g->count = count;
-    g->links_most = g->targets_most = 0;
-    for (uint m = 0; m < count; m++) {
-        __global const Constraint *constraint = constraint_of(at + m);
-        g->links_most = max(g->links_most, constraint->link_count);
+    g->targets_most = 0;
+    for (uint link = 0; link < link_count; link++) g->shares[link] = 0.0f;
+    for (uint lane = 0; lane < g->at->count; lane++) {
+        __global const Constraint *constraint = constraint_in(g->at, lane);
+        __global const Link *links = g->at->members->tables->links + constraint->link_first;
         g->targets_most = max(g->targets_most, constraint->target_count);
+        for (uint link = 0; link + 1 < link_count; link++)
+            PUT(g->shares[link], lane, links[link].share);
     }
-    const Vec3 none = { 0.0f, 0.0f, 0.0f };
-    for (uint link = 0; link < g->links_most; link++) g->places[link] = none;
-    for (uint link = 0; link < g->links_most; link++) g->shares[link] = 0.0f;
-    g->tangents = g->limits = none;
 }
 
-// Rotates a member's first joint and hands the other rotations down its chain.
-INLINE void rotate_chain(YieldPoint *at, uint m, const Quat *rotations, Quat left)
+// Finds the frames of the chains' parents, and what the ends of the chains face.
+INLINE void set_out(Gazes *g, __global const Constraint *constraint)
 {
-    const uint last = constraint_of(at)->link_count - 1, first = at->step.operand;
-    const float4 own = quat_in(last == 0 ? left : rotations[0], m);
-    for (uint link = 1; link < last; link++)
-        at->s->step_rotations[first + link - 1] = quat_in(rotations[link], m);
-    if (last > 0) at->s->step_rotations[first + last - 1] = quat_in(left, m);
-    at->own = affine_rotated(at->own, own);
-}
-
-APART_STEP void gaze(YieldPoint *at, uint count)
-{
-    GazeBatch g;
-    clear_gazes(&g, at, count);
-    Vec3 front = g.limits, up = g.limits, facing = g.limits;
-    for (uint m = 0; m < count; m++) put_gaze(&g, m, &front, &up, &facing);
-    g.frame = frame_of(front, up);
-    g.start = seen_in(g.frame, facing);
+    const Stop *at = g->at;
+    const Numbers settings = settings_of(at, 0);
+    const Vec3 ahead = vec3_of(&settings, 4), above = vec3_of(&settings, 8);
+    const Vec3 tangents = { settings.n[3], settings.n[7], settings.n[11] };
+    Matrix end;
+    walk(at, constraint, g->places, &end);
+    g->tangents = tangents;
+    g->limits = vec3_of(&settings, 12);
+    g->frame = frame_of(at->has_parent ? matrix_vector(&at->parent, ahead) : ahead,
+                        at->has_parent ? matrix_vector(&at->parent, above) : above);
+    g->start = seen_in(g->frame, matrix_vector(&end, vec3_of(&settings, 0)));
     // Straight up or down there is no side to turn from.
-    const Choice upright = g.start.level < (Real)(GAZE_UPRIGHT);
-    g.start.left = upright ? (Real)(0.0f) : g.start.left;
-    g.start.front = upright ? (Real)(GAZE_UPRIGHT) : g.start.front;
-    g.start.level = upright ? (Real)(GAZE_UPRIGHT) : g.start.level;
+    const Choice upright = g->start.level < (Real)(GAZE_UPRIGHT);
+    g->start.left = upright ? (Real)(0.0f) : g->start.left;
+    g->start.front = upright ? (Real)(GAZE_UPRIGHT) : g->start.front;
+    g->start.level = upright ? (Real)(GAZE_UPRIGHT) : g->start.level;
+}
+
+APART_STEP void gaze(Stop *at)
+{
+    __global const Constraint *constraint = constraint_in(at, 0);
+    const uint last = constraint->link_count - 1;
+    Gazes g;
+    g.at = at;
+    put_gazes(&g, last + 1);
+    set_out(&g, constraint);
 
     Real weight, weight_there, shared = 0.0f;
-    Quat rotations[MAX_LINKS], so_far = quat_identity();
-    const Quat whole = aim(&g, g.places[g.links_most - 1], &weight);
+    Quat so_far = quat_identity(), first = quat_identity();
+    const Quat whole = aim(&g, g.places[last], &weight);
     Vec3 place = g.places[0];
-    for (uint link = 0; link + 1 < g.links_most; link++) {
+    for (uint link = 0; link < last; link++) {
         const Real share = g.shares[link] * weight;
         const Choice takes_part = share > (Real)(0.0f);
         shared += takes_part ? share : (Real)(0.0f);
         const Quat now = quat_choose(takes_part, quat_part_as_told(whole, shared), so_far);
-        rotations[link] =
+        const Quat own =
             quat_choose(takes_part, quat_mul(now, quat_conjugate(so_far)), quat_identity());
+        if (link == 0) first = own;
+        else hand_down(at, link - 1, own);
         so_far = now;
         const Vec3 on = vec3_add_scaled(g.places[link + 1], g.places[link], -1.0f);
         place = vec3_add(place, quat_rotated(so_far, on));
@@ -236,5 +218,7 @@ APART_STEP void gaze(YieldPoint *at, uint count)
     const Choice partly = weight_there < (Real)(1.0f);
     const Quat held_back = quat_choose(partly, quat_part_as_told(there, weight_there), there);
     const Quat left = quat_mul(held_back, quat_conjugate(so_far));
-    for (uint m = 0; m < count; m++) rotate_chain(at + m, m, rotations, left);
+    if (last == 0) first = left;
+    else hand_down(at, last - 1, left);
+    matrix_rotate(&at->own, first);
 }

@@ -1,5 +1,5 @@
-// hierarchy.cl - Storage of a member's transforms on the way down its hierarchy, for each schedule,
-// and the address space of rotations that steps hand down (STEP_ROTATIONS).
+// hierarchy.cl - Storage of transforms on the way down the hierarchy, for each schedule, and of
+// rotations that steps hand down.
 //
 // Twin of populace-native/src/hierarchy.rs.
 
@@ -28,18 +28,35 @@ INLINE void keep_model(Hierarchy models, uint joint, float4 row0, float4 row1, f
     row[2 * models.stride] = row2;
 }
 
-INLINE float16 local_of(Hierarchy models, uint joint) { return model_of(models, joint); }
+INLINE float16 local_in(Hierarchy models, uint joint, uint lane) { return model_of(models, joint); }
 
 #elif LANES > 1
 
-// One float16 for each joint: its local transform until its parent is done.
+// A matrix in lanes of members for each joint: local transforms until the joint is reached.
 typedef struct {
-    __global const float16 *models;
+    __global Matrix *joints;
 } Hierarchy;
 
-#define STEP_ROTATIONS __private
+INLINE void matrices_of(Hierarchy all, uint joint, Matrix *matrices)
+{
+    *matrices = all.joints[joint];
+}
 
-INLINE float16 local_of(Hierarchy joints, uint joint) { return joints.models[joint]; }
+INLINE void keep_matrices(Hierarchy all, uint joint, const Matrix *matrices)
+{
+    all.joints[joint] = *matrices;
+}
+
+INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
+{
+    matrices_of(joints, joint, locals);
+}
+
+INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
+{
+    const Matrix locals = joints.joints[joint];
+    return matrix_in(&locals, lane);
+}
 
 #else
 
@@ -50,7 +67,7 @@ typedef struct {
 
 #define STEP_ROTATIONS __global
 
-INLINE float16 local_of(Hierarchy joints, uint joint)
+INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
 {
     const float4 t = joints.translations[joint], r = joints.rotations[joint],
                  s = joints.scales[joint];
@@ -59,6 +76,52 @@ INLINE float16 local_of(Hierarchy joints, uint joint)
     components_of(trs, m);
     return (float16)(m[0], m[1], m[2], m[3], m[4], m[5], m[6], m[7], m[8], m[9], m[10], m[11],
                      (float4)(0.0f));
+}
+
+#endif
+
+#if LANES == 1
+
+INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
+{
+    put_matrix(locals, 0, local_in(joints, joint, 0));
+}
+
+// Rotations of one member.
+typedef STEP_ROTATIONS float4 *Rotations;
+
+INLINE Quat handed_rotations(Rotations rotations, uint index)
+{
+    const float4 q = rotations[index];
+    const Quat all = { q.x, q.y, q.z, q.w };
+    return all;
+}
+
+INLINE void hand_rotations(Rotations rotations, uint index, Quat all)
+{
+    rotations[index] = (float4)(all.x, all.y, all.z, all.w);
+}
+
+INLINE void hand_rotation_in(Rotations rotations, uint index, uint lane, float4 one)
+{
+    rotations[index] = one;
+}
+
+#else
+
+// Rotations in lanes of members.
+typedef Quat *Rotations;
+
+INLINE Quat handed_rotations(Rotations rotations, uint index) { return rotations[index]; }
+
+INLINE void hand_rotations(Rotations rotations, uint index, Quat all) { rotations[index] = all; }
+
+INLINE void hand_rotation_in(Rotations rotations, uint index, uint lane, float4 one)
+{
+    PUT(rotations[index].x, lane, one.x);
+    PUT(rotations[index].y, lane, one.y);
+    PUT(rotations[index].z, lane, one.z);
+    PUT(rotations[index].w, lane, one.w);
 }
 
 #endif

@@ -1,4 +1,4 @@
-// limb.cl - Two-bone inverse kinematics, for one limb or for one limb in each lane.
+// limb.cl - Two-bone inverse kinematics, for a limb in each lane.
 //
 // Reads    local transforms of the limb; targets
 // Writes   the model transform of the first joint; step_rotations of middle joint and end
@@ -108,52 +108,37 @@ INLINE void limb_rotations(Limb limb, Vec3 pole, Choice has_pole, Real soft,
     *second_rotation = quat_choose(stands, second, quat_identity());
 }
 
-// Puts a limb into a lane.
-INLINE void put_limb(Limb *all, uint lane, float4 upper, float4 lower, float4 bend, float4 to)
+APART_STEP void reach(Stop *at)
 {
-    put_vec3(&all->upper, lane, upper);
-    put_vec3(&all->lower, lane, lower);
-    put_vec3(&all->bend, lane, bend);
-    put_vec3(&all->to, lane, to);
-}
-
-INLINE Limb no_limb(void)
-{
-    const Vec3 none = { 0.0f, 0.0f, 0.0f };
-    const Limb limb = { none, none, none, none };
-    return limb;
-}
-
-APART_STEP void reach(YieldPoint *at, uint count)
-{
-    Limb limb = no_limb();
-    Vec3 pole = limb.to;
-    Real has_pole = 0.0f, soft = 0.0f, weight = 0.0f;
-    for (uint m = 0; m < count; m++) {
-        __global const Constraint *constraint = constraint_of(at + m);
-        float4 places[MAX_LINKS];
-        float own;
-        walk(at[m].s, at[m].joints, constraint, at[m].own, places);
-        const float4 target = goal(at[m].s, constraint, places[0], &own),
-                     middle = places[constraint->middle];
-        put_limb(&limb, m, middle - places[0], places[constraint->link_count - 1] - middle,
-                 transform_vector(at[m].own, constraint->axis), target - places[0]);
-        put_vec3(&pole, m, constraint->front);
-        PUT(has_pole, m, constraint->front.w);
-        PUT(soft, m, constraint->limits.x);
-        PUT(weight, m, own);
+    __global const Constraint *constraint = constraint_in(at, 0);
+    const Numbers settings = settings_of(at, 0);
+    Vec3 places[MAX_LINKS], target = { 0.0f, 0.0f, 0.0f };
+    Real weight = 0.0f, keeps_end = 0.0f;
+    Matrix end;
+    walk(at, constraint, places, &end);
+    for (uint lane = 0; lane < at->count; lane++) {
+        __global const Constraint *own = constraint_in(at, lane);
+        float own_weight;
+        put_vec3(&target, lane, goal(at->members + lane, own, vec3_in(places[0], lane),
+                                     &own_weight));
+        PUT(weight, lane, own_weight);
+        PUT(keeps_end, lane, own->keeps_end ? 1.0f : 0.0f);
     }
+    const Vec3 middle = places[constraint->middle];
+    const Limb limb = { vec3_add_scaled(middle, places[0], -1.0f),
+                        vec3_add_scaled(places[constraint->link_count - 1], middle, -1.0f),
+                        matrix_vector(&at->own, vec3_of(&settings, 0)),
+                        vec3_add_scaled(target, places[0], -1.0f) };
     Quat first, second;
-    limb_rotations(limb, pole, has_pole > (Real)(0.0f), soft, &first, &second);
-    const Choice partly = weight < (Real)(1.0f);
+    limb_rotations(limb, vec3_of(&settings, 4), settings.n[7] > (Real)(0.0f), settings.n[12],
+                   &first, &second);
+    const Choice aims = weight > (Real)(0.0f), partly = weight < (Real)(1.0f);
+    first = quat_choose(aims, first, quat_identity());
+    second = quat_choose(aims, second, quat_identity());
     first = quat_choose(partly, quat_part(first, weight), first);
     second = quat_choose(partly, quat_part(second, weight), second);
     const Quat undone = quat_conjugate(quat_mul(second, first));
-    for (uint m = 0; m < count; m++) {
-        STEP_ROTATIONS float4 *step_rotations = at[m].s->step_rotations + at[m].step.operand;
-        step_rotations[0] = quat_in(second, m);
-        step_rotations[1] =
-            constraint_of(at + m)->keeps_end ? quat_in(undone, m) : IDENTITY_ROTATION;
-        at[m].own = affine_rotated(at[m].own, quat_in(first, m));
-    }
+    hand_down(at, 0, second);
+    hand_down(at, 1, quat_choose(keeps_end > (Real)(0.0f), undone, quat_identity()));
+    matrix_rotate(&at->own, first);
 }

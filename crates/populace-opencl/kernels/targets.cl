@@ -31,18 +31,16 @@ typedef struct {
     float elapsed_secs;
 } ConstraintTables;
 
-// A member's constraint program, and the rotations that its steps hand down.
+// A member's constraint program.
 typedef struct {
     const ConstraintTables *tables;
     Control control;
     uint index;
-    STEP_ROTATIONS float4 *step_rotations;
 } Solver;
 
-INLINE Solver solver_of(const ConstraintTables *tables, uint control,
-                        STEP_ROTATIONS float4 *step_rotations)
+INLINE Solver solver_of(const ConstraintTables *tables, uint control)
 {
-    const Solver solver = { tables, tables->controls[control], control, step_rotations };
+    const Solver solver = { tables, tables->controls[control], control };
     return solver;
 }
 
@@ -115,19 +113,5 @@ INLINE float4 goal(const Solver *s, __global const Constraint *constraint, float
     *weight = total < 1.0f ? total : 1.0f;
     if (total > 0.0f) return sum * (1.0f / total);
     *weight = 0.0f;
-    return from;
-}
-
-// Computes the origins of a chain's joints as the clips pose them, and returns the last joint's
-// model transform. `from` is the first joint's.
-INLINE float16 walk(const Solver *s, Hierarchy joints, __global const Constraint *constraint,
-                    float16 from, float4 *places)
-{
-    places[0] = origin_of(from);
-    for (uint at = 1; at < constraint->link_count; at++) {
-        from =
-            affine_mul(from, local_of(joints, s->tables->links[constraint->link_first + at].joint));
-        places[at] = origin_of(from);
-    }
     return from;
 }

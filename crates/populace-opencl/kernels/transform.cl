@@ -47,7 +47,7 @@ __kernel void transform(
     const uint first = member.joint_first, place = first + joint,
                parent = parents[body.joint_first + joint];
     const Hierarchy joints = { translations + first, rotations + first, scales + first };
-    float16 model = local_of(joints, joint), above = model;
+    float16 model = local_in(joints, joint, 0), above = model;
     if (parent != NONE) {
         above = (float16)(row0[first + parent], row1[first + parent], row2[first + parent],
                           (float4)(0.0f));
@@ -60,9 +60,9 @@ __kernel void transform(
             contacts, states_before,
             watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
             layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-        const Solver s = solver_of(&constraint_tables, member.control,
-                                   step_rotations + member.control * MAX_STEP_ROTATIONS);
-        model = solve_joint(&s, joints, joint, model, above, parent != NONE);
+        const Solver s = solver_of(&constraint_tables, member.control);
+        model = solve_joint(&s, joints, step_rotations + member.control * MAX_STEP_ROTATIONS, joint,
+                            model, above, parent != NONE);
     }
     row0[place] = model.s0123;
     row1[place] = model.s4567;

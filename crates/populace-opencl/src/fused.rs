@@ -21,7 +21,7 @@ use crate::user_stages::StageKernels;
 use dispatch::Dispatch;
 use readback::{MemberReadback, ScratchOutputs};
 
-/// `Float4`s of one matrix, which is a float16.
+/// `Float4`s of one matrix that is read back, which is a float16.
 const MATRIX: usize = 4;
 /// The kernels of a whole frame and of one member's joints.
 const WIDE: [&str; 2] = ["fused_wide", "fused_wide_joints"];
@@ -50,7 +50,7 @@ pub(crate) struct Fused {
 }
 
 impl Fused {
-    /// For CPUs: sixteen joints at a time.
+    /// For CPUs: sixteen members of a body side by side.
     pub(crate) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let kernel = |name| device.kernel(Form::Wide, "", name);
         let kernels = [kernel(WIDE[0])?, kernel(WIDE[1])?];

@@ -12,7 +12,7 @@ pub(crate) enum Form {
     Floor,
     /// One joint for each work-item, through global memory.
     Staged,
-    /// Sixteen joints at a time.
+    /// Sixteen members of a body side by side.
     Wide,
     /// One joint for each work-item, and a work-group for each member.
     Grouped {
@@ -66,6 +66,7 @@ impl Form {
             include_str!("../kernels/local.cl"),
             include_str!("../kernels/affine.cl"),
             include_str!("../kernels/angle.cl"),
+            include_str!("../kernels/matrices.cl"),
             include_str!("../kernels/members.cl"),
             include_str!("../kernels/slot.cl"),
             include_str!("../kernels/machines.cl"),
@@ -78,7 +79,7 @@ impl Form {
             include_str!("../kernels/hierarchy.cl"),
             include_str!("../kernels/targets.cl"),
             include_str!("../kernels/kernel_parameters.cl"),
-            include_str!("../kernels/yield_points.cl"),
+            include_str!("../kernels/programs.cl"),
             include_str!("../kernels/gaze.cl"),
             include_str!("../kernels/limb.cl"),
             include_str!("../kernels/chain.cl"),

@@ -225,6 +225,7 @@ impl<'a> TestCrowd<'a> {
     ///
     /// If the backend fails.
     pub fn update(&mut self, backend: &mut dyn Backend) {
+        self.tables.sort_pages();
         backend.update(&self.tables).expect("the backend accepts the tables");
         self.tables.mark_clean();
     }

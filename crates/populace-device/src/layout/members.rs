@@ -80,6 +80,9 @@ device_struct! {
         /// Index into `bodies`: what frames evaluate. It is `body`, or one of the reduced bodies
         /// that follow it.
         pub posed: u32,
+        /// Shape of the constraint program, [`NONE`] without one. Members of one body and shape can
+        /// take each step side by side.
+        pub shape: u32,
     }
 }
 

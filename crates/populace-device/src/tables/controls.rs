@@ -6,6 +6,7 @@ mod foot;
 mod ground;
 mod limb;
 mod ranges;
+mod shapes;
 mod stages;
 mod targets;
 
@@ -15,6 +16,8 @@ use std::ops::Range;
 use compile::Program;
 use populace_model::Skeleton;
 use populace_model::convert::u32_from;
+
+use shapes::Shapes;
 
 use super::soles::Soles;
 use super::{Space, Table, Tables};
@@ -58,6 +61,8 @@ pub(super) struct ControlSpaces {
     watched_known: usize,
     /// Runs, by control index.
     runs: Vec<Runs>,
+    /// Shapes of the programs in use.
+    shapes: Shapes,
     /// Controls whose programs changed since the last `mark_clean`.
     unchecked: BTreeSet<u32>,
     epoch: u32,
@@ -78,6 +83,7 @@ impl ControlSpaces {
             watched_new: BTreeSet::new(),
             watched_known: 0,
             runs: Vec::new(),
+            shapes: Shapes::default(),
             unchecked: BTreeSet::new(),
             epoch: 0,
         }
@@ -250,10 +256,12 @@ impl Tables {
         }
         self.resize_runs(member.control as usize, &Program::default());
         self.control_spaces.unchecked.remove(&member.control);
+        self.control_spaces.shapes.release(member.shape);
         self.control_spaces.controls.release((member.control as usize, 1));
         self.all.controls.truncate(self.control_spaces.controls.end());
-        member.control = NONE;
+        (member.control, member.shape) = (NONE, NONE);
         self.all.members.set(member_index as usize, member);
+        self.mix_page(&member);
     }
 
     fn resize_runs(&mut self, control: usize, program: &Program) {
@@ -275,6 +283,7 @@ impl Tables {
 
     fn write_program(&mut self, control: usize, mut program: Program) {
         self.control_spaces.runs[control].joint_count = program.joints_needed();
+        self.set_shape(control, &program.shape());
         let runs = self.control_spaces.runs[control];
         program.move_to(
             runs.overrides.0,
@@ -300,6 +309,19 @@ impl Tables {
         };
         write(&mut self.all.controls, control, &[row]);
         self.control_spaces.unchecked.insert(u32_from(control));
+    }
+
+    /// Records the shape of a member's program.
+    fn set_shape(&mut self, control: usize, shape: &[u32]) {
+        let member_index = self.all.controls.as_slice()[control].member as usize;
+        let mut member = self.all.members.as_slice()[member_index];
+        let number = self.control_spaces.shapes.take(shape);
+        self.control_spaces.shapes.release(member.shape);
+        if member.shape != number {
+            member.shape = number;
+            self.all.members.set(member_index, member);
+            self.mix_page(&member);
+        }
     }
 
     /// Sets the place of a member in the world. Does nothing if the member has no constraint

@@ -32,6 +32,7 @@ const FREE_MEMBER: Member = Member {
     layers_and_phase: 0,
     control: NONE,
     posed: NONE,
+    shape: NONE,
 };
 const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
@@ -59,6 +60,23 @@ impl Member {
 }
 
 impl Tables {
+    /// Sorts the members of each page by what frames evaluate of them, so that devices find those of
+    /// one body and shape of program side by side. Results do not depend on it.
+    pub fn sort_pages(&mut self) {
+        let members = self.all.members.as_slice();
+        self.page_lists.sort_by_key(|member| {
+            let Member { posed, shape, .. } = members[member as usize];
+            (posed, shape, member)
+        });
+    }
+
+    /// Tells the list of a member's page that the member has changed its kind.
+    pub(super) fn mix_page(&mut self, member: &Member) {
+        if self.all.bodies.as_slice()[member.body as usize].entry_count > 0 {
+            self.page_lists.mix((member.palette_first / PAGE_ENTRIES) as usize);
+        }
+    }
+
     /// Adds a member of `body` without any clip and returns its index.
     ///
     /// # Errors
@@ -88,6 +106,7 @@ impl Tables {
                 layers_and_phase: 1,
                 control: NONE,
                 posed: body.0,
+                shape: NONE,
             },
         );
         self.phase_members[0] += 1;

@@ -61,6 +61,7 @@ impl Tables {
         if member.posed != posed {
             member.posed = posed;
             self.all.members.set(member_index as usize, member);
+            self.mix_page(&member);
         }
     }
 }

@@ -1,9 +1,8 @@
 //! Constraint programs of members side by side, each in a lane of its own, on the way down the
 //! hierarchy. A member alone has the only lane.
 //!
-//! Members can stand side by side if their steps have the same kinds, joints and chains. Gazes,
-//! limbs, legs and the rotations that they hand down are computed in lanes, other steps member by
-//! member.
+//! Members can stand side by side if their programs have one shape. Gazes, limbs, legs and the
+//! rotations that they hand down are computed in lanes, other steps member by member.
 
 use populace_device::Tables;
 use populace_device::layout::{
@@ -28,54 +27,9 @@ pub(crate) fn step_rotations<const COUNT: usize>(lines: &mut Vec<Line>) -> &mut 
     vectors(lines, 4 * MAX_STEP_ROTATIONS as usize).as_chunks_mut().0
 }
 
-/// Returns a number that programs which can stand side by side share: FNV-1a over kinds and joints
-/// of the steps.
-pub(crate) fn signature(steps: &[Step]) -> u64 {
-    let mix = |hash: u64, step: &Step| {
-        let word = u64::from(step.kind) << 32 | u64::from(step.joint);
-        (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
-    };
-    steps.iter().fold(0xcbf2_9ce4_8422_2325, mix)
-}
-
 /// Returns the links of a constraint.
 fn links_of<'a>(tables: &'a Tables, constraint: &Constraint) -> &'a [Link] {
     &tables.links().as_slice()[constraint.link_first as usize..][..constraint.link_count as usize]
-}
-
-/// Returns whether two constraints lead the same chains, on the same soles.
-fn lead_alike(tables: &Tables, a: &Constraint, b: &Constraint) -> bool {
-    let shape = |c: &Constraint| {
-        let legs = [c.middle, c.upper, c.toe_links, c.at_once];
-        (legs, [c.sole_first, c.sole_count, c.toe_first, c.toe_count])
-    };
-    let (links, others) = (links_of(tables, a), links_of(tables, b));
-    shape(a) == shape(b)
-        && links.len() == others.len()
-        && links.iter().zip(others).all(|(a, b)| a.joint == b.joint)
-}
-
-/// Returns whether two steps of a kind that is computed in lanes can stand side by side.
-fn steps_alike(tables: &Tables, a: &Step, b: &Step) -> bool {
-    let constraints = tables.constraints().as_slice();
-    let [one, other] = [a, b].map(|step| &constraints[step.index as usize..]);
-    let count = if a.kind == STEP_PELVIS { one[0].target_count as usize } else { 1 };
-    a.operand == b.operand
-        && (a.kind != STEP_PELVIS || one[0].target_count == other[0].target_count)
-        && one[..count].iter().zip(other).all(|(one, other)| lead_alike(tables, one, other))
-}
-
-/// Returns whether two programs can stand side by side.
-pub(crate) fn are_alike(tables: &Tables, a: &[Step], b: &[Step]) -> bool {
-    let alike = |(a, b): (&Step, &Step)| {
-        (a.kind, a.joint) == (b.kind, b.joint)
-            && match a.kind {
-                STEP_GAZE | STEP_REACH | STEP_PELVIS | STEP_FOOT => steps_alike(tables, a, b),
-                STEP_ROTATION | STEP_CHAIN => a.operand == b.operand,
-                _ => true,
-            }
-    };
-    a.len() == b.len() && a.iter().zip(b).all(alike)
 }
 
 /// Transforms of members side by side.

@@ -2,19 +2,21 @@
 //! `model_from_joint`.
 
 use opencl3::kernel::Kernel;
-use populace_device::layout::{Float4, MEMBERS_PER_BATCH};
+use populace_device::layout::{Float4, JOINT_BLOCK};
 use populace_device::{BackendError, Tables};
 
-use super::MATRIX;
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::launch::{Launch, WorkSize};
 use crate::tables::DeviceTables;
 
-/// Scratches for each core: enough work-items to balance the load, few enough that their matrices
-/// take little memory. If members wait for each other, there are twice as many scratches for a
-/// fourth of the work-items.
-const SCRATCH_PER_CORE: usize = 32;
+/// Work-items of the wide form for each core: enough to balance the load, few enough that their
+/// matrices take little memory.
+const ITEMS_PER_CORE: usize = 8;
+/// Members side by side in the lanes of a work-item of the wide form.
+const LANES: usize = JOINT_BLOCK as usize;
+/// `Float4`s of a joint's matrices in lanes of members.
+const MATRICES: usize = 12 * LANES / 4;
 /// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
 /// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette
 /// that are computed at once then come from all 32 banks.
@@ -22,8 +24,8 @@ const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Dispatch {
     /// `fused_wide.cl`: each of several work-items for each core takes a run of members. The
-    /// matrices of the members in progress are in global memory.
-    Wide { cores: usize, matrices: Buffer<Float4> },
+    /// matrices of the members in its lanes are in global memory.
+    Wide { cores: usize, desks: Buffer<Float4> },
     /// `fused_grouped.cl`: a work-group for each member. Matrices are in local memory.
     Grouped {
         group: usize,
@@ -37,7 +39,7 @@ pub(super) enum Dispatch {
 impl Dispatch {
     pub(super) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let cores = device.info.compute_units as usize;
-        Ok(Self::Wide { cores, matrices: Buffer::new(device, 0, "an empty buffer")? })
+        Ok(Self::Wide { cores, desks: Buffer::new(device, 0, "an empty buffer")? })
     }
 
     /// For a kernel that was built for work-groups of `group` work-items.
@@ -62,12 +64,9 @@ impl Dispatch {
             return Ok(());
         }
         match self {
-            Self::Wide { cores, matrices } => {
-                *matrices = Buffer::new(
-                    device,
-                    matrices_for(*cores, tables),
-                    "matrices of members in progress",
-                )?;
+            Self::Wide { cores, desks } => {
+                let needed = desks_for(*cores, tables);
+                *desks = Buffer::new(device, needed, "matrices of members in progress")?;
             }
             Self::Grouped { stride, other_bytes, .. } => {
                 let needed = stride_for(tables);
@@ -91,7 +90,7 @@ impl Dispatch {
     /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
-            Self::Wide { cores, matrices } => matrices_for(*cores, tables) <= matrices.len(),
+            Self::Wide { cores, desks } => desks_for(*cores, tables) <= desks.len(),
             Self::Grouped { stride, .. } => stride_for(tables) <= *stride,
         }
     }
@@ -99,7 +98,7 @@ impl Dispatch {
     /// Returns the bytes of global memory.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Self::Wide { matrices, .. } => matrices.bytes(),
+            Self::Wide { desks, .. } => desks.bytes(),
             Self::Grouped { .. } => 0,
         }
     }
@@ -125,15 +124,13 @@ impl Dispatch {
         members: usize,
     ) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { cores, matrices } => {
-                let scratch = WideScratch::of(host);
-                let run = members.div_ceil(cores * scratch.per_core / scratch.per_item);
+            Self::Wide { cores, desks } => {
+                let run = members.div_ceil(cores * ITEMS_PER_CORE).next_multiple_of(LANES);
                 let launch = launch
                     .count("member_count", members)
                     .count("run", run)
-                    .count("abreast", scratch.per_item)
                     .count("padded_most", host.padded_most())
-                    .buffer("matrices", matrices);
+                    .buffer("desk", desks);
                 (launch, WorkSize::line(members.div_ceil(run), 1))
             }
             Self::Grouped { .. } => self.member(launch, members),
@@ -144,7 +141,7 @@ impl Dispatch {
     /// returns the work size for `members` members.
     pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { .. } => (launch, WorkSize::line(members, 1)),
+            Self::Wide { desks, .. } => (launch.buffer("desk", desks), WorkSize::line(members, 1)),
             Self::Grouped { group, stride, .. } => {
                 let launch =
                     launch.count("stride", *stride).local::<Float4>("model_rows", 3 * stride);
@@ -154,25 +151,8 @@ impl Dispatch {
     }
 }
 
-/// Size of the wide kernel's scratch memory. One scratch holds the matrices of one member.
-struct WideScratch {
-    per_core: usize,
-    /// More than 1 only if members have constraints. Other members never wait.
-    per_item: usize,
-}
-
-impl WideScratch {
-    fn of(tables: &Tables) -> Self {
-        if tables.controls().as_slice().is_empty() {
-            Self { per_core: SCRATCH_PER_CORE, per_item: 1 }
-        } else {
-            Self { per_core: 2 * SCRATCH_PER_CORE, per_item: MEMBERS_PER_BATCH as usize }
-        }
-    }
-}
-
-fn matrices_for(cores: usize, tables: &Tables) -> usize {
-    cores * WideScratch::of(tables).per_core * tables.padded_most() * MATRIX
+fn desks_for(cores: usize, tables: &Tables) -> usize {
+    cores * ITEMS_PER_CORE * tables.padded_most() * MATRICES
 }
 
 fn stride_for(tables: &Tables) -> usize {

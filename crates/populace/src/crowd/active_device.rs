@@ -47,6 +47,7 @@ impl ActiveDevice {
             history.forget_new_watched(tables);
             history.begin_rest(tables);
         }
+        tables.sort_pages();
         self.opened.backend_mut().update(tables)?;
         tables.mark_clean();
         if let Some(history) = &self.history {

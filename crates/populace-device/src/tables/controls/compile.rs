@@ -149,6 +149,37 @@ impl Program {
         steps.chain(self.links.iter().map(|link| link.joint)).max().map_or(0, |last| last + 1)
     }
 
+    /// Returns the shape of the program: all that programs must have in common so that several
+    /// members can take each step side by side. That is the kinds and joints of steps, and the
+    /// chains, soles and rotations of constraints.
+    pub(super) fn shape(&self) -> Vec<u32> {
+        let mut shape = Vec::new();
+        for step in &self.steps[..self.steps.len() - self.pose_step_count] {
+            shape.extend([step.kind, step.joint]);
+            let feet = match step.kind {
+                STEP_PELVIS => self.constraints[step.index as usize].target_count as usize,
+                STEP_GAZE | STEP_REACH | STEP_CHAIN | STEP_FOOT => 1,
+                STEP_ROTATION => 0,
+                _ => continue,
+            };
+            shape.push(step.operand);
+            for constraint in &self.constraints[step.index as usize..][..feet] {
+                self.shape_of_constraint(constraint, &mut shape);
+            }
+        }
+        shape
+    }
+
+    fn shape_of_constraint(&self, constraint: &layout::Constraint, shape: &mut Vec<u32>) {
+        let layout::Constraint { link_first, link_count, middle, upper, .. } = *constraint;
+        let layout::Constraint { toe_links, at_once, sole_first, sole_count, .. } = *constraint;
+        let layout::Constraint { toe_first, toe_count, .. } = *constraint;
+        shape.extend([link_count, middle, upper, toe_links, at_once]);
+        shape.extend([sole_first, sole_count, toe_first, toe_count]);
+        let links = &self.links[link_first as usize..][..link_count as usize];
+        shape.extend(links.iter().map(|link| link.joint));
+    }
+
     /// Allocates `count` rotations that later steps apply, and returns the first index.
     fn allocate_rotations(&mut self, count: usize) -> usize {
         self.rotation_count += count;

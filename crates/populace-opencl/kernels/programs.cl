@@ -1,0 +1,98 @@
+// programs.cl - Constraint programs of members side by side, each in a lane of its own. With one
+// lane there is one member.
+//
+// Members stand side by side if their programs have one shape: the kinds and joints of steps, and
+// the chains, soles and rotations of constraints. The other settings may differ.
+//
+// Twin of populace-native/src/constraints/programs.rs.
+
+// Members at a step of their programs. In lanes without a member, inputs are 0 and results unused.
+typedef struct {
+    const Solver *members;
+    uint count;
+    uint nth;  // index of the step in each program
+    Step step; // of the first member; kind, joint and operand are those of all
+    Hierarchy joints;
+    Rotations rotations;
+    // Model transforms of the joint, which the step changes, and of its parent.
+    Matrix own, parent;
+    bool has_parent;
+} Stop;
+
+INLINE Step step_in(const Stop *at, uint lane)
+{
+    const Solver *s = at->members + lane;
+    return s->tables->steps[s->control.step_first + at->nth];
+}
+
+// Returns the constraint of a member. That of the first has the chain, the soles and the number of
+// feet of all.
+INLINE __global const Constraint *constraint_in(const Stop *at, uint lane)
+{
+    return at->members->tables->constraints + step_in(at, lane).index;
+}
+
+INLINE void hand_down(Stop *at, uint index, Quat rotations)
+{
+    hand_rotations(at->rotations, at->step.operand + index, rotations);
+}
+
+INLINE Quat handed_down(const Stop *at, uint index)
+{
+    return handed_rotations(at->rotations, at->step.operand + index);
+}
+
+// Returns axis, front, up and limits of the `nth` constraints after those of the step.
+INLINE Numbers settings_of(const Stop *at, uint nth)
+{
+    Numbers settings = no_numbers();
+    for (uint lane = 0; lane < at->count; lane++)
+        put_numbers(&settings, lane, (__global const float *)(constraint_in(at, lane) + nth));
+    turn_numbers(&settings);
+    return settings;
+}
+
+INLINE Vec3 vec3_of(const Numbers *numbers, uint first)
+{
+    const Vec3 v = { numbers->n[first], numbers->n[first + 1], numbers->n[first + 2] };
+    return v;
+}
+
+INLINE void put_vec3(Vec3 *all, uint lane, float4 one)
+{
+    PUT(all->x, lane, one.x);
+    PUT(all->y, lane, one.y);
+    PUT(all->z, lane, one.z);
+}
+
+INLINE float4 vec3_in(Vec3 all, uint lane)
+{
+    return vec(LANE(all.x, lane), LANE(all.y, lane), LANE(all.z, lane));
+}
+
+// Computes the origins of the joints of chains as the clips pose them, and writes the last joint's
+// model transforms.
+INLINE void walk(const Stop *at, __global const Constraint *constraint, Vec3 *places, Matrix *end)
+{
+    *end = at->own;
+    places[0] = matrix_origin(end);
+    for (uint link = 1; link < constraint->link_count; link++) {
+        Matrix locals;
+        locals_of(at->joints, at->members->tables->links[constraint->link_first + link].joint,
+                  &locals);
+        matrix_mul(end, &locals, end);
+        places[link] = matrix_origin(end);
+    }
+}
+
+// The same for the member in a lane.
+INLINE void walk_in(const Stop *at, uint lane, __global const Constraint *constraint, float16 from,
+                    float4 *places)
+{
+    places[0] = origin_of(from);
+    for (uint link = 1; link < constraint->link_count; link++) {
+        const uint joint = at->members->tables->links[constraint->link_first + link].joint;
+        from = affine_mul(from, local_in(at->joints, joint, lane));
+        places[link] = origin_of(from);
+    }
+}
