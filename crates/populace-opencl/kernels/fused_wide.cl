@@ -8,7 +8,7 @@
 // Reads    the page's members; slots, machines, layers, rows, controls and the tables that they
 //          index; watched joints that earlier phases wrote
 // Writes   palette: each entry of the phase's members in [place_first, place_end) once, and zeros
-//          into padding; desk: scratch; states and watched joints of those members
+//          into padding; is_taken, desks: scratch; states and watched joints of those members
 // Oracle   populace-testkit/src/oracle
 // Twin of populace-native/src/abreast.rs and populace-native/src/fused.rs: same arithmetic, same order
 // of operations.
@@ -39,6 +39,51 @@ typedef struct {
     __global const uint *parents;
 } Company;
 
+#ifndef __has_builtin
+#define __has_builtin(name) 0
+#endif
+
+// Asks for memory, in lines of the cache of 16 words, so that it is in the caches when it is read.
+INLINE void fetch_lines(__global const void *from, uint words)
+{
+#if __has_builtin(__builtin_prefetch)
+    for (uint word = 0; word < words; word += 16)
+        __builtin_prefetch((__global const uint *)from + word);
+#endif
+}
+
+// Asks for the rows that a member mixes.
+INLINE void fetch_rows(const ClipTables *tables, Playback playback)
+{
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].clip];
+        fetch_lines(tables->rows + playing.at.row0, clip.row_stride);
+        fetch_lines(tables->rows + playing.at.row1, clip.row_stride);
+    }
+}
+
+// Writes sixteen numbers. A whole line of the cache goes past the caches, which would read it first.
+INLINE void write_line(float16 line, __global float *to)
+{
+#if __has_builtin(__builtin_nontemporal_store)
+    if (((size_t)to & 63) == 0) {
+        __builtin_nontemporal_store(line, (__global float16 *)to);
+        return;
+    }
+#endif
+    vstore16(line, 0, to);
+}
+
+// Takes a free desk, which holds the matrices of the members in the lanes of a work-item. Few desks,
+// used again and again, stay in the caches.
+INLINE uint take_desk(volatile __global uint *is_taken, uint count)
+{
+    uint desk = 0;
+    while (atomic_xchg(is_taken + desk, 1u) != 0u) desk = desk + 1 < count ? desk + 1 : 0;
+    return desk;
+}
+
 // Returns whether a frame evaluates a member.
 INLINE bool is_due(uint owner, Member member, uint place_first, uint place_end, uint phase)
 {
@@ -56,6 +101,7 @@ INLINE void join(Company *all, uint owner, Member member, __global const Slot *s
     all->layer_counts[lane] = member_layers(member);
     all->plays[lane] = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
                                 tables, row_times, buckets, all->playing[lane]);
+    fetch_rows(tables, all->plays[lane]);
 }
 
 INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
@@ -66,6 +112,38 @@ INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
     locals_of(joints, joint, &own);
     matrix_mul(&parent, &own, &own);
     keep_matrices(joints, joint, &own);
+}
+
+// Asks for the members' controls and states, for the steps of their programs, and for the settings of
+// their constraints. Each finds its addresses in what the one before asked for.
+INLINE void fetch_controls(const Company *all, const ConstraintTables *tables)
+{
+    for (uint lane = 0; lane < all->count; lane++) {
+        const uint control = all->controls[lane];
+        fetch_lines(tables->controls + control, sizeof(Control) / 4);
+        fetch_lines(tables->states_before + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
+    }
+}
+
+INLINE void fetch_steps(const Company *all, const ConstraintTables *tables)
+{
+    for (uint lane = 0; lane < all->count; lane++) {
+        __global const Control *control = tables->controls + all->controls[lane];
+        fetch_lines(tables->steps + control->step_first, 4 * control->step_count);
+    }
+}
+
+INLINE void fetch_constraints(const Company *all, const ConstraintTables *tables)
+{
+    const uint step_count = tables->controls[all->controls[0]].step_count;
+    for (uint nth = 0; nth < step_count; nth++)
+        for (uint lane = 0; lane < all->count; lane++) {
+            const Step step = tables->steps[tables->controls[all->controls[lane]].step_first + nth];
+            if (step.kind < STEP_GAZE || step.kind > STEP_FOOT || step.kind == STEP_CHAIN) break;
+            // A step of feet has a constraint for each; most have two.
+            const uint count = step.kind == STEP_PELVIS ? 2 : 1;
+            fetch_lines(tables->constraints + step.index, count * sizeof(Constraint) / 4);
+        }
 }
 
 // Computes the local transforms of a block of joints, member by member, and transposes them into
@@ -97,8 +175,11 @@ INLINE void pose_block(const Company *all, const ClipTables *tables, Adjustments
 
 // Computes the members' local transforms, and without programs their model transforms.
 INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustments adjustments,
-                         __global const Layer *layers, Hierarchy joints, __global float *planes)
+                         const ConstraintTables *constraint_tables, __global const Layer *layers,
+                         Hierarchy joints, __global float *planes)
 {
+    const bool is_led = all->controls[0] != NONE;
+    if (is_led) fetch_controls(all, constraint_tables);
     float16 posed[COMPONENTS][LANES];
     for (uint c = 0; c < COMPONENTS; c++)
         for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
@@ -112,8 +193,10 @@ INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustmen
             Matrix own;
             components_of(trs, own.m);
             keep_matrices(joints, first + at, &own);
-            if (all->controls[0] == NONE) descend_to(all, joints, first + at);
+            if (!is_led) descend_to(all, joints, first + at);
         }
+        if (is_led && first == 0) fetch_steps(all, constraint_tables);
+        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, constraint_tables);
     }
 }
 
@@ -167,7 +250,7 @@ INLINE void write_palettes(const Company *all, __global const Entry *entries, Hi
         for (uint square = 0; square < 3; square++) transpose(squares + 16 * square);
         for (uint lane = 0; lane < all->count; lane++)
             for (uint square = 0; square < 3; square++)
-                vstore16(squares[16 * square + lane], 0, to[lane] + 12 * block + 16 * square);
+                write_line(squares[16 * square + lane], to[lane] + 12 * block + 16 * square);
     }
 }
 
@@ -190,7 +273,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     __global const uint *page_members, __global const Entry *entries, uint place_first,
     uint place_end, uint phase, uint page_first, __global float4 *restrict palette,
     // Distribution over work-items, and their scratch.
-    uint member_count, uint run, uint padded_most, __global float4 *restrict desk)
+    uint member_count, uint run, uint padded_most, uint desk_count,
+    volatile __global uint *is_taken, __global float4 *restrict desks)
 {
     const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
                                      clips,       row_blocks,   0,       rows,
@@ -204,7 +288,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         states_before,
         watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
         layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-    const Hierarchy joints = { (__global Matrix *)desk + get_global_id(0) * padded_most };
+    const uint desk = take_desk(is_taken, desk_count);
+    const Hierarchy joints = { (__global Matrix *)desks + desk * padded_most };
     const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
     Company all;
     for (uint index = (uint)get_global_id(0) * run; index < end;) {
@@ -224,10 +309,11 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         if (all.count == 0) break;
         all.body = bodies[posed];
         all.parents = parents + all.body.joint_first;
-        pose_members(&all, &clip_tables, adjustments, layers, joints, 0);
+        pose_members(&all, &clip_tables, adjustments, &constraint_tables, layers, joints, 0);
         if (all.controls[0] != NONE) descend(&all, &constraint_tables, joints);
         write_palettes(&all, entries + all.body.entry_first, joints, to);
     }
+    atomic_xchg(is_taken + desk, 0u);
 }
 
 // Computes samples, local transforms and model_from_joint of one member, for reading back.
@@ -249,7 +335,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     // The member, and outputs.
     uint owner, __global SlotSample *samples, __global float *planes, __global float4 *matrices,
     // Scratch.
-    __global float4 *restrict desk)
+    __global float4 *restrict desks)
 {
     const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
                                      clips,       row_blocks,   0,       rows,
@@ -267,14 +353,14 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     __global const Slot *mine = slots + owner * slots_per_member;
     for (uint s = 0; s < slots_per_member; s++)
         samples[s] = play(mine[s], machines, tick, &clip_tables, row_times, buckets).at;
-    const Hierarchy joints = { (__global Matrix *)desk };
+    const Hierarchy joints = { (__global Matrix *)desks };
     Company all;
     all.count = 0;
     join(&all, owner, member, slots, slots_per_member, machines, tick, &clip_tables, row_times,
          buckets);
     all.body = bodies[member.posed];
     all.parents = parents + all.body.joint_first;
-    pose_members(&all, &clip_tables, adjustments, layers, joints, planes);
+    pose_members(&all, &clip_tables, adjustments, &constraint_tables, layers, joints, planes);
     if (member.control != NONE) descend(&all, &constraint_tables, joints);
     for (uint joint = 0; joint < all.body.joint_count; joint++)
         vstore16(local_in(joints, joint, 0), joint, (__global float *)matrices);

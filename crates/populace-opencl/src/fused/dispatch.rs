@@ -9,10 +9,10 @@ use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::launch::{Launch, WorkSize};
 use crate::tables::DeviceTables;
+use crate::waits;
 
-/// Work-items of the wide form for each core: enough to balance the load, few enough that their
-/// matrices take little memory.
-const ITEMS_PER_CORE: usize = 8;
+/// Work-items of the wide form for each core: enough to balance the load.
+const ITEMS_PER_CORE: usize = 32;
 /// Members side by side in the lanes of a work-item of the wide form.
 const LANES: usize = JOINT_BLOCK as usize;
 /// `Float4`s of a joint's matrices in lanes of members.
@@ -23,9 +23,15 @@ const MATRICES: usize = 12 * LANES / 4;
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Dispatch {
-    /// `fused_wide.cl`: each of several work-items for each core takes a run of members. The
-    /// matrices of the members in its lanes are in global memory.
-    Wide { cores: usize, desks: Buffer<Float4> },
+    /// `fused_wide.cl`: each of several work-items for each core takes a run of members, and a desk
+    /// in global memory for the matrices of those in its lanes.
+    Wide {
+        /// A desk for each.
+        cores: usize,
+        /// For each desk 1 while a work-item has it.
+        is_taken: Buffer<u32>,
+        desks: Buffer<Float4>,
+    },
     /// `fused_grouped.cl`: a work-group for each member. Matrices are in local memory.
     Grouped {
         group: usize,
@@ -39,7 +45,11 @@ pub(super) enum Dispatch {
 impl Dispatch {
     pub(super) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let cores = device.info.compute_units as usize;
-        Ok(Self::Wide { cores, desks: Buffer::new(device, 0, "an empty buffer")? })
+        let mut is_taken = Buffer::new(device, cores, "a flag for each desk")?;
+        let queue = device.queue()?;
+        let cleared = is_taken.clear(&queue, 0..cores).and_then(|()| waits::for_queue(&queue));
+        cleared.map_err(|e| device.failed("clear the flags of desks", &e))?;
+        Ok(Self::Wide { cores, is_taken, desks: Buffer::new(device, 0, "an empty buffer")? })
     }
 
     /// For a kernel that was built for work-groups of `group` work-items.
@@ -64,7 +74,7 @@ impl Dispatch {
             return Ok(());
         }
         match self {
-            Self::Wide { cores, desks } => {
+            Self::Wide { cores, desks, .. } => {
                 let needed = desks_for(*cores, tables);
                 *desks = Buffer::new(device, needed, "matrices of members in progress")?;
             }
@@ -90,7 +100,7 @@ impl Dispatch {
     /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
-            Self::Wide { cores, desks } => desks_for(*cores, tables) <= desks.len(),
+            Self::Wide { cores, desks, .. } => desks_for(*cores, tables) <= desks.len(),
             Self::Grouped { stride, .. } => stride_for(tables) <= *stride,
         }
     }
@@ -98,7 +108,7 @@ impl Dispatch {
     /// Returns the bytes of global memory.
     pub(super) fn bytes(&self) -> usize {
         match self {
-            Self::Wide { desks, .. } => desks.bytes(),
+            Self::Wide { desks, is_taken, .. } => desks.bytes() + is_taken.bytes(),
             Self::Grouped { .. } => 0,
         }
     }
@@ -124,13 +134,15 @@ impl Dispatch {
         members: usize,
     ) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { cores, desks } => {
+            Self::Wide { cores, is_taken, desks } => {
                 let run = members.div_ceil(cores * ITEMS_PER_CORE).next_multiple_of(LANES);
                 let launch = launch
                     .count("member_count", members)
                     .count("run", run)
                     .count("padded_most", host.padded_most())
-                    .buffer("desk", desks);
+                    .count("desk_count", *cores)
+                    .buffer("is_taken", is_taken)
+                    .buffer("desks", desks);
                 (launch, WorkSize::line(members.div_ceil(run), 1))
             }
             Self::Grouped { .. } => self.member(launch, members),
@@ -141,7 +153,7 @@ impl Dispatch {
     /// returns the work size for `members` members.
     pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { desks, .. } => (launch.buffer("desk", desks), WorkSize::line(members, 1)),
+            Self::Wide { desks, .. } => (launch.buffer("desks", desks), WorkSize::line(members, 1)),
             Self::Grouped { group, stride, .. } => {
                 let launch =
                     launch.count("stride", *stride).local::<Float4>("model_rows", 3 * stride);
@@ -152,7 +164,7 @@ impl Dispatch {
 }
 
 fn desks_for(cores: usize, tables: &Tables) -> usize {
-    cores * ITEMS_PER_CORE * tables.padded_most() * MATRICES
+    cores * tables.padded_most() * MATRICES
 }
 
 fn stride_for(tables: &Tables) -> usize {
