@@ -119,16 +119,16 @@ faults! {
             "*weight = total < (Real)(1.0f) ? total : (Real)(1.0f);" => "*weight = 1.0f;";
         shares_do_not_add_up: "shared += takes_part ? share : (Real)(0.0f);" => "shared = share;";
         eyes_stay_behind: "aim(&g, place, &weight_there)" =>
-            "aim(&g, g.places[g.links_most - 1], &weight_there)";
+            "aim(&g, g.places[last], &weight_there)";
         necks_do_not_carry: "place = vec3_add(place, quat_rotated(so_far, on));" =>
             "place = vec3_add(place, on);";
         gaze_forgets_its_carrier:
-            "at->has_parent ? transform_vector(at->parent, above) : above" => "above";
+            "at->has_parent ? matrix_vector(&at->parent, above) : above" => "above";
         yaw_is_reversed: "start.front * to.left - start.left * to.front" =>
             "start.left * to.front - start.front * to.left";
         headings_are_reversed:
-            "cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z" =>
-            "cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x";
+            "vec(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z)" =>
+            "vec(cosine * d.x + sine * d.z, d.y, cosine * d.z - sine * d.x)";
         targets_do_not_ease: "w * w * (3.0f - 2.0f * w)" => "w";
         targets_begin_early: "tick > target.weight_tick ? tick - target.weight_tick : 0" =>
             "tick - target.weight_tick";
@@ -152,8 +152,7 @@ faults! {
         middles_bend_about_the_old_axis:
             "vec3_scale(quat_rotated(first, axis), x * half_unit)" =>
             "vec3_scale(axis, x * half_unit)";
-        ends_do_not_keep: "keeps_end ? quat_in(undone, m) : IDENTITY_ROTATION" =>
-            "keeps_end ? IDENTITY_ROTATION : IDENTITY_ROTATION";
+        ends_do_not_keep: "PUT(keeps_end, lane, own->keeps_end ? 1.0f : 0.0f);" => "";
         ends_are_undone_in_the_wrong_order: "quat_conjugate(quat_mul(second, first))" =>
             "quat_conjugate(quat_mul(first, second))";
         limbs_ignore_weights: "first = quat_choose(partly, quat_part(first, weight), first);" => "";
