@@ -121,8 +121,15 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("fused", "play", "populace-native/src/abreast.rs", "play_all"),
     ("fused_grouped", "fused_grouped", "populace-native/src/fused.rs", "fused"),
     ("fused_grouped", "play_all", "populace-native/src/abreast.rs", "play_all"),
-    ("foot", "lower", "populace-native/src/constraints/foot.rs", "step_foot"),
-    ("foot", "sole_points", "populace-native/src/constraints/foot.rs", "step_foot"),
+    ("constraints", "take_steps", "populace-native/src/constraints/programs.rs", "descend"),
+    ("foot_state", "foot_state", "populace-native/src/constraints/foot_state.rs", "of_numbers"),
+    ("foot_state", "put_foot_state", "populace-native/src/constraints/foot_state.rs", "numbers"),
+    ("foot_state", "stance_of", "populace-native/src/constraints/foot_state.rs", "of_numbers"),
+    ("hierarchy", "local_in", "populace-native/src/hierarchy.rs", "local_of"),
+    ("hierarchy", "matrices_of", "populace-native/src/hierarchy.rs", "model_of"),
+    ("hierarchy", "keep_matrices", "populace-native/src/hierarchy.rs", "keep_model"),
+    ("foot", "put_points", "populace-native/src/constraints/foot.rs", "step_foot"),
+    ("foot", "same_in_lanes", "populace-native/src/constraints/foot.rs", "splat"),
     ("foothold", "grounds_at", "populace-native/src/constraints/foothold.rs", "ground_at"),
     (
         "inertialize",
@@ -138,7 +145,6 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ),
     ("inertialize", "row_before", "populace-device/src/playback/inertialize.rs", "row_before"),
     ("inertialize", "far_row", "populace-device/src/playback/inertialize.rs", "far_row"),
-    ("limb", "no_limb", "populace-native/src/constraints/limb.rs", "none"),
     ("members", "member_phase", "populace-device/src/tables/members.rs", "phase"),
     ("motion", "move_of", "populace-native/src/constraints/motion.rs", "new"),
     ("motion", "moves_over", "populace-native/src/constraints/motion.rs", "over"),
@@ -173,7 +179,7 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ),
     ("foot_state", "vec3_to_model", "populace-native/src/constraints/targets.rs", "to_model"),
     ("foot_state", "vec3_to_world", "populace-native/src/constraints/targets.rs", "to_world"),
-    ("targets", "walk", "populace-native/src/constraints/programs.rs", "walk"),
+    ("chain", "walk_in", "populace-native/src/constraints/chain.rs", "positions"),
     ("targets", "solver_of", "populace-native/src/constraints/targets.rs", "new"),
     ("targets", "target_weight", "populace-device/src/control.rs", "weight_at"),
     ("vec3", "vec3_mix", "populace-model/src/math/real.rs", "mix"),
@@ -189,26 +195,41 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
 /// Kernel functions without a twin, by file, with the reason. `*` stands for all of a file.
 const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("affine", &["repeated", "last_column"], "vectors of OpenCL C"),
-    ("constraints", &["is_batched", "take_batch"], "batches of members"),
-    (
-        "feet",
-        &["clear_legs", "put_leg", "put_feet", "keep_feet", "sink", "hand_down"],
-        "batches of members",
-    ),
-    ("foot", &["clear_feet", "put_foot", "point_count"], "batches of members"),
-    ("foot_state", &["put_stance"], "batches of members"),
+    ("feet", &["hand_down_leg", "hand_down_goals"], "stores in Rust"),
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
     ("fused", &["store_trs"], "a buffer of the device"),
     ("fused_grouped", &["descend", "fused_grouped_joints"], "work-groups, and their readback"),
-    ("fused_wide", &["*"], "batches of members at yield points"),
-    ("gaze", &["put_gaze", "clear_gazes", "rotate_chain"], "batches of members"),
+    ("fused_wide", &["*"], "work-items, their memory and its caches"),
+    (
+        "hierarchy",
+        &["locals_of", "handed_rotations", "hand_rotations", "hand_rotation_in"],
+        "arrays in Rust",
+    ),
     ("inertialize", &["inertialization_part", "inertializes_in"], "closures in Rust"),
     ("joint", &["inertialize"], "a declaration of another file's function"),
-    ("lanes", &["permute"], "an array's index in Rust"),
-    ("limb", &["put_limb"], "batches of members"),
+    (
+        "lanes",
+        &["permute", "transpose", "no_numbers", "put_numbers", "turn_numbers", "numbers_in"],
+        "arrays in Rust",
+    ),
     ("machines", &["machine_clip"], "the field of a slot in Rust"),
+    ("matrices", &["matrix_in", "put_matrix"], "arrays in Rust"),
     ("motion", &["between", "motion_row"], "closures in Rust"),
     ("playback", &["playing_at"], "an array's index in Rust"),
+    (
+        "programs",
+        &[
+            "step_in",
+            "constraint_in",
+            "hand_down",
+            "handed_down",
+            "settings_of",
+            "vec3_of",
+            "put_vec3",
+            "vec3_in",
+        ],
+        "members in lanes",
+    ),
     (
         "rows",
         &["is_packed", "is_plain", "words_at", "halves_at", "low_half", "high_half", "correct"],
@@ -219,7 +240,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
 ];
 
 /// Prefixes that name the type or module of the twin: `quat_mul` is `quat::mul`.
-const PREFIXES: &[&str] = &["quat_", "vec3_", "affine_", "slot_", "move_", "stage_"];
+const PREFIXES: &[&str] = &["quat_", "vec3_", "affine_", "slot_", "move_", "stage_", "matrix_"];
 
 /// Words that begin the definition of a kernel's function.
 const STARTS: &[&str] = &["INLINE ", "SELDOM ", "APART ", "APART_STEP ", "__kernel ", "static "];

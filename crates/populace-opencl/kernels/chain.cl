@@ -11,6 +11,18 @@ INLINE float4 drawn(float4 to, float4 from, float length)
     return add_scaled(to, unit_or(from - to, vec(0.0f, 1.0f, 0.0f)), length);
 }
 
+// Computes the origins of the joints of the chain of the member in a lane.
+INLINE void walk_in(const Stop *at, uint lane, __global const Constraint *constraint, float16 from,
+                    float4 *places)
+{
+    places[0] = origin_of(from);
+    for (uint link = 1; link < constraint->link_count; link++) {
+        const uint joint = at->members->tables->links[constraint->link_first + link].joint;
+        from = affine_mul(from, local_in(at->joints, joint, lane));
+        places[link] = origin_of(from);
+    }
+}
+
 // Bends the chain of the member in a lane, and returns the first joint's model transform.
 APART_STEP float16 chain(const Stop *at, uint lane, float16 own)
 {

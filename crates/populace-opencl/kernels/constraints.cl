@@ -118,7 +118,7 @@ INLINE float16 take_step(const Stop *at, uint lane, float16 own)
 INLINE void take_steps(Stop *at)
 {
     switch (at->step.kind) {
-    case STEP_ROTATION: matrix_rotate(&at->own, handed_down(at, 0)); return;
+    case STEP_ROTATION: matrix_rotated(&at->own, handed_down(at, 0)); return;
     case STEP_GAZE: gaze(at); return;
     case STEP_PELVIS: pelvis(at); return;
     case STEP_REACH: reach(at); return;

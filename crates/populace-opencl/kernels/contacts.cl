@@ -81,7 +81,7 @@ INLINE void contacts_of(const Solver *s, const uint *ankles, uint count, float *
 
 // Writes the same for all members at a step of feet, in lanes. `feet` are the constraints of the
 // first member.
-INLINE void contacts_in_lanes(const Stop *at, __global const Constraint *feet, uint count,
+INLINE void put_contacts(const Stop *at, __global const Constraint *feet, uint count,
                               Real *within_secs)
 {
     uint ankles[MAX_FEET];

@@ -29,11 +29,11 @@ INLINE void walk_leg(const Stop *at, __global const Constraint *foot, uint start
         if (link > start) {
             Matrix locals;
             locals_of(at->joints, links[link].joint, &locals);
-            matrix_mul(&leg->toes, &locals, &leg->toes);
+            matrix_product(&leg->toes, &locals, &leg->toes);
         }
         if (link == foot->upper) {
             leg->hip = matrix_origin(&leg->toes);
-            leg->bend = matrix_vector(&leg->toes, axis);
+            leg->bend = matrix_transform_vector(&leg->toes, axis);
         }
         if (link == foot->middle) leg->knee = matrix_origin(&leg->toes);
         if (link == ankle) leg->ankle = leg->toes;
@@ -138,10 +138,10 @@ APART_STEP void pelvis(Stop *at)
     __global const Constraint *feet = constraint_in(at, 0);
     const uint count = feet->target_count;
     const Stance stance = stance_of(at);
-    FootStates states = foot_states_before(at);
+    FootStates states = foot_states(at);
     Real within_secs[MAX_FEET], needed = 0.0f, weight = 0.0f;
     Legs legs[MAX_FEET];
-    contacts_in_lanes(at, feet, count, within_secs);
+    put_contacts(at, feet, count, within_secs);
     for (uint foot = 0; foot < count; foot++) {
         const Numbers settings = settings_of(at, foot);
         Leg leg;
@@ -180,5 +180,5 @@ APART_STEP void foot(Stop *at)
     walk_leg(at, constraint, constraint->upper, vec3_of(&settings, 0), &leg);
     const Legs legs = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
     hand_down_leg(at, 0, &legs);
-    matrix_rotate(&at->own, handed_down(at, 0));
+    matrix_rotated(&at->own, handed_down(at, 0));
 }

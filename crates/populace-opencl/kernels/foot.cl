@@ -81,7 +81,7 @@ INLINE void put_points(Stepped *stepped, const Matrix *joint, Vec3 ankle,
                        __global const float4 *points, uint count)
 {
     for (uint i = 0; i < count; i++) {
-        const Vec3 at = matrix_point(joint, same_in_lanes(points[i]));
+        const Vec3 at = matrix_transform_point(joint, same_in_lanes(points[i]));
         const Choice is_lower = at.y < stepped->clearance;
         stepped->clearance = is_lower ? at.y : stepped->clearance;
         stepped->lowest = is_lower ? (Real)((float)stepped->points) : stepped->lowest;
@@ -103,7 +103,7 @@ INLINE void step_foot(const FootInputs *in, Stepped *stepped)
     stepped->ankle = turned(stepped->turn, strided);
     stepped->along = none;
     if (foot->sole_count > 1)
-        stepped->along = matrix_vector(
+        stepped->along = matrix_transform_vector(
             &in->leg->ankle, same_in_lanes(of_ankle[foot->sole_count - 1] - of_ankle[0]));
     stepped->sole[0] = vec3_add_scaled(beneath, at, -1.0f);
     stepped->points = 0;
@@ -115,12 +115,12 @@ INLINE void step_foot(const FootInputs *in, Stepped *stepped)
 }
 
 // Returns where points of the soles of turned feet are, relative to the ankles.
-INLINE Vec3 sole_point(const Stepped *stepped, Real point, Turn turn)
+INLINE Vec3 arm(const Stepped *stepped, Real point, Turn turn)
 {
-    Vec3 arm = stepped->sole[0];
+    Vec3 own = stepped->sole[0];
     for (uint i = 0; i < stepped->points; i++)
-        arm = vec3_choose(fabs(point - (float)i) < (Real)(0.5f), stepped->sole[i + 1], arm);
-    return turned(turn, arm);
+        own = vec3_choose(fabs(point - (float)i) < (Real)(0.5f), stepped->sole[i + 1], own);
+    return turned(turn, own);
 }
 
 // Returns a part of the way from 0 to 1 that begins and ends without speed.
@@ -196,13 +196,13 @@ typedef struct {
 } Lock;
 
 // Locks feet that stand, unless the lock holds them too far back.
-INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *stepped, Choice stands,
-                 Turn turn, Real decay, Real most)
+INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *stepped,
+                 Choice stands, Turn turn, Real decay, Real most)
 {
     Lock lock;
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
     const Vec3 kept_arm =
-        vec3_choose(state->planted, sole_point(stepped, state->pivot, turn), none);
+        vec3_choose(state->planted, arm(stepped, state->pivot, turn), none);
     const Vec3 pivot = vec3_to_world(in->stance, vec3_add(stepped->ankle, kept_arm));
     lock.vector = offset(state, pivot, decay, most, &lock.moved_elsewhere);
     const Real relock = FOOT_RELOCK * most;
@@ -215,7 +215,7 @@ INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *st
     const Choice keeps =
         state->planted & (stepped->ankle.y + kept_arm.y <= stepped->clearance + slack);
     lock.pivot = keeps ? state->pivot : stepped->lowest;
-    lock.arm = vec3_choose(keeps, kept_arm, sole_point(stepped, stepped->lowest, turn));
+    lock.arm = vec3_choose(keeps, kept_arm, arm(stepped, stepped->lowest, turn));
     return lock;
 }
 

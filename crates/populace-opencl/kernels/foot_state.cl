@@ -28,7 +28,7 @@ typedef struct {
     Words epochs;
 } FootStates;
 
-INLINE FootStates foot_states_before(const Stop *at)
+INLINE FootStates foot_states(const Stop *at)
 {
     FootStates all = { no_numbers(), no_numbers(), 0 };
     for (uint lane = 0; lane < at->count; lane++) {

@@ -110,7 +110,7 @@ INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
     Matrix parent, own;
     matrices_of(joints, all->parents[joint], &parent);
     locals_of(joints, joint, &own);
-    matrix_mul(&parent, &own, &own);
+    matrix_product(&parent, &own, &own);
     keep_matrices(joints, joint, &own);
 }
 
@@ -243,7 +243,7 @@ INLINE void write_palettes(const Company *all, __global const Entry *entries, Hi
                                     row2.x, row2.y, row2.z, row2.w } };
             Matrix models;
             matrices_of(joints, entry->joint, &models);
-            matrix_mul(&models, &bind, &palettes[e]);
+            matrix_product(&models, &bind, &palettes[e]);
         }
         // Four matrices are three squares of sixteen numbers.
         Real *squares = palettes->m;
@@ -302,7 +302,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
             if (all.count > 0 && (member.posed != posed || member.shape != shape)) break;
             posed = member.posed;
             shape = member.shape;
-            to[all.count] = (__global float *)(palette + 3 * (size_t)(member.palette_first - page_first));
+            const uint first = member.palette_first - page_first;
+            to[all.count] = (__global float *)(palette + 3 * (size_t)first);
             join(&all, owner, member, slots, slots_per_member, machines, tick, &clip_tables,
                  row_times, buckets);
         }

@@ -167,7 +167,7 @@ INLINE void put_gazes(Gazes *g, uint link_count)
 }
 
 // Finds the frames of the chains' parents, and what the ends of the chains face.
-INLINE void set_out(Gazes *g, __global const Constraint *constraint)
+INLINE void gaze_of(Gazes *g, __global const Constraint *constraint)
 {
     const Stop *at = g->at;
     const Numbers settings = settings_of(at, 0);
@@ -177,9 +177,9 @@ INLINE void set_out(Gazes *g, __global const Constraint *constraint)
     walk(at, constraint, g->places, &end);
     g->tangents = tangents;
     g->limits = vec3_of(&settings, 12);
-    g->frame = frame_of(at->has_parent ? matrix_vector(&at->parent, ahead) : ahead,
-                        at->has_parent ? matrix_vector(&at->parent, above) : above);
-    g->start = seen_in(g->frame, matrix_vector(&end, vec3_of(&settings, 0)));
+    g->frame = frame_of(at->has_parent ? matrix_transform_vector(&at->parent, ahead) : ahead,
+                        at->has_parent ? matrix_transform_vector(&at->parent, above) : above);
+    g->start = seen_in(g->frame, matrix_transform_vector(&end, vec3_of(&settings, 0)));
     // Straight up or down there is no side to turn from.
     const Choice upright = g->start.level < (Real)(GAZE_UPRIGHT);
     g->start.left = upright ? (Real)(0.0f) : g->start.left;
@@ -194,7 +194,7 @@ APART_STEP void gaze(Stop *at)
     Gazes g;
     g.at = at;
     put_gazes(&g, last + 1);
-    set_out(&g, constraint);
+    gaze_of(&g, constraint);
 
     Real weight, weight_there, shared = 0.0f;
     Quat so_far = quat_identity(), first = quat_identity();
@@ -220,5 +220,5 @@ APART_STEP void gaze(Stop *at)
     const Quat left = quat_mul(held_back, quat_conjugate(so_far));
     if (last == 0) first = left;
     else hand_down(at, last - 1, left);
-    matrix_rotate(&at->own, first);
+    matrix_rotated(&at->own, first);
 }

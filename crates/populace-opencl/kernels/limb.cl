@@ -127,7 +127,7 @@ APART_STEP void reach(Stop *at)
     const Vec3 middle = places[constraint->middle];
     const Limb limb = { vec3_add_scaled(middle, places[0], -1.0f),
                         vec3_add_scaled(places[constraint->link_count - 1], middle, -1.0f),
-                        matrix_vector(&at->own, vec3_of(&settings, 0)),
+                        matrix_transform_vector(&at->own, vec3_of(&settings, 0)),
                         vec3_add_scaled(target, places[0], -1.0f) };
     Quat first, second;
     limb_rotations(limb, vec3_of(&settings, 4), settings.n[7] > (Real)(0.0f), settings.n[12],
@@ -140,5 +140,5 @@ APART_STEP void reach(Stop *at)
     const Quat undone = quat_conjugate(quat_mul(second, first));
     hand_down(at, 0, second);
     hand_down(at, 1, quat_choose(keeps_end > (Real)(0.0f), undone, quat_identity()));
-    matrix_rotate(&at->own, first);
+    matrix_rotated(&at->own, first);
 }

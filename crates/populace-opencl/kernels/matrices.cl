@@ -8,7 +8,7 @@ typedef struct {
 } Matrix;
 
 // Writes a * b, which applies b first.
-INLINE void matrix_mul(const Matrix *a, const Matrix *b, Matrix *to)
+INLINE void matrix_product(const Matrix *a, const Matrix *b, Matrix *to)
 {
     Matrix product;
 #pragma unroll
@@ -16,7 +16,8 @@ INLINE void matrix_mul(const Matrix *a, const Matrix *b, Matrix *to)
         const Real x = a->m[row], y = a->m[row + 1], z = a->m[row + 2], w = a->m[row + 3];
 #pragma unroll
         for (uint column = 0; column < 3; column++)
-            product.m[row + column] = x * b->m[column] + y * b->m[4 + column] + z * b->m[8 + column];
+            product.m[row + column] =
+                x * b->m[column] + y * b->m[4 + column] + z * b->m[8 + column];
         product.m[row + 3] = x * b->m[3] + y * b->m[7] + z * b->m[11] + w;
     }
     *to = product;
@@ -28,7 +29,7 @@ INLINE Vec3 matrix_origin(const Matrix *m)
     return v;
 }
 
-INLINE Vec3 matrix_vector(const Matrix *m, Vec3 v)
+INLINE Vec3 matrix_transform_vector(const Matrix *m, Vec3 v)
 {
     const Vec3 turned = { m->m[0] * v.x + m->m[1] * v.y + m->m[2] * v.z,
                           m->m[4] * v.x + m->m[5] * v.y + m->m[6] * v.z,
@@ -36,7 +37,7 @@ INLINE Vec3 matrix_vector(const Matrix *m, Vec3 v)
     return turned;
 }
 
-INLINE Vec3 matrix_point(const Matrix *m, Vec3 p)
+INLINE Vec3 matrix_transform_point(const Matrix *m, Vec3 p)
 {
     const Vec3 placed = { m->m[0] * p.x + m->m[1] * p.y + m->m[2] * p.z + m->m[3],
                           m->m[4] * p.x + m->m[5] * p.y + m->m[6] * p.z + m->m[7],
@@ -45,13 +46,13 @@ INLINE Vec3 matrix_point(const Matrix *m, Vec3 p)
 }
 
 // Rotates transforms by unit quaternions about their own origins.
-INLINE void matrix_rotate(Matrix *m, Quat rotation)
+INLINE void matrix_rotated(Matrix *m, Quat rotation)
 {
     const Local turn = { { 0.0f, 0.0f, 0.0f }, rotation, { 1.0f, 1.0f, 1.0f } };
     const Real x = m->m[3], y = m->m[7], z = m->m[11];
     Matrix turned;
     components_of(turn, turned.m);
-    matrix_mul(&turned, m, m);
+    matrix_product(&turned, m, m);
     m->m[3] = x;
     m->m[7] = y;
     m->m[11] = z;

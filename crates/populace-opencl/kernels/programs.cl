@@ -80,19 +80,7 @@ INLINE void walk(const Stop *at, __global const Constraint *constraint, Vec3 *pl
         Matrix locals;
         locals_of(at->joints, at->members->tables->links[constraint->link_first + link].joint,
                   &locals);
-        matrix_mul(end, &locals, end);
+        matrix_product(end, &locals, end);
         places[link] = matrix_origin(end);
-    }
-}
-
-// The same for the member in a lane.
-INLINE void walk_in(const Stop *at, uint lane, __global const Constraint *constraint, float16 from,
-                    float4 *places)
-{
-    places[0] = origin_of(from);
-    for (uint link = 1; link < constraint->link_count; link++) {
-        const uint joint = at->members->tables->links[constraint->link_first + link].joint;
-        from = affine_mul(from, local_in(at->joints, joint, lane));
-        places[link] = origin_of(from);
     }
 }

@@ -60,8 +60,8 @@ impl Member {
 }
 
 impl Tables {
-    /// Sorts the members of each page by what frames evaluate of them, so that devices find those of
-    /// one body and shape of program side by side. Results do not depend on it.
+    /// Sorts the members of each page so that devices find those of one body and shape of program
+    /// side by side. Results do not depend on it.
     pub fn sort_pages(&mut self) {
         let members = self.all.members.as_slice();
         self.page_lists.sort_by_key(|member| {

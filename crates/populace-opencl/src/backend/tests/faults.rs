@@ -123,7 +123,7 @@ faults! {
         necks_do_not_carry: "place = vec3_add(place, quat_rotated(so_far, on));" =>
             "place = vec3_add(place, on);";
         gaze_forgets_its_carrier:
-            "at->has_parent ? matrix_vector(&at->parent, above) : above" => "above";
+            "at->has_parent ? matrix_transform_vector(&at->parent, above) : above" => "above";
         yaw_is_reversed: "start.front * to.left - start.left * to.front" =>
             "start.left * to.front - start.front * to.left";
         headings_are_reversed:
