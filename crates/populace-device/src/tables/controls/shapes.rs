@@ -38,8 +38,8 @@ impl Shapes {
         number
     }
 
-    /// Counts one program of a shape less. A number that nobody uses is given to another shape. Does
-    /// nothing for [`NONE`].
+    /// Counts one program of a shape less. A number that nobody uses is given to another shape.
+    /// Does nothing for [`NONE`].
     pub(super) fn release(&mut self, number: u32) {
         if number == NONE {
             return;
