@@ -5,7 +5,7 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-long setup setup-tests lint doc release
+.PHONY: demo test test-long gpu-budget setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail.
 test:
@@ -40,3 +40,9 @@ doc:
 # The program, at target/release/populace.
 release:
 	cargo build --release -p populace-cli
+
+# Registers, spills, stack, local memory and occupancy of the kernels on GPUs, without a GPU, held to
+# crates/populace-opencl/gpu-budget.csv; RENEW=1 writes that file. Compilers are fetched by apt-get
+# and pip into the target folder, and nothing is installed.
+gpu-budget:
+	python3 -B scripts/gpu-budget.py $(if $(RENEW),--renew)

@@ -1,8 +1,50 @@
+use std::collections::BTreeSet;
+
 use super::Form;
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::launch::{Launch, WorkSize};
+use crate::staged::GPU_SHAPE;
 use opencl3::kernel::Kernel;
+
+/// Environment variable with the folder that receives the text of each program for GPUs.
+const TEXTS: &str = "POPULACE_KERNEL_TEXTS";
+
+/// The programs that GPUs run, by the names of their texts.
+fn programs_of_gpus() -> [(&'static str, Form); 4] {
+    let grouped = Form::Grouped { group: GPU_SHAPE.group };
+    [
+        ("common", Form::Common),
+        ("floor", Form::Floor),
+        ("staged", Form::Staged),
+        ("fused_grouped", grouped),
+    ]
+}
+
+/// Returns the names of the kernels in a text.
+fn kernels_of(text: &str) -> BTreeSet<&str> {
+    let after = text.split("__kernel").skip(1);
+    after.filter_map(|rest| rest.split_once(" void ")?.1.split('(').next()).collect()
+}
+
+/// With the environment variable, `scripts/gpu-budget.py` compiles what this writes.
+#[test]
+fn texts_of_gpus_hold_the_kernels_that_they_run() {
+    let folder = std::env::var_os(TEXTS);
+    let mut found = BTreeSet::new();
+    for (name, form) in programs_of_gpus() {
+        let text = form.source("");
+        found.extend(kernels_of(&text).into_iter().map(str::to_owned));
+        if let Some(folder) = &folder {
+            let path = std::path::Path::new(folder).join(name).with_extension("cl");
+            std::fs::write(&path, text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        }
+    }
+    for wanted in ["apply_changes", "evaluate", "pose", "transform", "write_back", "fused_grouped"]
+    {
+        assert!(found.contains(wanted), "no {wanted} among {found:?}");
+    }
+}
 
 /// Reference scales, and the ratio of 2 to each. The test of the same name in populace-native has
 /// the same numbers.
