@@ -54,8 +54,8 @@ pub(crate) struct Leg {
     pub(crate) hip: Carried,
     /// From hip over knee to ankle, in metres.
     pub(crate) length_m: f32,
-    /// Where the ankle is along Z at rest, in metres of model space.
-    pub(crate) rest_z: f32,
+    /// Where the middle of its steps is along Z, in metres of model space.
+    pub(crate) middle_z: f32,
 }
 
 /// The two feet of a body.
@@ -105,12 +105,14 @@ fn by_roles(character: &Character, roles: &RoleMap, soles: &[Vec<Vec3>]) -> Opti
 }
 
 /// Returns the leg of one side; `None` if a joint of it has no humanoid name.
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
 fn leg(skeleton: &Skeleton, roles: &RoleMap, side: Side) -> Option<Leg> {
     let joints = [Role::UpperLeg(side), Role::LowerLeg(side), Role::Foot(side)];
     let [hip, knee, ankle] = joints.map(|role| roles.joint(role));
-    let places = [hip?, knee?, ankle?].map(|joint| origin(skeleton, joint));
-    let length_m = places[0].distance(places[1]) + places[1].distance(places[2]);
-    Some(Leg { hip: carried_origin(skeleton, hip?)?, length_m, rest_z: places[2].z })
+    let leg = [hip?, knee?, ankle?];
+    let (length_m, middle_z) = (skeleton.leg_length_m(leg), skeleton.middle_of_steps_z(leg));
+    let hip = carried_origin(skeleton, leg[0])?;
+    Some(Leg { hip, length_m: length_m as f32, middle_z: middle_z as f32 })
 }
 
 /// Finds the joint on each side of the body that carries all points which touch the ground at rest.

@@ -29,8 +29,7 @@ pub struct Gait {
     /// The length of one cycle in seconds.
     pub duration_secs: f32,
     /// The mean place of each ankle over its contacts, in metres along X and Z of model space.
-    /// Strides are scaled about it. In a clip that carries the body along, relative to where the
-    /// body would be at that velocity.
+    /// In a clip that carries the body along, relative to where the body would be at that velocity.
     pub stance_center_m: [Option<[f32; 2]>; 2],
     /// The mean height of each sole's lowest point over its contacts, in metres above the ground of
     /// model space (y = 0): above 0 the foot hovers, below it sinks.

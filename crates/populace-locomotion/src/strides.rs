@@ -297,7 +297,7 @@ impl Stance {
         let until_lift = stands as f32 / count as f32;
         let until_over = (ahead_m / stride_m).clamp(0.0, until_lift);
         let over = (down as f32 / count as f32 + until_over).rem_euclid(1.0);
-        let stepped_m = ankle.y - leg.rest_z;
+        let stepped_m = ankle.y - leg.middle_z;
         let half_m = self.middles_z.iter().copied().fold(0.0, f32::max);
         let aside_m = ankle.x;
         let landing = Landing { over, until_over, until_lift, ahead_m, stepped_m, aside_m, half_m };
@@ -318,7 +318,7 @@ impl Stance {
                 return true;
             }
             let SoleSample { ankle, hip, lowest, .. } = &self.samples[nth % count];
-            let own = leg.rest_z + (ankle.y - leg.rest_z) * lead - hip.y;
+            let own = leg.middle_z + (ankle.y - leg.middle_z) * lead - hip.y;
             let far = (own + lag).abs();
             let overstretched = far > own.abs() && far > REACH * leg.length_m;
             let held_back = lag.abs();

@@ -18,6 +18,9 @@ const LEAST_M: f32 = 0.12;
 const STEP: f32 = 6.0;
 /// The least difference of two treads in height, in metres.
 const RISE_M: f32 = 0.05;
+/// The least distance from the end that carries a sole to a riser, if the sole is longer than a
+/// tread, in metres.
+const END_M: f32 = 0.05;
 /// The most points under half a sole.
 const MOST_POINTS: f32 = 40.0;
 
@@ -70,8 +73,9 @@ impl Gait<'_> {
             .filter(|kept| footholds.swings == Some(foot) && near(kept, 1.5 * most));
         let middle = kept.unwrap_or_else(|| {
             let other = footholds.middles[1 - foot].filter(|other| near(other, STEP * half_m));
-            let taken = other.map(|other| self.ground.height_at(other.x, other.y));
-            usual + self.ahead * shift_to_tread(self.ground, usual, self.ahead, half_m, taken)
+            let sole = |middle| Sole::new(self.ground, middle, self.ahead, half_m);
+            let taken = other.map(|other| sole(other).height_m(0.0));
+            usual + self.ahead * sole(usual).shift_to_tread(taken)
         });
         *footholds = Footholds { swings: Some(foot), ..*footholds };
         footholds.middles[foot] = Some(middle);
@@ -83,38 +87,87 @@ impl Gait<'_> {
     }
 }
 
-/// Returns the least way ahead, in metres, after which a sole stands on one tread; 0 if it does so
-/// already, or if none is near. Its heel or its toes may be over a lower tread. A tread of another
-/// height than the one that the other foot has `taken` is better: each foot has its own.
-fn shift_to_tread(
-    ground: &Ground,
+/// A sole that lies level, and points of the ground along its middle line.
+#[derive(Clone, Copy)]
+struct Sole<'a> {
+    ground: &'a Ground,
     middle: Vec2,
     ahead: Vec2,
-    half_m: f32,
-    taken: Option<f32>,
-) -> f32 {
-    let count = (half_m / FINE_M).ceil().clamp(1.0, MOST_POINTS);
-    let spacing = half_m / count;
-    let at = |nth: f32| {
-        let at = middle + ahead * (nth * spacing);
-        ground.height_at(at.x, at.y)
-    };
-    let rises = |from: f32, to: f32| at(to) - at(from) > RISER * spacing;
-    let points = || (0_u16..).map(f32::from).take_while(|nth| *nth < count);
-    let fits = |shift: f32| {
-        let next = [shift - 1.0, shift + 1.0];
-        let on_riser = next.iter().any(|next| rises(*next, shift));
+    /// Points from its middle to either end, and metres between two of them.
+    count: f32,
+    spacing_m: f32,
+}
+
+impl<'a> Sole<'a> {
+    fn new(ground: &'a Ground, middle: Vec2, ahead: Vec2, half_m: f32) -> Self {
+        let count = (half_m / FINE_M).ceil().clamp(1.0, MOST_POINTS);
+        Self { ground, middle, ahead, count, spacing_m: half_m / count }
+    }
+
+    /// Returns the height of the ground a number of points ahead of the middle, in metres.
+    fn at(&self, nth: f32) -> f32 {
+        let at = self.middle + self.ahead * (nth * self.spacing_m);
+        self.ground.height_at(at.x, at.y)
+    }
+
+    /// Returns whether a riser leads up from one point to its neighbour.
+    fn rises(&self, from: f32, to: f32) -> bool {
+        self.at(to) - self.at(from) > RISER * self.spacing_m
+    }
+
+    /// Returns the height on which it stands after a shift by a number of points, in metres.
+    fn height_m(&self, shift: f32) -> f32 {
+        let ahead = (0_u16..).map(f32::from).take_while(|nth| *nth <= self.count);
+        let points = ahead.flat_map(|nth| [self.at(shift + nth), self.at(shift - nth)]);
+        points.fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// Returns the least way ahead, in metres, after which the sole stands on one tread; 0 if it
+    /// does so already, or if none is near. Its heel or its toes may be over a lower tread. A tread
+    /// of another height than the one that the other foot has `taken` is better: each foot has its
+    /// own. A sole that is longer than a tread stands on the one that its higher end is on.
+    fn shift_to_tread(&self, taken: Option<f32>) -> f32 {
+        let by_middle = self.shifts(|shift| self.is_on_tread(shift));
+        let both = if by_middle.is_empty() {
+            self.shifts(|shift| self.ends_on_tread(shift))
+        } else {
+            by_middle
+        };
+        let free = |shift: &&f32| {
+            taken.is_none_or(|taken| (self.height_m(**shift) - taken).abs() > RISE_M)
+        };
+        let least = both.iter().find(free).or(both.first());
+        least.map_or(0.0, |shift| shift * self.spacing_m)
+    }
+
+    /// Returns the shifts that fit, the least ones first.
+    fn shifts(&self, fits: impl Fn(f32) -> bool) -> Vec<f32> {
+        let all = (0_u16..).map(f32::from).take_while(|nth| *nth <= MOST * self.count);
+        all.flat_map(|nth| [nth, -nth]).filter(|shift| fits(*shift)).collect()
+    }
+
+    /// Returns whether no riser leads up from the middle to either end, nor to the middle.
+    fn is_on_tread(&self, shift: f32) -> bool {
+        let points = || (0_u16..).map(f32::from).take_while(|nth| *nth < self.count);
         let outwards = |side: f32| {
             let mut pairs = points().map(|nth| [shift + side * nth, shift + side * (nth + 1.0)]);
-            pairs.any(|[from, to]| rises(from, to))
+            pairs.any(|[from, to]| self.rises(from, to))
         };
+        let on_riser = [shift - 1.0, shift + 1.0].iter().any(|next| self.rises(*next, shift));
         !on_riser && !outwards(1.0) && !outwards(-1.0)
-    };
-    let shifts = (0_u16..).map(f32::from).take_while(|nth| *nth <= MOST * count);
-    let both: Vec<f32> = shifts.flat_map(|nth| [nth, -nth]).filter(|shift| fits(*shift)).collect();
-    let free = |shift: &&f32| taken.is_none_or(|taken| (at(**shift) - taken).abs() > RISE_M);
-    let least = both.iter().find(free).or(both.first());
-    least.map_or(0.0, |shift| shift * spacing)
+    }
+
+    /// Returns whether the higher end carries the sole, away from risers.
+    fn ends_on_tread(&self, shift: f32) -> bool {
+        let ends = [shift - self.count, shift + self.count];
+        let [back, front] = ends.map(|end| self.at(end));
+        let end = if front > back { ends[1] } else { ends[0] };
+        let away = (END_M / self.spacing_m).ceil();
+        let near = (0_u16..).map(f32::from).take_while(|nth| *nth < away);
+        let is_level = |from: f32, to: f32| !self.rises(from, to) && !self.rises(to, from);
+        near.flat_map(|nth| [[nth, nth + 1.0], [-nth, -nth - 1.0]])
+            .all(|[from, to]| is_level(end + from, end + to))
+    }
 }
 
 #[cfg(test)]
@@ -134,7 +187,8 @@ mod tests {
         for nth in 0..60_u8 {
             let z = 2.0 + 0.01 * f32::from(nth);
             for ahead in [Vec2::Y, -Vec2::Y] {
-                let shift = shift_to_tread(&ground, Vec2::new(0.0, z), ahead, 0.13, None);
+                let sole = Sole::new(&ground, Vec2::new(0.0, z), ahead, 0.13);
+                let shift = sole.shift_to_tread(None);
                 assert!(shift.abs() <= 0.11, "{shift} at {z}");
                 let middle = z + shift * ahead.y;
                 let own = ground.height_at(0.0, middle);
@@ -145,17 +199,42 @@ mod tests {
     }
 
     #[test]
-    fn soles_stay_on_slopes_and_on_treads_that_are_too_short() {
+    fn soles_stay_on_slopes_and_where_no_tread_is() {
         let slope = Ground::height_field([0.0; 2], 1.0, 2, vec![0.0, 0.0, 0.5, 0.5]).unwrap();
-        assert!(shift_to_tread(&slope, Vec2::new(0.5, 0.5), Vec2::Y, 0.13, None) == 0.0);
-        assert!(shift_to_tread(&stairs(), Vec2::new(0.0, 2.0), Vec2::Y, 0.4, None) == 0.0);
+        let sole = Sole::new(&slope, Vec2::new(0.5, 0.5), Vec2::Y, 0.13);
+        assert!(sole.shift_to_tread(None) == 0.0);
+        // Risers are everywhere on treads of 5 cm.
+        let heights = (0..100_u16).flat_map(|row| [0.1 * f32::from(row); 2]).collect();
+        let steep = Ground::height_field([-10.0, 0.0], 0.05, 2, heights).unwrap();
+        let sole = Sole::new(&steep, Vec2::new(0.0, 2.0), Vec2::Y, 0.4);
+        assert!(sole.shift_to_tread(None) == 0.0);
+    }
+
+    #[test]
+    fn soles_that_are_longer_than_a_tread_stand_on_that_of_their_higher_end() {
+        let ground = stairs();
+        for nth in 0..60_u8 {
+            let z = 4.0 + 0.01 * f32::from(nth);
+            for ahead in [Vec2::Y, -Vec2::Y] {
+                let sole = Sole::new(&ground, Vec2::new(0.0, z), ahead, 0.48);
+                let shift = sole.shift_to_tread(None);
+                assert!(shift.abs() <= 0.31, "{shift} at {z}");
+                // The end uphill, and 4 cm on both sides of it.
+                let end = z + shift * ahead.y + 0.48;
+                let [own, near, far] =
+                    [0.0, -0.04, 0.04].map(|off| ground.height_at(0.0, end + off));
+                assert!((near - own).abs().max((far - own).abs()) < 0.02, "{own} {near} {far}");
+                assert!((sole.height_m(shift / sole.spacing_m) - own).abs() < 1e-3);
+            }
+        }
     }
 
     #[test]
     fn each_foot_has_a_tread_of_its_own() {
         let ground = stairs();
         // The tread ends at 2.2, and the next one begins at 2.25.
-        let shift = |taken| shift_to_tread(&ground, Vec2::new(0.0, 2.15), Vec2::Y, 0.13, taken);
+        let sole = Sole::new(&ground, Vec2::new(0.0, 2.15), Vec2::Y, 0.13);
+        let shift = |taken| sole.shift_to_tread(taken);
         let own = ground.height_at(0.0, 2.15 + shift(None));
         let other = ground.height_at(0.0, 2.15 + shift(Some(own)));
         assert!((other - own).abs() > 0.1, "{own} {other}");

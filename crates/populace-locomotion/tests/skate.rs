@@ -158,3 +158,24 @@ fn retargeted_clips_go_forwards_on_short_legs() {
     let names: Vec<_> = clips.moving.iter().map(|clip| clip.name()).collect();
     assert_eq!(names, ["Walk", "Run"]);
 }
+
+#[test]
+fn legs_that_rest_behind_their_hips_step_beneath_them_without_a_pop() {
+    let Some(girl) = load("girl.glb") else { return };
+    let clips = GaitClips::of(&girl).unwrap();
+    let all = Skate::measure(&girl, &clips).unwrap();
+    for segment in ["start", "stop", "turn"] {
+        let part = find(&all, segment, true);
+        assert!(part.acceleration_ratio < 1.5, "{part:?}");
+    }
+}
+
+#[test]
+fn feet_that_are_longer_than_a_tread_stand_on_stairs() {
+    let Some(robot) = load("quaternius_robot.glb") else { return };
+    let person = cast().unwrap().remove(0);
+    let clips = GaitClips::among(&robot, &person.clips).unwrap();
+    let all = Skate::measure(&robot, &clips).unwrap();
+    let part = find(&all, "stairs", true);
+    assert!(part.sole_error < 0.01 && part.p95_m_per_sec < 0.01, "{part:?}");
+}

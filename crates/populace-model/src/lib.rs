@@ -29,6 +29,7 @@ mod error_kind;
 pub mod f64math;
 pub mod humanoid;
 mod joint;
+mod legs;
 mod mask;
 pub mod math;
 mod names;

@@ -178,8 +178,8 @@ device_struct! {
         pub up: Float4,
         /// Gaze: maximum yaw, pitch up and pitch down, in radians. Limb, chain and foot: fraction
         /// of the length over which the chain straightens, then the constraint's weight. Foot: then
-        /// `z` of the ankle at rest, and its height above the sole if no point of the sole is
-        /// known.
+        /// `z` of the middle of its steps, and the ankle's height above the sole if no point of the
+        /// sole is known.
         pub limits: Float4,
         /// Offset into `links`: the chain, every joint from the first to the last. Foot: the joints
         /// from the pelvis to the ankle, then those to the toes.

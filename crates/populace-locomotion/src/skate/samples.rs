@@ -12,6 +12,10 @@ pub(super) struct Samples {
     /// Feet of all frames, and those that are planted.
     pub(super) feet: f32,
     pub(super) planted: f32,
+    /// The speed of the body, in metres per second.
+    pub(super) body_m_per_sec: f32,
+    /// Speeds at which the ground passes planted points backwards, in metres per second.
+    pub(super) passing: Vec<f32>,
     /// See [`Skate::speed_error`].
     pub(super) speed_error: f32,
     /// The largest acceleration in metres per second squared.
@@ -26,6 +30,13 @@ impl Samples {
         self.planted += other.planted;
         self.speed_error = self.speed_error.max(other.speed_error);
         self.acceleration = self.acceleration.max(other.acceleration);
+    }
+
+    /// Finds the error of its speeds against the requested one, in metres per second.
+    pub(super) fn hold_to(&mut self, requested: f32) {
+        let error = |speed: f32| (speed / requested - 1.0).abs();
+        let gait = percentile(&mut self.passing, 50);
+        self.speed_error = error(self.body_m_per_sec).max(error(gait));
     }
 
     /// Sums up a segment with or without planting, for a body of a height and clips with an
@@ -71,6 +82,17 @@ mod tests {
     }
 
     #[test]
+    fn the_larger_error_of_two_speeds_counts() {
+        let mut samples =
+            Samples { body_m_per_sec: 2.0, passing: vec![3.0, 1.0, 2.2], ..Samples::default() };
+        samples.hold_to(2.0);
+        assert!((samples.speed_error - 0.1).abs() < 1e-6);
+        samples.body_m_per_sec = 1.5;
+        samples.hold_to(2.0);
+        assert!((samples.speed_error - 0.25).abs() < 1e-6);
+    }
+
+    #[test]
     fn a_part_sums_up_its_samples_and_all_of_it_the_worst() {
         let mut part = Samples {
             speeds: vec![0.0, 0.4],
@@ -79,6 +101,7 @@ mod tests {
             planted: 3.0,
             speed_error: 0.1,
             acceleration: 3.0,
+            ..Samples::default()
         };
         let other = Samples { speeds: vec![0.2], feet: 2.0, acceleration: 6.0, ..part.clone() };
         part.add(&other);

@@ -34,9 +34,11 @@ pub(super) fn foot_row(
         return bad(ConstraintFault::LegAtPelvis { ankle });
     }
     let standing = skeleton.in_bind_pose();
-    let [hip, knee, ankle] = legs.map(|joint| standing.rest_place(joint));
-    let [length, rest_height, rest_z] =
-        f64math::to_f32([hip.distance(knee) + knee.distance(ankle), ankle.y, ankle.z]);
+    let [length, rest_height, middle_z] = f64math::to_f32([
+        standing.leg_length_m(legs),
+        standing.rest_place(foot.ankle).y,
+        standing.middle_of_steps_z(legs),
+    ]);
     let own = soles.of(foot.ankle).unwrap_or_default();
     let (toes, toe) = toes(skeleton, foot.ankle, soles);
     let fits = links.len() + toes.len() <= MAX_LINKS as usize;
@@ -46,7 +48,7 @@ pub(super) fn foot_row(
     let row = layout::Constraint {
         axis: float4(in_joint(standing, Some(foot.hip), [0.0, 0.0, 1.0]), 0.0),
         up: Float4([rest_height, PLANTED * length, LIFTED * length, HELD_BACK * length]),
-        limits: Float4([FOOT_SOFT, feet.weight, rest_z, height]),
+        limits: Float4([FOOT_SOFT, feet.weight, middle_z, height]),
         middle,
         upper: u32_from(upper),
         keeps_end: 1,
