@@ -186,15 +186,13 @@ impl Judge {
         }
     }
 
-    /// Runs a frame stage by stage and compares everything; then runs it as a whole and compares
-    /// the palettes.
-    pub(crate) fn frame(
+    /// Compares all members after a frame. Returns those that could be compared.
+    pub(crate) fn members(
         &mut self,
         backend: &mut dyn Backend,
-        crowd: &mut TestCrowd<'_>,
+        crowd: &TestCrowd<'_>,
         tick: u64,
-    ) {
-        crowd.run_stages(backend, tick);
+    ) -> Vec<(usize, Expected)> {
         let members: Vec<usize> = crowd.members().map(|(member, ..)| member).collect();
         let mut all = Vec::new();
         for member in members {
@@ -208,6 +206,19 @@ impl Judge {
                 self.skip(10 * got.rotations.len());
             }
         }
+        all
+    }
+
+    /// Runs a frame stage by stage and compares everything; then runs it as a whole and compares
+    /// the palettes.
+    pub(crate) fn frame(
+        &mut self,
+        backend: &mut dyn Backend,
+        crowd: &mut TestCrowd<'_>,
+        tick: u64,
+    ) {
+        crowd.run_stages(backend, tick);
+        let all = self.members(backend, crowd, tick);
         crowd.run(backend, tick);
         for (member, wanted) in all {
             self.palette(member, &crowd.read_palette(backend, member), &wanted);

@@ -92,6 +92,11 @@ impl<'a> TestCrowd<'a> {
         self.members[member] = Some((index, plan));
     }
 
+    /// Tells the oracle what a member plays, and leaves the tables as they are.
+    pub(crate) fn show(&mut self, member: usize, plays: Vec<Play>) {
+        self.members[member].as_mut().expect("the member exists").1.plays = plays;
+    }
+
     /// Removes a member.
     ///
     /// # Panics
@@ -124,6 +129,11 @@ impl<'a> TestCrowd<'a> {
         &self.members[member].as_ref().expect("the member exists").1
     }
 
+    /// Returns the index of a body in the tables.
+    pub(crate) fn body_index(&self, body: usize) -> BodyIndex {
+        self.bodies[body]
+    }
+
     /// Returns a member's index in the tables.
     ///
     /// # Panics
@@ -144,7 +154,8 @@ impl<'a> TestCrowd<'a> {
             .on_layer(inertialization.outgoing.layer)
     }
 
-    fn slot(&mut self, play: &Play, body: usize) -> Slot {
+    /// Returns the slot of a play on a body.
+    pub(crate) fn slot(&mut self, play: &Play, body: usize) -> Slot {
         let bound_clip = self.bound_clip(play.clip, body);
         self.slot_of(play, bound_clip)
     }
@@ -183,6 +194,7 @@ impl<'a> TestCrowd<'a> {
         match play.weighting {
             Weighting::Constant(weight) => slot = slot.with_weight(weight),
             Weighting::Ramp { tick, from, to, secs } => slot.ramp_weight(tick, from, to, secs),
+            Weighting::Share { .. } => unreachable!("shares come from slots of machines"),
         }
         slot
     }

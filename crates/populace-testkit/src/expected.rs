@@ -176,9 +176,15 @@ fn is_exact(times: &[f32], secs: f32) -> bool {
     outside || times.contains(&secs)
 }
 
+/// Widens a bound by the errors of weights that ramp. A share of a ramp is a product of two ramps.
 fn widen_for_ramps(bound: SampleBound, plan: &MemberPlan, slots: &[OracleSlot<'_>]) -> SampleBound {
-    let ramps = |play: &Play| matches!(play.weighting, Weighting::Ramp { .. });
-    if !plan.plays.iter().any(ramps) {
+    let ramps = |play: &Play| match play.weighting {
+        Weighting::Constant(_) => 0.0,
+        Weighting::Ramp { .. } => 1.0,
+        Weighting::Share { .. } => 2.0,
+    };
+    let ramps = plan.plays.iter().map(ramps).fold(0.0, f64::max);
+    if ramps == 0.0 {
         return bound;
     }
     let total = |layer: usize| -> f64 {
@@ -186,5 +192,5 @@ fn widen_for_ramps(bound: SampleBound, plan: &MemberPlan, slots: &[OracleSlot<'_
         of_layer.map(|s| s.weight).sum()
     };
     let least = (0..plan.layers.len()).map(total).filter(|t| *t > 0.0).fold(1.0, f64::min);
-    bound.with_weight_error(WEIGHT_ERROR, slots.len(), least)
+    bound.with_weight_error(ramps * WEIGHT_ERROR, slots.len(), least)
 }

@@ -14,12 +14,14 @@ use populace_model::JointIndex;
 
 use crate::compare::{Judge, joint_name, row_major};
 use crate::oracle::{
-    Bounded, Local, Noise, OracleFrame, OracleMember, OracleMover, OraclePlace, OracleStage,
-    bounded, palettes_with, root_move,
+    Bounded, Local, Noise, OracleBody, OracleFrame, OracleMember, OracleMover, OraclePlace,
+    OracleStage, bounded, palettes_with, root_move,
 };
 use crate::scenes::Scene;
 use crate::tolerance::MODEL_CAP;
 use crate::{LayerPlan, MemberPlan, MemberReading, Play, Rng, TestCrowd};
+
+pub(super) use plans::transform as random_transform;
 
 pub use checks::{
     check_attachments, check_chains, check_gaze, check_limbs, check_overrides, check_root_motion,
@@ -51,7 +53,7 @@ struct ControlScene<'a> {
 }
 
 /// Returns a reading's local transforms.
-fn locals_of(reading: &MemberReading) -> Vec<Local> {
+pub(super) fn locals_of(reading: &MemberReading) -> Vec<Local> {
     let three = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
     (0..reading.rotations.len())
         .map(|joint| Local {
@@ -67,6 +69,17 @@ fn model_of(reading: &MemberReading, joint: usize) -> DAffine3 {
     let m = reading.models[joint].map(f64::from);
     let column = |c: usize| DVec3::new(m[c], m[4 + c], m[8 + c]);
     DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) }
+}
+
+/// Returns the numbers of model transforms and of the palette that follows from them.
+pub(super) fn model_numbers(body: &OracleBody, models: &[DAffine3], noise: &mut Noise) -> Vec<f64> {
+    let palette = palettes_with(body, models, noise).concat();
+    models.iter().flat_map(row_major).chain(palette).collect()
+}
+
+/// Returns the same numbers as a backend returned them.
+pub(super) fn numbers_found(found: &MemberReading) -> Vec<f32> {
+    [found.models.concat(), found.palette.concat()].concat()
 }
 
 impl<'a> ControlScene<'a> {
@@ -204,8 +217,7 @@ impl<'a> ControlScene<'a> {
                 numbers.extend(rotation(found.rotations[joint], local.rotation).to_array());
                 numbers.extend(local.scale.to_array());
             }
-            numbers.extend(models.iter().flat_map(row_major));
-            numbers.extend(palettes_with(&body.oracle, &models, noise).concat());
+            numbers.extend(model_numbers(&body.oracle, &models, noise));
             numbers
         });
         let got: Vec<f32> = (0..found.rotations.len())
@@ -213,8 +225,7 @@ impl<'a> ControlScene<'a> {
                 let local = [&found.translations[joint][..], &found.rotations[joint]].concat();
                 [local, found.scales[joint].to_vec()].concat()
             })
-            .chain(found.models.concat())
-            .chain(found.palette.concat())
+            .chain(numbers_found(found))
             .collect();
         assert_eq!(got.len(), wanted.len(), "{}: numbers of a member", self.name);
         for (at, (got, Bounded { value, bound })) in got.into_iter().zip(wanted).enumerate() {

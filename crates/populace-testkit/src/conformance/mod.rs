@@ -8,8 +8,10 @@ mod agreement;
 mod blend;
 mod clock;
 mod controls;
+mod feet;
 mod inertialize;
 mod layers;
+mod machines;
 mod mixed;
 mod plans;
 mod retarget;
@@ -24,8 +26,10 @@ pub use controls::{
     check_attachments, check_chains, check_gaze, check_limbs, check_overrides, check_root_motion,
     check_user_stages,
 };
+pub use feet::check_feet;
 pub use inertialize::check_inertialization;
 pub use layers::{check_additive_layers, check_far_rotations, check_override_layers};
+pub use machines::check_machines;
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use retarget::check_retarget;
 pub use running::{check_growth, check_long_run};
@@ -82,6 +86,8 @@ macro_rules! fused_conformance {
             scene check_user_stages user_stages_hold;
             scene check_attachments attachments_hold;
             scene check_root_motion root_motion_holds;
+            scene check_machines machines_hold;
+            scene check_feet feet_hold;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;

@@ -5,6 +5,7 @@
 //! `docs/animation.md` states.
 
 mod chain;
+mod feet;
 mod gaze;
 mod limb;
 mod overrides;
@@ -20,6 +21,9 @@ use super::noise::Noise;
 use super::transform::parent_from_joint;
 use super::{Local, OracleBody};
 
+use feet::Feeling;
+
+pub use feet::{OracleGait, OracleStance};
 pub use targets::OraclePlace;
 
 /// The frame in which controls act.
@@ -66,6 +70,8 @@ struct ChainNow {
     joints: Vec<usize>,
     /// Their positions in model space.
     positions: Vec<DVec3>,
+    /// Their model transforms.
+    models: Vec<DAffine3>,
     /// The model transform of the last one.
     end: DAffine3,
 }
@@ -79,6 +85,7 @@ struct Descent<'a, 'n> {
     models: Vec<Option<DAffine3>>,
     /// Rotations that a constraint (by number) leaves for the joints below its first.
     left: HashMap<(usize, usize), DQuat>,
+    feet: Option<Feeling<'a>>,
 }
 
 impl OracleMember<'_> {
@@ -95,6 +102,34 @@ impl OracleMember<'_> {
         frame: &OracleFrame,
         noise: &mut Noise,
     ) -> (Vec<Local>, Vec<DAffine3>) {
+        self.descend(clips, frame, None, noise)
+    }
+
+    /// Returns the same for a member whose feet are planted. `stance` is that after the frame
+    /// before, and becomes that after this one.
+    ///
+    /// # Panics
+    ///
+    /// As [`posed`](Self::posed), or if the gait does not know all feet.
+    #[must_use]
+    pub fn posed_on_feet(
+        &self,
+        clips: &[Local],
+        frame: &OracleFrame,
+        (gait, stance): (&OracleGait, &mut OracleStance),
+        noise: &mut Noise,
+    ) -> (Vec<Local>, Vec<DAffine3>) {
+        let feet = Feeling { gait, stance, goals: Vec::new() };
+        self.descend(clips, frame, Some(feet), noise)
+    }
+
+    fn descend<'a>(
+        &'a self,
+        clips: &[Local],
+        frame: &'a OracleFrame,
+        feet: Option<Feeling<'a>>,
+        noise: &mut Noise,
+    ) -> (Vec<Local>, Vec<DAffine3>) {
         let mut locals = clips.to_vec();
         self.override_locals(&mut locals, noise);
         let count = locals.len();
@@ -105,6 +140,7 @@ impl OracleMember<'_> {
             locals,
             models: vec![None; count],
             left: HashMap::new(),
+            feet,
         };
         (0..count).for_each(|joint| {
             descent.reach(joint);
@@ -148,7 +184,7 @@ impl OracleMember<'_> {
             Constraint::Gaze(gaze) => gaze.chain.first()?.0,
             Constraint::Limb(limb) => limb.first,
             Constraint::Chain(chain) => chain.first,
-            Constraint::Feet(_) => return None,
+            Constraint::Feet(feet) => feet.pelvis,
         }))
     }
 }
@@ -212,25 +248,42 @@ impl Descent<'_, '_> {
                 Constraint::Gaze(gaze) => self.gaze(gaze),
                 Constraint::Limb(limb) => self.limb(limb),
                 Constraint::Chain(chain) => self.chain(chain),
-                Constraint::Feet(_) => Vec::new(),
+                Constraint::Feet(feet) => {
+                    self.plant(feet);
+                    Vec::new()
+                }
             };
-            self.left.extend(rotations.into_iter().map(|(joint, q)| ((number, joint), q)));
+            self.leave(number, rotations);
+        }
+        if let Constraint::Feet(feet) = constraint {
+            for nth in 0..feet.feet.len() {
+                if self.of.source(feet.feet[nth].hip) == joint {
+                    let rotations = self.leg(feet, nth);
+                    self.leave(number, rotations);
+                }
+            }
         }
         if let Some(rotation) = self.left.remove(&(number, joint)) {
             self.rotate(joint, rotation);
         }
     }
 
+    /// Leaves rotations of a constraint for joints to come.
+    fn leave(&mut self, number: usize, rotations: Vec<(usize, DQuat)>) {
+        self.left.extend(rotations.into_iter().map(|(joint, q)| ((number, joint), q)));
+    }
+
     /// Walks down a chain by its local transforms, from where its first joint is now.
     fn walk(&mut self, joints: Vec<usize>) -> ChainNow {
         let mut end = self.model(joints[0]);
-        let mut positions = vec![end.translation];
+        let mut models = vec![end];
         for &joint in &joints[1..] {
             let local = parent_from_joint(&self.locals[joint]);
             end = self.noise.product(&end, &local);
-            positions.push(end.translation);
+            models.push(end);
         }
-        ChainNow { joints, positions, end }
+        let positions = models.iter().map(|model| model.translation).collect();
+        ChainNow { joints, positions, models, end }
     }
 
     fn run_stages(&mut self, joint: usize) {

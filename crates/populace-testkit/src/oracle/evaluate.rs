@@ -114,6 +114,19 @@ pub enum Weighting {
         /// The ramp's length; at 0 or below the last weight holds at once.
         secs: f32,
     },
+    /// A ramp times a share, which is that of one tick.
+    Share {
+        /// The clock at the start of the ramp.
+        tick: u64,
+        /// The first weight.
+        from: f32,
+        /// The last weight.
+        to: f32,
+        /// The ramp's length; at 0 or below the last weight holds at once.
+        secs: f32,
+        /// The factor on the ramp's weight.
+        share: f64,
+    },
 }
 
 impl Weighting {
@@ -126,6 +139,9 @@ impl Weighting {
     pub fn weight(&self, now: u64) -> f64 {
         match *self {
             Self::Constant(weight) => f64::from(weight),
+            Self::Share { tick, from, to, secs, share } => {
+                Self::Ramp { tick, from, to, secs }.weight(now) * share
+            }
             Self::Ramp { to, secs, .. } if secs <= 0.0 => f64::from(to),
             Self::Ramp { tick, from, to, secs } => {
                 let share = (elapsed_secs(tick, now) / f64::from(secs)).min(1.0);

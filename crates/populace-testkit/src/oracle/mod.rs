@@ -6,10 +6,13 @@
 //! and `retarget.rs` for clips of other bodies. Joints are in source order, not in level order, and
 //! no data is flattened or packed.
 
+mod contacts;
 mod controls;
 mod evaluate;
+mod ground;
 mod inertialize;
 mod local;
+mod machine;
 mod motion;
 mod noise;
 mod pose;
@@ -25,10 +28,13 @@ use populace_character::{Character, PaletteEntry};
 use populace_device::LayerMode;
 use populace_model::{ClipSource, JointSource, Skeleton};
 
-pub use controls::{OracleFrame, OracleMember, OraclePlace, OracleStage};
+pub use contacts::OracleSteps;
+pub use controls::{OracleFrame, OracleGait, OracleMember, OraclePlace, OracleStage, OracleStance};
 pub use evaluate::{Timing, Weighting};
+pub use ground::OracleGround;
 pub use inertialize::{OracleInertialization, OracleSampledState};
 pub use local::{Gain, Local};
+pub use machine::{OracleCourse, OracleEntry};
 pub use motion::{OracleMover, root_move};
 pub use noise::{Bounded, Noise, bounded};
 pub use retarget::OracleRetarget;

@@ -5,6 +5,7 @@ mod bodies;
 mod clips;
 mod humanoids;
 mod motion;
+mod walkers;
 
 use std::collections::HashMap;
 
@@ -14,6 +15,8 @@ use populace_model::{ClipSource, JointSource, Role, Skeleton};
 
 use crate::oracle::{OracleBody, OracleRetarget};
 use crate::tolerance::SampleBound;
+
+pub(crate) use walkers::ScenePace;
 
 /// A skeleton with its palette entries.
 #[derive(Clone, Debug)]

@@ -173,6 +173,70 @@ faults! {
         directions_end_near: "direction_to_model(s->control, point), TARGET_FAR_M)" =>
             "direction_to_model(s->control, point), 1.0f)";
     }
+    check_machines {
+        transitions_are_taken_in_fades: "bool taken = elapsed < at.fade_ticks;" =>
+            "bool taken = false;";
+        last_transitions_are_taken: "i < state.transition_count && !taken; i++" =>
+            "i < state.transition_count; i++";
+        last_conditions_decide: "c < transition.condition_count && taken; c++" =>
+            "c < transition.condition_count; c++";
+        limits_count_as_above: "parameters[condition.parameter] > condition.value" =>
+            "parameters[condition.parameter] >= condition.value";
+        limits_count_as_below: "parameters[condition.parameter] < condition.value" =>
+            "parameters[condition.parameter] <= condition.value";
+        times_end_a_tick_late: "return elapsed >= condition.ticks;" =>
+            "return elapsed > condition.ticks;";
+        machines_keep_earlier_owners: "if (at.epoch != machine_instance.epoch)" =>
+            "if (at.epoch == 0)";
+        states_forget_when_they_were_entered: "at.previous_tick = at.entry_tick;" =>
+            "at.previous_tick = tick;";
+        states_that_fade_out_start_again:
+            "is_current ? at.entry_tick : at.previous_tick;" => "at.entry_tick;";
+        states_ignore_their_phase: "now.start_phase = state.start_phase;" =>
+            "now.start_phase = 0;";
+        states_fade_at_the_machine_rate: "rate = whole * at.fade_rate;" => "rate = at.fade_rate;";
+        machines_have_half_their_weight: "whole = 2.0f * weight," => "whole = weight,";
+        cuts_begin_at_nothing: "is_current && rate > 0.0f ? 0.0f : whole" =>
+            "is_current ? 0.0f : whole";
+    }
+    check_feet {
+        feet_do_not_lock: "lock.planted = stands & !lets_go;" => "lock.planted = stands & 0;";
+        feet_never_let_go: "const Choice lets_go = is_behind |" => "const Choice lets_go = 0 &";
+        feet_lock_again_at_once: "const Real relock = FOOT_RELOCK * most;" =>
+            "const Real relock = most;";
+        feet_stay_behind_their_clips: "state->x - pivot.x : state->x * decay" =>
+            "state->x - pivot.x : state->x";
+        offsets_have_no_limit: "vec3_choose(far > most * most, shorter, vector)" => "vector";
+        members_never_go_elsewhere: "*elsewhere = far > 4.0f * most * most;" => "*elsewhere = 0;";
+        feet_keep_their_first_pivot: "stood & (ankle.y + kept_arm.y" =>
+            "stood & (-1e9f + kept_arm.y";
+        feet_do_not_keep_their_heading: "cross / (1.0f + dot) : none" => "none : none";
+        strides_have_no_direction: "all->ankle.x + stride * with.x" => "all->ankle.x";
+        strides_do_not_turn: "turn_of(with.z * stride)" => "turn_of(none * stride)";
+        feet_come_down_at_once: "part * part * (3.0f - 2.0f * part)" => "part";
+        feet_in_the_air_drag: "clearance * (1.0f - near) : none" => "none : none";
+        feet_do_not_lean: "quat_part(quat_normalize_or(tilt, quat_identity()), near)" =>
+            "quat_identity()";
+        soles_lie_in_the_ground: "const Real level = larger(under->level, ground - above)," =>
+            "const Real level = under->level,";
+        soles_tilt_over_edges: "under->on_edge | (has_it & (off * off > edge * edge))" =>
+            "under->on_edge";
+        feet_do_not_look_ahead: "return ground + rise * (1.0f - near);" => "return ground;";
+        feet_climb_at_any_speed: "stopping < fastest ? stopping : fastest" => "stopping";
+        climbs_do_not_end_at_rest: "square_root(2.0f * FOOT_CLIMB_GAIN * far)" =>
+            "square_root(4.0f * FOOT_CLIMB_GAIN * far)";
+        feet_that_stand_rise_with_the_ground: "const Choice stays = planted & stood &" =>
+            "const Choice stays = 0 &";
+        contacts_do_not_wrap: "away = away > 0.5f * cycle_secs ? fabs(cycle_secs - away) : away;" =>
+            "";
+        contacts_have_no_weight: "mixes[foot].within += weight * within;" =>
+            "mixes[foot].within += within;";
+        stands_count_as_steps: "CONTACT_WHOLE * clip.duration_secs" =>
+            "2.0f * clip.duration_secs";
+        pelvises_rise_at_once: "elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS)" => "1.0f";
+        pelvises_sink_too_far: "length * (1.0f - soft), most = length * MAX_PELVIS_SINK" =>
+            "length * (0.99f - soft), most = length * MAX_PELVIS_SINK";
+    }
     check_overrides {
         overrides_have_no_weight: "weight >= 1.0f ? to : part_of_the_way(own, to, weight)" => "to";
         overrides_do_not_scale: "1.0f + (new / old - 1.0f) * k" => "1.0f";

@@ -134,7 +134,7 @@ pub(super) fn change_within_frames(rng: &mut Rng, plan: &mut MemberPlan) {
 }
 
 /// A transform that a host might give.
-pub(super) fn transform(rng: &mut Rng) -> Trs {
+pub(in crate::conformance) fn transform(rng: &mut Rng) -> Trs {
     Trs {
         translation: rng.vector(-0.5, 0.5).to_array().map(single),
         rotation: rng.rotation().to_array().map(single),

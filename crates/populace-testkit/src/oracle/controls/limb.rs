@@ -68,6 +68,44 @@ fn bend_angle(upper: DVec3, lower: DVec3, axis: DVec3, reach: f64, noise: &mut N
     sine.atan2(cosine) + bent.clamp(-1.0, 1.0).acos()
 }
 
+/// Returns the rotations in model space of the first and the middle joint of a limb, the second
+/// after the first, which bring its end to `to`, relative to the first joint. `bend` is the
+/// direction to which it bends if it is straight. `None` for a limb or a way without length.
+pub(super) fn two_bones(
+    [upper, lower]: [DVec3; 2],
+    to: DVec3,
+    bend: DVec3,
+    (soft, pole): (f64, Option<DVec3>),
+    noise: &mut Noise,
+) -> Option<[DQuat; 2]> {
+    let (a, b) = (upper.length(), lower.length());
+    if a.min(b).min(to.length()) < 1e-6 {
+        return None;
+    }
+    let reach = soft_reach(to.length(), a + b, (a - b).abs(), soft);
+    let axis = hinge(upper, lower, bend, noise).normalize();
+    let reach = noise.number(reach);
+    let angle = bend_angle(upper, lower, axis, reach, noise);
+    let bent = noise.rotation(DQuat::from_axis_angle(axis, angle)) * lower;
+    // The length of the bent limb is a root of a difference of squares, so its error grows as the
+    // limb folds, and with it that of the swing.
+    let folded = (a * a + b * b) / (reach * reach);
+    let bent_limb = noise.sized(upper + bent, a + b);
+    let swing = shortest(bent_limb, to, axis, noise);
+    let opposite = (0.5 * (1.0 + bent_limb.normalize().dot(to.normalize()))).sqrt();
+    let mut swing = noise.rotation_by(swing, folded.max(1.0) / opposite.max(1e-6));
+    if let Some(pole) = pole {
+        let ahead = to.normalize();
+        let knee = across(noise.vector(swing * upper), ahead).normalize();
+        let drawn = across(noise.vector(pole), ahead).normalize_or(knee);
+        let drawn = shortest(knee, drawn, ahead, noise);
+        swing = noise.rotation(drawn * swing);
+    }
+    // The middle joint bends about the axis as the first joint has turned it.
+    let second = DQuat::from_axis_angle((swing * axis).normalize(), angle);
+    Some([swing, second].map(|whole| noise.rotation(whole)))
+}
+
 impl Descent<'_, '_> {
     /// Returns the rotations of a limb's first and middle joint in model space, each after that of
     /// the joint above, and that of the end if it keeps its own.
@@ -84,37 +122,13 @@ impl Descent<'_, '_> {
         let lower = self.noise.vector(at(end) - at(middle));
         let to = self.noise.vector(goal.position - at(first));
         let bend = self.model(first).matrix3 * of.in_joint(Some(first), limb.bend);
-        let (a, b) = (upper.length(), lower.length());
-        if a.min(b).min(to.length()) < 1e-6 {
+        let pole = limb.pole.map(|pole| DVec3::from_array(pole.map(f64::from)));
+        let (soft, noise) = (f64::from(limb.soft), &mut *self.noise);
+        let Some(whole) = two_bones([upper, lower], to, bend, (soft, pole), noise) else {
             return Vec::new();
-        }
-        let reach = soft_reach(to.length(), a + b, (a - b).abs(), f64::from(limb.soft));
-        let noise = &mut *self.noise;
-        let axis = hinge(upper, lower, bend, noise).normalize();
-        let reach = noise.number(reach);
-        let angle = bend_angle(upper, lower, axis, reach, noise);
-        let bent = noise.rotation(DQuat::from_axis_angle(axis, angle)) * lower;
-        // The length of the bent limb is a root of a difference of squares, so its error grows as
-        // the limb folds, and with it that of the swing.
-        let folded = (a * a + b * b) / (reach * reach);
-        let bent_limb = noise.sized(upper + bent, a + b);
-        let swing = shortest(bent_limb, to, axis, noise);
-        let opposite = (0.5 * (1.0 + bent_limb.normalize().dot(to.normalize()))).sqrt();
-        let mut swing = noise.rotation_by(swing, folded.max(1.0) / opposite.max(1e-6));
-        if let Some(pole) = limb.pole {
-            let pole = DVec3::from_array(pole.map(f64::from));
-            let ahead = to.normalize();
-            let knee = across(noise.vector(swing * upper), ahead).normalize();
-            let drawn = across(noise.vector(pole), ahead).normalize_or(knee);
-            let drawn = shortest(knee, drawn, ahead, noise);
-            swing = noise.rotation(drawn * swing);
-        }
-        // The middle joint bends about the axis as the first joint has turned it.
-        let second = DQuat::from_axis_angle((swing * axis).normalize(), angle);
-        let [swing, second] = [swing, second].map(|whole| {
-            let whole = noise.rotation(whole);
-            if goal.weight < 1.0 { short_part_of(whole, goal.weight) } else { whole }
-        });
+        };
+        let [swing, second] = whole
+            .map(|whole| if goal.weight < 1.0 { short_part_of(whole, goal.weight) } else { whole });
         let mut rotations = vec![(first, swing), (middle, second)];
         if limb.keeps_end {
             rotations.push((end, (second * swing).inverse()));
