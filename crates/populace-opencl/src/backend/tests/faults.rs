@@ -208,18 +208,17 @@ faults! {
             "state->x - pivot.x : state->x";
         offsets_have_no_limit: "vec3_choose(far > most * most, shorter, vector)" => "vector";
         members_never_go_elsewhere: "*elsewhere = far > 4.0f * most * most;" => "*elsewhere = 0;";
-        feet_keep_their_first_pivot: "stood & (ankle.y + kept_arm.y" =>
-            "stood & (-1e9f + kept_arm.y";
+        feet_keep_their_first_pivot: "(stepped->ankle.y + kept_arm.y <=" =>
+            "(-1e9f + kept_arm.y <=";
         feet_do_not_keep_their_heading: "cross / (1.0f + dot) : none" => "none : none";
-        strides_have_no_direction: "all->ankle.x + stride * with.x" => "all->ankle.x";
-        strides_do_not_turn: "turn_of(with.z * stride)" => "turn_of(none * stride)";
+        strides_have_no_direction: "at.x + stride * with.x" => "at.x";
+        strides_do_not_turn: "turn_of(with.z * stride)" => "turn_of(0.0f * stride)";
         feet_come_down_at_once: "part * part * (3.0f - 2.0f * part)" => "part";
         feet_in_the_air_drag: "clearance * (1.0f - near) : none" => "none : none";
         feet_do_not_lean: "quat_part(quat_normalize_or(tilt, quat_identity()), near)" =>
             "quat_identity()";
-        soles_lie_in_the_ground: "const Real level = larger(under->level, ground - above)," =>
-            "const Real level = under->level,";
-        soles_tilt_over_edges: "under->on_edge | (has_it & (off * off > edge * edge))" =>
+        soles_lie_in_the_ground: "under->level = larger(under->level, ground - above);" => "";
+        soles_tilt_over_edges: "under->on_edge | (off * off > edge * edge)" =>
             "under->on_edge";
         feet_do_not_look_ahead: "return ground + rise * (1.0f - near);" => "return ground;";
         feet_climb_at_any_speed: "stopping < fastest ? stopping : fastest" => "stopping";
