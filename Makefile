@@ -5,7 +5,7 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-long gpu-budget setup setup-tests lint doc release
+.PHONY: demo test test-long soak gpu-budget setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail.
 test:
@@ -40,6 +40,10 @@ doc:
 # The program, at target/release/populace.
 release:
 	cargo build --release -p populace-cli
+
+# Two crowds of 10,000 members on different devices, in which everything changes, for an hour.
+soak:
+	cargo test -p populace-cli --test sequences -- --soak-minutes $(or $(MINUTES),60)
 
 # Registers, spills, stack, local memory and occupancy of the kernels on GPUs, without a GPU, held to
 # crates/populace-opencl/gpu-budget.csv; RENEW=1 writes that file. Compilers are fetched by apt-get
