@@ -381,7 +381,8 @@ fn soak(minutes: u64, members: usize, seed: u64) -> Result<(), String> {
         }
         let Drift { held_m, planted_m } = soak.drift;
         report(&format!(
-            "minute {minute}: {} MiB at most; {:?}; held things {held_m} m off, feet {planted_m} m\n",
+            "minute {minute}: {} MiB at most; {:?}; held things {held_m} m off, feet \
+             {planted_m} m\n",
             here_kib / 1024,
             soak.counts
         ));
