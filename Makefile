@@ -5,12 +5,13 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-long gpu-budget setup setup-tests lint doc release
+.PHONY: demo test test-long soak conformance gpu-budget setup setup-tests lint doc release
 
-# Installs nothing: a missing driver is named here, and the tests that need it fail.
+# Installs nothing: a missing driver is named here, and the tests that need it fail. Says at its end
+# how many tests passed, and how many checks on how many devices they ran.
 test:
 	@sh scripts/setup.sh --check || true
-	cargo test --workspace --no-fail-fast
+	@bash -o pipefail -c 'cargo test --workspace --no-fail-fast 2>&1 | sh scripts/count-tests.sh'
 
 # Faults on purpose: each builds the kernels with one fault, which a check must catch. For nightly
 # runs.
@@ -41,8 +42,17 @@ doc:
 release:
 	cargo build --release -p populace-cli
 
-# Registers, spills, stack, local memory and occupancy of the kernels on GPUs, without a GPU, held to
-# crates/populace-opencl/gpu-budget.csv; RENEW=1 writes that file. Compilers are fetched by apt-get
-# and pip into the target folder, and nothing is installed.
+# Two crowds of 10,000 members on different devices, in which everything changes, for an hour.
+soak:
+	cargo test -p populace-cli --test sequences -- --soak-minutes $(or $(MINUTES),60)
+
+# Registers, spills, stack, local memory and occupancy of the kernels on GPUs, without a GPU, held
+# to crates/populace-opencl/gpu-budget.csv; RENEW=1 writes that file. Compilers are fetched by
+# apt-get and pip into the target folder, and nothing is installed.
 gpu-budget:
 	python3 -B scripts/gpu-budget.py $(if $(RENEW),--renew)
+
+# Tests on another OpenCL driver: DRIVER=intel, oclgrind or pocl. It is fetched into the target
+# folder, and nothing is installed.
+conformance:
+	python3 -B scripts/conformance.py $(DRIVER)

@@ -157,11 +157,12 @@ impl SplitBackend {
     /// phase, another device may evaluate a member, look at it or follow it. Waits for all devices.
     /// Does nothing if there is nothing to exchange.
     fn share_history(&mut self, tables: &Tables) -> Result<(), BackendError> {
-        let mut all = DeviceHistory::default();
-        if !all.allocate(tables) {
+        if !DeviceHistory::default().allocate(tables) {
             return Ok(());
         }
-        for at in 0..self.parts.len() {
+        // Joints of members that are gone stay where they were, and are the same on all devices.
+        let mut all = DeviceHistory::read(&mut *self.parts[0].backend, tables)?;
+        for at in 1..self.parts.len() {
             let own = DeviceHistory::read(&mut *self.parts[at].backend, tables)?;
             let places = self.parts[at].places.clone();
             for (_, member) in

@@ -7,7 +7,7 @@ use populace::{
 };
 
 use crate::draw::Draw;
-use crate::world::{MAX_MEMBERS, Outcome, World};
+use crate::world::{Outcome, World};
 use crate::{assets, controls, reads};
 
 /// A call: its kind, and the seed of its arguments.
@@ -133,7 +133,6 @@ fn spawn(world: &mut World, draw: &mut Draw) -> Option<Outcome> {
     if let Ok(member) = result {
         world.members.push((member, body));
     }
-    assert!(world.members.len() <= MAX_MEMBERS);
     Some(Outcome::of(result))
 }
 

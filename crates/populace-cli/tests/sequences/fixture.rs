@@ -47,7 +47,8 @@ fn track(joint: String, property: Property, times: &[f32], values: Vec<f32>) -> 
     Track { joint, property, interpolation: Interpolation::Linear, times: times.to_vec(), values }
 }
 
-fn rotating(name: &str, joints: usize, skeleton: &Skeleton) -> Clip {
+/// Creates a clip that rotates all joints.
+pub(crate) fn rotating(name: &str, joints: usize, skeleton: &Skeleton) -> Clip {
     let rotation = |joint: usize| {
         let times = [0.0, 0.3, 0.7, 1.1];
         let values = times.iter().flat_map(|secs| {
@@ -136,6 +137,15 @@ fn setup(devices: &[Devices], schedule: Schedule) -> Setup {
         needs_opencl,
         has_stages: !needs_opencl,
     }
+}
+
+/// Returns the set-ups of the two crowds of a soak, which have no devices in common.
+pub(crate) fn soak_setups() -> [Setup; 2] {
+    let native = |threads| Devices::from(Device::Native { threads });
+    let opencl = Devices::from(Device::opencl(0));
+    let both = Devices::from([Device::Native { threads: 1 }, Device::opencl(0)]);
+    let others: &[Devices] = if cfg!(skip_opencl) { &[native(1)] } else { &[opencl, both] };
+    [setup(&[native(2)], Schedule::Fused), setup(others, Schedule::Fused)]
 }
 
 /// Returns set-ups for every device and schedule, and for two devices that share a crowd.

@@ -12,12 +12,12 @@ pub(crate) const FLAGS: [&str; 4] = ["--seed", "--calls", "--length", "--setup"]
 /// Default number of calls in a sequence.
 const DEFAULT_LENGTH: usize = 600;
 
-fn value(name: &str) -> Option<String> {
+pub(crate) fn value(name: &str) -> Option<String> {
     let mut arguments = std::env::args().skip_while(|argument| argument != name);
     arguments.nth(1)
 }
 
-fn number(name: &str, default: u64) -> u64 {
+pub(crate) fn number(name: &str, default: u64) -> u64 {
     value(name).map_or(default, |text| {
         text.parse().unwrap_or_else(|_| panic!("{name} takes a whole number, not \"{text}\""))
     })
@@ -25,7 +25,7 @@ fn number(name: &str, default: u64) -> u64 {
 
 /// Prints progress on stderr.
 #[expect(clippy::print_stderr, reason = "a long run reports its progress")]
-fn report(text: &str) {
+pub(crate) fn report(text: &str) {
     eprint!("{text}");
 }
 
@@ -68,9 +68,13 @@ pub(crate) fn run() -> ExitCode {
     ExitCode::SUCCESS
 }
 
-/// Returns the memory of this process; 0 if the system does not report it.
 fn resident_mib() -> u64 {
+    resident_kib() / 1024
+}
+
+/// Returns the memory of this process; 0 if the system does not report it.
+pub(crate) fn resident_kib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0) / 1024
+    line.and_then(|line| line.split_whitespace().next()?.parse::<u64>().ok()).unwrap_or(0)
 }

@@ -7,6 +7,8 @@
 //! Fixed seeds run as tests. Other seeds run by `cargo test -p populace-cli --test sequences --
 //! --seed 7 --calls 1000000`, on every device or, with `--setup native/fused`, on one. A failing
 //! sequence is shortened and printed.
+//!
+//! `--soak-minutes 60` keeps two large crowds on different devices alive instead (`soak.rs`).
 
 mod assets;
 mod calls;
@@ -16,6 +18,8 @@ mod fixture;
 mod long;
 mod reads;
 mod sequence;
+mod soak;
+mod watched;
 mod world;
 
 use std::process::ExitCode;
@@ -34,6 +38,9 @@ fn main() -> ExitCode {
     if std::env::args().any(|argument| long::FLAGS.contains(&argument.as_str())) {
         return long::run();
     }
+    if std::env::args().any(|argument| argument == soak::FLAG) {
+        return soak::run();
+    }
     let mut arguments = Arguments::from_args();
     // More threads would wait for each other on the same OpenCL device.
     arguments.test_threads.get_or_insert(2);
@@ -42,7 +49,8 @@ fn main() -> ExitCode {
         let trial = Trial::test(format!("sequences: {}", setup.name), move || check(&setup));
         trial.with_ignored_flag(is_skipped)
     });
-    libtest_mimic::run(&arguments, trials.collect()).exit_code()
+    let soak = Trial::test("soak: a small crowd", soak::check_small);
+    libtest_mimic::run(&arguments, trials.chain([soak]).collect()).exit_code()
 }
 
 fn check(setup: &Setup) -> Result<(), libtest_mimic::Failed> {

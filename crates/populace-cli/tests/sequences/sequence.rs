@@ -8,7 +8,7 @@ use populace_testkit::Rng;
 use crate::calls::{ALL, Call, CallKind};
 use crate::draw::Draw;
 use crate::fixture::Setup;
-use crate::world::{Outcome, World};
+use crate::world::{MAX_MEMBERS, Outcome, World};
 
 /// A sequence of calls.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ impl Sequence {
 
     fn compare(&self, setup: &Setup) -> Result<(), String> {
         let world = || {
-            World::new(setup, self.slots)
+            World::new(setup, self.slots, MAX_MEMBERS)
                 .map_err(|error| format!("the crowd cannot be built: {error}"))
         };
         let mut worlds = [world()?, world()?];
@@ -134,7 +134,7 @@ impl Sequence {
     /// Formats the calls with their arguments and results.
     fn format_calls(&self, setup: &Setup) -> String {
         let mut text = String::new();
-        let Ok(mut world) = World::new(setup, self.slots) else { return text };
+        let Ok(mut world) = World::new(setup, self.slots, MAX_MEMBERS) else { return text };
         for call in &self.calls {
             let mut draw = Draw::new(call.seed, self.odd, true);
             let run = catch_unwind(AssertUnwindSafe(|| call.kind.run(&mut world, &mut draw)));

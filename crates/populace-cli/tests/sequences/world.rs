@@ -11,8 +11,11 @@ use populace_physics::{RagdollPlan, Ragdolls};
 use crate::draw::Draw;
 use crate::fixture::{Setup, characters};
 
-/// Largest number of members, and of handles of each kind.
+/// Largest number of members of a short sequence, and of handles of each kind.
 pub(crate) const MAX_MEMBERS: usize = 24;
+/// The bodies that soaks watch, by their index in [`characters`].
+pub(crate) const ARM: usize = 0;
+pub(crate) const PERSON: usize = 2;
 /// Largest number of handles kept after their members were despawned.
 const MAX_STALE: usize = 8;
 
@@ -71,9 +74,10 @@ impl Outcome {
 }
 
 impl World {
-    pub(crate) fn new(setup: &Setup, slots: usize) -> Result<Self, Error> {
+    /// Builds a crowd of at most `capacity` members.
+    pub(crate) fn new(setup: &Setup, slots: usize, capacity: usize) -> Result<Self, Error> {
         let builder = Crowd::builder().devices(setup.devices[0].clone()).schedule(setup.schedule);
-        let mut crowd = builder.capacity(MAX_MEMBERS).slots_per_member(slots).build()?;
+        let mut crowd = builder.capacity(capacity).slots_per_member(slots).build()?;
         let mut bodies = Vec::new();
         for character in characters() {
             let id = crowd.add_character(Arc::clone(character))?;

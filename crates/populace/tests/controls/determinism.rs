@@ -30,7 +30,12 @@ fn feet(weight: f32) -> Feet {
 }
 
 /// Gives a member constraints of all kinds. Their parameters depend on `number`.
-fn constrain(scene: &mut Scene, member: MemberId, number: u8, watched: Option<MemberId>) {
+pub(crate) fn constrain(
+    scene: &mut Scene,
+    member: MemberId,
+    number: u8,
+    watched: Option<MemberId>,
+) {
     let x = f32::from(number);
     // Directions ahead, beyond the lateral limits, behind, above and below.
     let yaw = x * 0.9;

@@ -16,3 +16,4 @@ mod moves;
 mod overrides;
 mod reach;
 mod repeats;
+mod small;
