@@ -2,14 +2,13 @@
 
 mod contacts;
 mod maps;
+mod sides;
+mod together;
 
 use std::rc::Rc;
 
 use glam::Vec3;
-use populace_character::{
-    AlphaMode, Character, Image, Influences, Material, Mesh, Part, RegionFinder,
-};
-use populace_device::layout::Float4;
+use populace_character::{Character, Image, Material, Mesh, Part, RegionFinder};
 use populace_model::Affine;
 
 use crate::Error;
@@ -19,6 +18,7 @@ use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
 
 pub(crate) use contacts::Contacts;
 pub(crate) use maps::{MapTextures, Maps};
+use together::{DrawnTogether, Likeness, byte};
 
 /// Alpha mode of a material, without its parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -100,8 +100,7 @@ impl Model {
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<Self, Error> {
         let mut textures = Textures { gl, uploaded: Vec::new() };
-        let mirrored = mirrored_entries(character);
-        let regions = RegionFinder::new(character);
+        let surfaces = Surfaces::of(character);
         let shown: Vec<usize> =
             (0..character.parts.len()).filter(|part| !hide(&character.parts[*part])).collect();
         let own = shown.iter().map(|part| (*part, &character.parts[*part].mesh)).collect();
@@ -112,29 +111,13 @@ impl Model {
         }
         let mut levels = Vec::with_capacity(meshes.len());
         for (error_m, meshes) in meshes {
-            let mut drawn: Vec<DrawnTogether> = Vec::new();
-            for (part, mesh) in meshes.into_iter().filter(|(_, mesh)| !mesh.indices.is_empty()) {
-                let material = character.parts[part].material;
-                let material =
-                    material.map_or_else(Material::default, |m| character.materials[m].clone());
-                let like = Likeness::of(part, mesh, &material, is_mirrored(mesh, &mirrored));
-                let index = drawn.iter().position(|d| d.like == like).unwrap_or_else(|| {
-                    drawn.push(DrawnTogether::new(like));
-                    drawn.len() - 1
-                });
-                let regions = regions.regions(part, mesh);
-                let option = character.option_of(part).map_or(0, |option| option + 1);
-                let option = u8::try_from(option).unwrap_or(0);
-                let [metallic, roughness] = [material.metallic, material.roughness].map(byte);
-                let marks = regions.iter().map(|r| [r.number(), option, metallic, roughness]);
-                drawn[index].append(mesh, &material, marks);
-            }
+            let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
+            let drawn = surfaces.drawn_together(&meshes, is_coarse);
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
                 let (texture, maps) = textures.of(&together.like, &character.images)?;
                 parts.push(together.upload(gl, texture, maps)?);
             }
-            let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
             levels.push(ModelLevel { parts, error_m, is_coarse });
         }
         let blended = levels[0].parts.iter().any(|part| part.alpha == Alpha::Blended);
@@ -159,173 +142,45 @@ impl Model {
     }
 }
 
-/// What parts have in common that are drawn together.
-#[derive(Clone, Copy, PartialEq)]
-struct Likeness {
-    texture: Option<populace_character::Texture>,
-    /// Substance, normal, occlusion and emitted light.
-    maps: [Option<populace_character::Texture>; 4],
-    normal_scale: f32,
-    occlusion_strength: f32,
-    emissive: [f32; 3],
-    alpha: AlphaMode,
-    double_sided: bool,
-    mirrored: bool,
-    per_vertex: usize,
-    /// Blended parts are drawn one by one, in the character's order.
-    blended_part: Option<usize>,
+/// What a character's parts look like at all levels of detail.
+struct Surfaces<'a> {
+    character: &'a Character,
+    regions: RegionFinder<'a>,
+    mirrored: Vec<bool>,
 }
 
-impl Likeness {
-    fn of(part: usize, mesh: &Mesh, material: &Material, mirrored: bool) -> Self {
-        Self {
-            texture: material.base_color_texture,
-            maps: [
-                material.metallic_roughness_texture,
-                material.normal_texture,
-                material.occlusion_texture,
-                material.emissive_texture,
-            ],
-            normal_scale: material.normal_scale,
-            occlusion_strength: material.occlusion_strength,
-            emissive: material.emissive,
-            alpha: material.alpha,
-            double_sided: material.double_sided,
-            mirrored,
-            per_vertex: mesh.influences.per_vertex,
-            blended_part: (material.alpha == AlphaMode::Blend).then_some(part),
-        }
-    }
-}
-
-/// The triangles of parts that are drawn together.
-struct DrawnTogether {
-    like: Likeness,
-    vertices: Vec<Vertex>,
-    influences: Influences,
-    indices: Vec<u32>,
-}
-
-impl DrawnTogether {
-    fn new(like: Likeness) -> Self {
-        let (entries, weights) = (Vec::new(), Vec::new());
-        let influences = Influences { per_vertex: like.per_vertex, entries, weights };
-        Self { like, vertices: Vec::new(), influences, indices: Vec::new() }
+impl<'a> Surfaces<'a> {
+    fn of(character: &'a Character) -> Self {
+        let (regions, mirrored) = (RegionFinder::new(character), mirrored_entries(character));
+        Self { character, regions, mirrored }
     }
 
-    fn append(&mut self, mesh: &Mesh, material: &Material, marks: impl Iterator<Item = Bytes4>) {
-        // Saturation is out of reach: indices of 2^32 vertices are refused on upload.
-        let first = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
-        self.vertices.extend((0..mesh.positions.len()).zip(marks).map(|(vertex, marks)| {
-            let color = mesh.colors.get(vertex).copied().unwrap_or([1.0; 4]);
-            Vertex {
-                position: mesh.positions[vertex],
-                normal: mesh.normals[vertex],
-                uv: mesh.uvs.get(vertex).copied().unwrap_or_default(),
-                color: [0, 1, 2, 3].map(|c: usize| material.base_color[c] * color[c]),
-                marks,
+    /// Sorts meshes of parts by how they are drawn.
+    fn drawn_together(&self, meshes: &[(usize, &Mesh)], is_coarse: bool) -> Vec<DrawnTogether> {
+        let character = self.character;
+        let mut drawn: Vec<DrawnTogether> = Vec::new();
+        for &(part, mesh) in meshes.iter().filter(|(_, mesh)| !mesh.indices.is_empty()) {
+            let material = character.parts[part].material;
+            let material =
+                material.map_or_else(Material::default, |m| character.materials[m].clone());
+            let regions = self.regions.regions(part, mesh);
+            let option = character.option_of(part).map_or(0, |option| option + 1);
+            let option = u8::try_from(option).unwrap_or(0);
+            let [metallic, roughness] = [material.metallic, material.roughness].map(byte);
+            let marks: Vec<Bytes4> =
+                regions.iter().map(|r| [r.number(), option, metallic, roughness]).collect();
+            let mirrored = is_mirrored(mesh, &self.mirrored);
+            let like = Likeness::of(part, mesh, &material, mirrored);
+            for (like, indices) in like.by_sides(mesh, is_coarse) {
+                let index = drawn.iter().position(|d| d.like == like).unwrap_or_else(|| {
+                    drawn.push(DrawnTogether::new(like));
+                    drawn.len() - 1
+                });
+                drawn[index].append(mesh, &indices, &material, &marks);
             }
-        }));
-        self.influences.entries.extend(&mesh.influences.entries);
-        self.influences.weights.extend(normalized_weights(&mesh.influences));
-        self.indices.extend(mesh.indices.iter().map(|index| first.saturating_add(*index)));
-    }
-
-    fn upload(
-        &self,
-        gl: &Rc<Gl>,
-        texture: Option<Rc<Texture>>,
-        maps: MapTextures,
-    ) -> Result<ModelPart, Error> {
-        let (size, limit) = (self.indices.len() as u64, u64::from(i32::MAX.unsigned_abs()));
-        if size > limit {
-            return Err(Error::TooLarge { what: "the number of indices of a mesh", size, limit });
         }
-        let (alpha, alpha_cutoff) = match self.like.alpha {
-            AlphaMode::Opaque => (Alpha::Opaque, 0.0),
-            AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
-            AlphaMode::Blend => (Alpha::Blended, 0.0),
-        };
-        let [red, green, blue] = self.like.emissive;
-        let surface = Surface {
-            alpha_cutoff,
-            normal_scale: self.like.normal_scale,
-            occlusion_strength: self.like.occlusion_strength,
-            unused: 0.0,
-            emissive: Float4([red, green, blue, 0.0]),
-        };
-        let (vertices, indices) = (&self.vertices, &self.indices);
-        Ok(ModelPart {
-            vertices: Buffer::with(gl, BufferUse::Static, vertices, "upload a mesh's vertices")?,
-            skin: upload_skin(gl, &self.influences)?,
-            influences: most_influences(&self.influences),
-            indices: Buffer::with(gl, BufferUse::Static, indices, "upload a mesh's triangles")?,
-            surface: Buffer::with(gl, BufferUse::Static, &[surface], "upload a material")?,
-            texture,
-            maps,
-            emits: self.like.emissive != [0.0; 3],
-            alpha,
-            double_sided: self.like.double_sided,
-            mirrored: self.like.mirrored,
-        })
+        drawn
     }
-}
-
-/// Returns a factor from 0 to 1 in 1/255.
-fn byte(factor: f32) -> u8 {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "clamped to a byte; a character's numbers are finite"
-    )]
-    let byte = (factor * 255.0).round().clamp(0.0, 255.0) as u8;
-    byte
-}
-
-/// Returns the most influences of a vertex that have a weight, rounded up to 1, 2, 4 or 8.
-/// Influences without weight must come last to be left out.
-fn most_influences(influences: &Influences) -> u32 {
-    let last = |weights: &[f32]| weights.iter().rposition(|w| *w != 0.0).map_or(1, |at| at + 1);
-    let most = influences.weights.chunks(influences.per_vertex).map(last).max().unwrap_or(1);
-    if most > 4 { 8 } else { u32::try_from(most.next_power_of_two()).unwrap_or(4) }
-}
-
-fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
-    let operation = "upload a mesh's influences";
-    let (entries, _) = influences.entries.as_chunks::<4>();
-    let (weights, _) = influences.weights.as_chunks::<4>();
-    let fours = entries
-        .iter()
-        .zip(weights)
-        .map(|(&entries0, &weights0)| Influences4 { weights0, entries0 });
-    if influences.per_vertex == 4 {
-        let data: Vec<_> = fours.collect();
-        return Ok(Skin::Four(Buffer::with(gl, BufferUse::Static, &data, operation)?));
-    }
-    let data: Vec<_> = entries
-        .chunks_exact(2)
-        .zip(weights.chunks_exact(2))
-        .map(|(entries, weights)| Influences8 {
-            weights0: weights[0],
-            weights1: weights[1],
-            entries0: entries[0],
-            entries1: entries[1],
-        })
-        .collect();
-    Ok(Skin::Eight(Buffer::with(gl, BufferUse::Static, &data, operation)?))
-}
-
-/// Returns the weights, divided by their sum per vertex. In some files the sum is not 1, which
-/// would scale the vertex towards the model's origin.
-fn normalized_weights(influences: &Influences) -> Vec<f32> {
-    let mut weights = influences.weights.clone();
-    for vertex in weights.chunks_mut(influences.per_vertex) {
-        let sum: f32 = vertex.iter().sum();
-        if sum > 0.0 {
-            vertex.iter_mut().for_each(|weight| *weight /= sum);
-        }
-    }
-    weights
 }
 
 /// Cache of one character's textures: each is uploaded once.

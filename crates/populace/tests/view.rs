@@ -118,6 +118,39 @@ fn levels_follow_the_distance_and_change_with_hysteresis() {
     assert_eq!((level_at(30.0), level_at(1000.0), level_at(1.0)), (1, 2, 0));
 }
 
+/// Seconds for which nobody in view may keep a pose.
+const LONGEST_POSE_SECS: f32 = 0.1;
+
+#[test]
+fn nobody_in_view_keeps_a_pose() {
+    let distances = [3.0, 10.0, 30.0, 100.0, 300.0, 1000.0];
+    let places = distances.map(|z: f32| [0.1 * z, -1.0, -z]);
+    for (device, schedule) in [
+        (Device::native(), Schedule::Staged),
+        (Device::native(), Schedule::Fused),
+        (Device::opencl(0), Schedule::Staged),
+        (Device::opencl(0), Schedule::FusedWide),
+        (Device::opencl(0), Schedule::FusedGrouped),
+    ] {
+        let mut scene = Scene::new(device, schedule, &places);
+        scene.crowd.set_view(Some(view(1.0))).unwrap();
+        scene.crowd.update(LONGEST_POSE_SECS).unwrap();
+        let levels: Vec<_> = scene.seen().iter().map(|seen| seen.1).collect();
+        assert_eq!((levels[0], levels[5]), (0, 2), "near and far members are seen: {levels:?}");
+        for frame in 0..8 {
+            let before: Vec<_> = (0..places.len()).map(|member| scene.palette(member)).collect();
+            scene.crowd.update(LONGEST_POSE_SECS).unwrap();
+            for (member, before) in before.iter().enumerate() {
+                assert!(
+                    scene.palette(member) != *before,
+                    "{schedule}, frame {frame}: the member {} m away keeps its pose",
+                    distances[member]
+                );
+            }
+        }
+    }
+}
+
 #[test]
 fn far_members_are_posed_with_fewer_joints() {
     const FAR: [f32; 3] = [0.0, -1.0, -100.0];
