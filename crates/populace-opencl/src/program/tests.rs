@@ -1,8 +1,8 @@
 use super::Form;
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
+use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
-use opencl3::kernel::Kernel;
 
 /// Reference scales, and the ratio of 2 to each. The test of the same name in populace-native has
 /// the same numbers.
