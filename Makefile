@@ -13,10 +13,10 @@ test:
 	@sh scripts/setup.sh --check || true
 	@bash -o pipefail -c 'cargo test --workspace --no-fail-fast 2>&1 | sh scripts/count-tests.sh'
 
-# Faults on purpose: each builds the kernels with one fault, which a check must catch. For nightly
-# runs.
+# Faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
 test-long:
 	cargo test -p populace-opencl --lib faults -- --ignored
+	cargo test -p populace --test device_faults -- --ignored
 
 # An OpenCL driver for the CPU, EGL and Mesa's software driver, as root or with sudo.
 setup:

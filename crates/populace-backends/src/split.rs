@@ -320,6 +320,10 @@ impl Backend for SplitBackend {
         Ok(())
     }
 
+    fn undo_frame(&mut self) {
+        self.parts.iter_mut().for_each(|part| part.backend.undo_frame());
+    }
+
     fn runs_ahead(&self) -> bool {
         self.parts.iter().all(|part| part.backend.runs_ahead())
     }

@@ -204,6 +204,12 @@ pub trait Backend: PaletteSource + Send {
     /// A device failure.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError>;
 
+    /// Takes back what the frame since the last [`update`](Self::update) changed for later frames:
+    /// states of constraints, watched joints and state machines. For a frame that failed, on this
+    /// device or on one that shares the crowd. Its results cannot be read. Does nothing without a
+    /// frame.
+    fn undo_frame(&mut self);
+
     /// Returns whether [`run`](Self::run) returns while the device is still working, so that the
     /// host can start other devices meanwhile.
     fn runs_ahead(&self) -> bool {

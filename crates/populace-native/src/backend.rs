@@ -221,6 +221,7 @@ impl Backend for NativeBackend {
         let Self { pool, stages, buffers, pages, history, .. } = self;
         match stage {
             Stage::Evaluate => pool.install(|| {
+                history.keep_running();
                 advance(tables, frame.tick, &mut history.running);
                 evaluate(tables, &history.running, frame.tick, &mut buffers.samples);
             }),
@@ -252,6 +253,7 @@ impl Backend for NativeBackend {
             if frame.begins() {
                 self.pages.begin_frame();
                 let Self { pool, history, .. } = self;
+                history.keep_running();
                 pool.install(|| advance(tables, frame.tick, &mut history.running));
             }
             self.run_phases(tables, frame);
@@ -259,6 +261,10 @@ impl Backend for NativeBackend {
         let before_ms = self.frame_ms.filter(|_| !frame.begins()).unwrap_or(0.0);
         self.frame_ms = Some(before_ms + start.elapsed().as_secs_f64() * 1e3);
         Ok(())
+    }
+
+    fn undo_frame(&mut self) {
+        self.history.undo_frame();
     }
 
     fn read(

@@ -15,6 +15,12 @@ pub(crate) struct History {
     before: Persistent,
     /// State of each state-machine instance.
     pub(crate) running: Vec<Float4>,
+    /// The same before the newest frame.
+    running_before: Vec<Float4>,
+    /// Whether a frame has begun since the tables were updated.
+    has_begun: bool,
+    /// Whether `running_before` was kept since then.
+    has_kept: bool,
 }
 
 /// One of the two buffers.
@@ -46,6 +52,7 @@ impl DeferredWrites {
 impl History {
     /// Grows the buffers to the size of the tables, and clears new watched elements.
     pub(crate) fn grow(&mut self, tables: &Tables) -> Result<(), BackendError> {
+        (self.has_begun, self.has_kept) = (false, false);
         grow(&mut self.now.states, tables.state_elements(), "member states")?;
         grow(&mut self.now.watched, tables.watched_elements(), "watched joints")?;
         grow(&mut self.running, tables.running_elements(), "state machine instances")?;
@@ -60,6 +67,23 @@ impl History {
     pub(crate) fn begin_frame(&mut self) {
         self.before.states.clone_from(&self.now.states);
         self.before.watched.clone_from(&self.now.watched);
+        self.has_begun = true;
+    }
+
+    /// Keeps the state of the state machines before a frame advances them.
+    pub(crate) fn keep_running(&mut self) {
+        self.running_before.clone_from(&self.running);
+        self.has_kept = true;
+    }
+
+    /// Takes back what the frame since the last update changed.
+    pub(crate) fn undo_frame(&mut self) {
+        if std::mem::take(&mut self.has_begun) {
+            std::mem::swap(&mut self.now, &mut self.before);
+        }
+        if std::mem::take(&mut self.has_kept) {
+            std::mem::swap(&mut self.running, &mut self.running_before);
+        }
     }
 
     /// Applies a worker's writes.
@@ -93,7 +117,7 @@ impl History {
 
     /// Returns the `Float4` elements held, both buffers counted.
     pub(crate) fn element_count(&self) -> usize {
-        self.now.states.len() * 2 + self.now.watched.len() * 2 + self.running.len()
+        self.now.states.len() * 2 + self.now.watched.len() * 2 + self.running.len() * 2
     }
 }
 

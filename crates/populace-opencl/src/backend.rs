@@ -2,10 +2,7 @@
 
 use std::sync::Arc;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
-use opencl3::kernel::Kernel;
 use populace_device::layout::Float4;
 use populace_device::{
     Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
@@ -14,6 +11,7 @@ use populace_device::{
 
 use crate::context::FrameContext;
 use crate::fused::Fused;
+use crate::handles::{CommandQueue, Event, Kernel};
 use crate::history::History;
 use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
@@ -245,6 +243,9 @@ impl Backend for OpenClBackend {
             ));
         }
         self.check_updated(tables, operation)?;
+        if stage == Stage::Evaluate {
+            self.machines.keep(&self.queue).map_err(|e| self.device.failed(operation, &e))?;
+        }
         if stage == Stage::WriteBack {
             self.pages.begin_frame().map_err(|e| self.device.failed(operation, &e))?;
         }
@@ -265,14 +266,22 @@ impl Backend for OpenClBackend {
         const OPERATION: &str = "run a frame";
         self.check_updated(tables, OPERATION)?;
         if frame.begins() {
-            let begun =
-                self.pages.begin_frame().and_then(|()| self.history.begin_frame(&self.queue));
+            let begun = self
+                .pages
+                .begin_frame()
+                .and_then(|()| self.machines.keep(&self.queue))
+                .and_then(|()| self.history.begin_frame(&self.queue));
             begun.map_err(|e| self.device.failed(OPERATION, &e))?;
         }
         self.enqueue(tables, OPERATION, |plan, context| match plan {
             SchedulePlan::Staged(_) => Ok(()),
             SchedulePlan::Fused(fused) => fused.run(context, frame),
         })
+    }
+
+    fn undo_frame(&mut self) {
+        self.history.undo_frame();
+        self.machines.undo_frame();
     }
 
     fn runs_ahead(&self) -> bool {
@@ -400,7 +409,7 @@ impl Backend for OpenClBackend {
             SchedulePlan::Staged(staged) => staged.blocks.bytes() + staged.buffers.bytes(),
             SchedulePlan::Fused(fused) => fused.bytes(),
         };
-        let machines = self.machines.running.bytes();
+        let machines = self.machines.bytes();
         let shared = self.uploader.bytes() + self.history.bytes() + machines + self.pages.bytes();
         self.tables.bytes() + shared + schedule_part
     }

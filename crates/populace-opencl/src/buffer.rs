@@ -8,9 +8,9 @@ use std::ffi::c_void;
 use std::ops::Range;
 use std::ptr;
 
-use opencl3::command_queue::{CommandQueue, enqueue_read_buffer, enqueue_write_buffer};
+use opencl3::command_queue::{enqueue_read_buffer, enqueue_write_buffer};
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
+use opencl3::event;
 use opencl3::memory::{
     Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem,
 };
@@ -22,6 +22,7 @@ use populace_device::layout::{
     Running, Slot, SlotSample, Source, Step, Target, Transition,
 };
 
+use crate::handles::{CommandQueue, Event, Memory};
 use crate::{OpenClDevice, waits};
 
 /// An element type that kernels know by name.
@@ -95,7 +96,7 @@ impl Drop for StagingWords {
 
 /// `len` elements on a device.
 pub(crate) struct Buffer<T> {
-    memory: ClBuffer<T>,
+    memory: Memory<T>,
     len: usize,
     /// Elements that fit into the memory.
     capacity: usize,
@@ -129,9 +130,12 @@ impl<T> AsyncRead<T> {
 
 impl<T> Drop for AsyncRead<T> {
     fn drop(&mut self) {
-        if let Some(read) = &self.read {
-            // The device writes into `elements` until then. An error cannot be reported here.
-            let _done = waits::for_event(read);
+        // The device writes into the elements until then. If it does not tell whether it has
+        // finished, they are never freed.
+        if let Some(read) = &self.read
+            && waits::for_event(read).is_err()
+        {
+            std::mem::forget(std::mem::take(&mut self.elements));
         }
     }
 }
@@ -158,7 +162,7 @@ impl<T: Element> Buffer<T> {
             ClError(-6..=-4 | -61) => out_of_memory(),
             other => device.failed(&format!("allocate {what}"), &other),
         })?;
-        Ok(Self { memory, len, capacity: count })
+        Ok(Self { memory: memory.into(), len, capacity: count })
     }
 
     /// Wraps existing memory.
@@ -168,7 +172,7 @@ impl<T: Element> Buffer<T> {
     /// The memory must hold at least `len` elements, and must stay valid for as long as the queue
     /// uses the buffer.
     pub(crate) unsafe fn from_memory(memory: ClBuffer<T>, len: usize) -> Self {
-        Self { memory, len, capacity: len }
+        Self { memory: memory.into(), len, capacity: len }
     }
 
     /// Sets the length and returns true if the memory suffices, else returns false.
@@ -261,7 +265,7 @@ impl<T: Element> Buffer<T> {
             )
         }
         .map_err(ClError)?;
-        from.reads.push(Event::new(event));
+        from.reads.push(event::Event::new(event).into());
         Ok(())
     }
 
@@ -323,7 +327,7 @@ impl<T: Element> Buffer<T> {
                     ptr::null(),
                 )
             };
-            into.read = Some(Event::new(event.map_err(ClError)?));
+            into.read = Some(event::Event::new(event.map_err(ClError)?).into());
         }
         Ok(())
     }

@@ -1,10 +1,9 @@
 //! Inputs that the launches of all schedules share.
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
 use populace_device::{Frame, Tables};
 
+use crate::handles::{CommandQueue, Event};
 use crate::history::History;
 use crate::machines::Machines;
 use crate::pages::Pages;

@@ -8,14 +8,13 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use opencl3::command_queue::{CL_QUEUE_PROFILING_ENABLE, CommandQueue};
+use opencl3::command_queue::{self, CL_QUEUE_PROFILING_ENABLE};
 use opencl3::context::Context;
 use opencl3::device::{
     CL_DEVICE_PARTITION_EQUALLY, CL_DEVICE_TYPE_CPU, CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT, Device,
     SubDevice,
 };
 use opencl3::error_codes::ClError;
-use opencl3::kernel::Kernel;
 use opencl3::platform::Platform;
 use opencl3::program::Program;
 use populace_device::{BackendError, GlContext, PaletteTransport};
@@ -24,6 +23,7 @@ use crate::cache::{Cache, Entry as CacheEntry};
 use crate::errors::failed;
 use crate::finding::{DeviceInfo, all_devices, info};
 use crate::gl_context::{NOT_OFFERED, context_for};
+use crate::handles::{CommandQueue, Kernel};
 use crate::program::Form;
 use crate::{DeviceKind, pocl};
 
@@ -289,9 +289,13 @@ impl OpenClDevice {
         // SAFETY: the device belongs to the context, since `open` made the context from the device;
         // all devices have these properties.
         let queue = unsafe {
-            CommandQueue::create(&self.context, self.device.id(), CL_QUEUE_PROFILING_ENABLE)
+            command_queue::CommandQueue::create(
+                &self.context,
+                self.device.id(),
+                CL_QUEUE_PROFILING_ENABLE,
+            )
         };
-        queue.map_err(|e| self.failed("create a command queue", &e))
+        queue.map(CommandQueue::from).map_err(|e| self.failed("create a command queue", &e))
     }
 
     pub(crate) fn failed(&self, operation: &str, error: &ClError) -> BackendError {

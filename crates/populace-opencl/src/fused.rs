@@ -5,14 +5,13 @@ mod dispatch;
 mod readback;
 
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
-use opencl3::kernel::Kernel;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::context::FrameContext;
+use crate::handles::{Event, Kernel};
 use crate::history::WriteTarget;
 use crate::launch::Launch;
 use crate::program::Form;

@@ -12,7 +12,6 @@
 use std::ffi::c_void;
 use std::sync::Arc;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use opencl3::memory::{Buffer as ClBuffer, CL_MEM_READ_WRITE, CL_MEM_USE_HOST_PTR, ClMem};
 use populace_device::layout::Float4;
@@ -20,6 +19,7 @@ use populace_device::{BackendError, MappedPage, PAGE_SETS, PaletteTarget, Shared
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
+use crate::handles::CommandQueue;
 use crate::waits;
 
 /// Two sets of pages from OpenGL, written alternately.

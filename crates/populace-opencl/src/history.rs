@@ -3,13 +3,13 @@
 
 use std::collections::VecDeque;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use populace_device::layout::Float4;
 use populace_device::{BackendError, Frame, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{AsyncRead, Buffer};
+use crate::handles::CommandQueue;
 use crate::launch::Launch;
 use crate::tables::DeviceTables;
 
@@ -23,6 +23,8 @@ pub(crate) struct History {
     scratch: [Buffer<Float4>; 2],
     /// Index of the buffers of the last frame.
     now: usize,
+    /// Whether a frame has begun since the last update.
+    has_begun: bool,
     /// Reads of watched joints that are still in progress, the oldest first.
     reads: VecDeque<WatchedRead>,
     /// The newest completed read.
@@ -57,6 +59,7 @@ impl History {
             watched: [empty()?, empty()?],
             scratch: [empty()?, empty()?],
             now: 0,
+            has_begun: false,
             reads: VecDeque::new(),
             newest: None,
             forgotten: 0,
@@ -70,6 +73,7 @@ impl History {
         queue: &CommandQueue,
         tables: &Tables,
     ) -> Result<(), BackendError> {
+        self.has_begun = false;
         for states in &mut self.states {
             states.grow(device, queue, tables.state_elements(), "states of members")?;
         }
@@ -101,8 +105,15 @@ impl History {
                 first.copy_from(queue, second)
             }?;
         }
-        self.now = 1 - self.now;
+        (self.now, self.has_begun) = (1 - self.now, true);
         Ok(())
+    }
+
+    /// Takes back what the frame since the last update changed.
+    pub(crate) fn undo_frame(&mut self) {
+        if std::mem::take(&mut self.has_begun) {
+            self.now = 1 - self.now;
+        }
     }
 
     /// Grows the scratch buffers for a member that is evaluated once more, and copies the watched

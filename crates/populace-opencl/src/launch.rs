@@ -6,12 +6,10 @@
 
 use std::ptr;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
-use opencl3::kernel::Kernel;
 
 use crate::buffer::{Buffer, Element};
+use crate::handles::{CommandQueue, Event, Kernel};
 
 /// `CL_KERNEL_ARG_INFO_NOT_AVAILABLE`.
 const NO_ARGUMENT_INFO: i32 = -19;
@@ -135,8 +133,9 @@ impl<'a> Launch<'a> {
         // `Tables` takes only indices that point into itself. Users' stages are given a struct of
         // their own and no buffer; that they stay within it is for those who write them, as
         // `UserStage` says.
-        unsafe {
+        let event = unsafe {
             queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[])
-        }
+        };
+        event.map(Event::from)
     }
 }

@@ -35,6 +35,7 @@ mod finding;
 mod fused;
 mod gl_context;
 mod gl_sharing;
+mod handles;
 mod history;
 mod launch;
 mod machines;

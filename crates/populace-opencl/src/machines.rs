@@ -1,15 +1,13 @@
 //! State machines: the running state of each instance, kept from frame to frame, and the kernel
 //! that advances them.
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::event::Event;
-use opencl3::kernel::Kernel;
 use populace_device::layout::{Float4, RUNNING_ELEMENTS, Running};
 use populace_device::{BackendError, Frame, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, INVALID_VALUE};
+use crate::handles::{CommandQueue, Event, Kernel};
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 use crate::tables::DeviceTables;
@@ -20,6 +18,10 @@ const EACH: usize = RUNNING_ELEMENTS as usize;
 pub(crate) struct Machines {
     advance: Kernel,
     pub(crate) running: Buffer<Running>,
+    /// The same before the newest frame.
+    before: Buffer<Running>,
+    /// Whether `before` was kept since the last update.
+    has_kept: bool,
     group: usize,
 }
 
@@ -30,8 +32,9 @@ impl Machines {
         form: Form,
         group: usize,
     ) -> Result<Self, BackendError> {
-        let running = Buffer::new(device, 0, "an empty buffer")?;
-        Ok(Self { advance: device.kernel(form, "", "advance")?, running, group })
+        let empty = || Buffer::new(device, 0, "an empty buffer");
+        let advance = device.kernel(form, "", "advance")?;
+        Ok(Self { advance, running: empty()?, before: empty()?, has_kept: false, group })
     }
 
     /// Grows to the size that the tables need, and keeps the contents.
@@ -42,7 +45,27 @@ impl Machines {
         tables: &Tables,
     ) -> Result<(), BackendError> {
         let count = tables.machine_instances().as_slice().len();
+        self.has_kept = false;
+        self.before.grow(device, queue, count, "state machines")?;
         self.running.grow(device, queue, count, "state machines")
+    }
+
+    /// Enqueues a copy of all states, before a frame advances them.
+    pub(crate) fn keep(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
+        self.before.copy_from(queue, &self.running)?;
+        self.has_kept = true;
+        Ok(())
+    }
+
+    /// Takes back what the frame since the last update changed.
+    pub(crate) fn undo_frame(&mut self) {
+        if std::mem::take(&mut self.has_kept) {
+            std::mem::swap(&mut self.running, &mut self.before);
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> usize {
+        self.running.bytes() + self.before.bytes()
     }
 
     /// Returns whether the memory suffices for the tables, as it does after an update.

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{BackendError, PaletteTarget, ReleasedPalettes, Tables, TargetMark};
@@ -10,6 +9,7 @@ use populace_device::{BackendError, PaletteTarget, ReleasedPalettes, Tables, Tar
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::gl_sharing::InteropPages;
+use crate::handles::CommandQueue;
 
 /// Elements of a whole page.
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;

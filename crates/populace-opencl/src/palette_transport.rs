@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use opencl3::command_queue::CommandQueue;
 use populace_device::layout::Float4;
 use populace_device::{
     BackendError, GlContext, PaletteSource, PaletteTarget, PaletteTransport, ReleasedPalettes,
@@ -10,6 +9,7 @@ use populace_device::{
 };
 
 use crate::OpenClDevice;
+use crate::handles::CommandQueue;
 use crate::pages::Pages;
 
 /// Palettes of a device without members. Linked to a renderer, it tells how palettes would reach

@@ -1,12 +1,12 @@
 //! Buffers that one stage writes and the next one reads.
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
 use populace_device::layout::{Float4, MAX_STEP_ROTATIONS, SlotSample};
 use populace_device::{BackendError, StageBuffer, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, Element};
+use crate::handles::CommandQueue;
 
 /// The buffers between stages. Those of joints are as long as the joint buffer.
 pub(crate) struct StageBuffers {

@@ -3,13 +3,12 @@
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::kernel::Kernel;
 use populace_device::{BackendError, Table, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::{Buffer, Element, StagingWords};
+use crate::handles::{CommandQueue, Kernel};
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
 

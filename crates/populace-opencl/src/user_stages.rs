@@ -2,10 +2,10 @@
 
 use std::fmt::Write;
 
-use opencl3::kernel::Kernel;
 use populace_device::{BackendError, UserStage};
 
 use crate::OpenClDevice;
+use crate::handles::Kernel;
 use crate::program::Form;
 
 /// The two kernels of a schedule that run users' stages.

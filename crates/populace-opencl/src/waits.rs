@@ -2,9 +2,10 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use opencl3::command_queue::CommandQueue;
 use opencl3::error_codes::ClError;
-use opencl3::event::{CL_COMPLETE, Event};
+use opencl3::event::CL_COMPLETE;
+
+use crate::handles::{CommandQueue, Event};
 
 /// For all devices of the process, since the waiting code does not know its backend.
 static WAITS: AtomicU64 = AtomicU64::new(0);

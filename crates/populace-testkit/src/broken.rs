@@ -168,6 +168,10 @@ impl<B: Backend> Backend for Broken<B> {
         self.inner.run(tables, frame)
     }
 
+    fn undo_frame(&mut self) {
+        self.inner.undo_frame();
+    }
+
     fn runs_ahead(&self) -> bool {
         self.inner.runs_ahead()
     }

@@ -6,6 +6,7 @@ use super::*;
 
 mod faults;
 mod parity;
+mod parity_slots;
 
 /// One context for all tests of this process.
 fn device() -> Arc<OpenClDevice> {

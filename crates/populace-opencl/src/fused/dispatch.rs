@@ -1,12 +1,12 @@
 //! Work-items of the fused schedules: the members that each takes, and where it stores
 //! `model_from_joint`.
 
-use opencl3::kernel::Kernel;
 use populace_device::layout::{Float4, JOINT_BLOCK};
 use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
+use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
 use crate::tables::DeviceTables;
 use crate::waits;

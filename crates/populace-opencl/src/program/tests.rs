@@ -3,9 +3,9 @@ use std::collections::BTreeSet;
 use super::Form;
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
+use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
 use crate::staged::GPU_SHAPE;
-use opencl3::kernel::Kernel;
 
 /// Environment variable with the folder that receives the text of each program for GPUs.
 const TEXTS: &str = "POPULACE_KERNEL_TEXTS";

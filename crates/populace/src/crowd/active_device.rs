@@ -40,8 +40,14 @@ impl ActiveDevice {
         self.opened.backend_mut()
     }
 
-    /// Uploads what changed in the tables and evaluates a frame.
-    pub(super) fn run(&mut self, tables: &mut Tables, frame: Frame) -> Result<(), Error> {
+    /// Uploads what changed in the tables, evaluates a frame, and starts to read watched joints if
+    /// there are any. An error takes the frame back.
+    pub(super) fn run(
+        &mut self,
+        tables: &mut Tables,
+        frame: Frame,
+        is_watched: bool,
+    ) -> Result<(), Error> {
         self.is_readable = false;
         if let Some(history) = &mut self.history {
             history.forget_new_watched(tables);
@@ -53,7 +59,14 @@ impl ActiveDevice {
         if let Some(history) = &self.history {
             history.write(self.opened.backend_mut(), tables)?;
         }
-        self.opened.backend_mut().run(tables, frame)?;
+        let backend = self.opened.backend_mut();
+        let fetch = |backend: &mut dyn Backend| {
+            if is_watched { backend.fetch_watched(tables, frame.tick) } else { Ok(()) }
+        };
+        if let Err(error) = backend.run(tables, frame).and_then(|()| fetch(backend)) {
+            backend.undo_frame();
+            return Err(error.into());
+        }
         (self.history, self.is_readable) = (None, true);
         Ok(())
     }

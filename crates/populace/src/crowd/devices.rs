@@ -2,7 +2,7 @@
 
 use super::Crowd;
 use super::active_device::ActiveDevice;
-use crate::{Devices, Error, Split};
+use crate::{Device, Devices, Error, Schedule, Split};
 use populace_backends::Engine;
 
 impl Crowd {
@@ -22,8 +22,10 @@ impl Crowd {
 
     /// Moves the crowd to one or several other devices, such as after a device was lost. Members,
     /// clips and clock continue. Several devices share the members by measured speed until
-    /// [`set_split`](Self::set_split) is called. A driver that has to build kernels can take
-    /// seconds; [`Device::prepare`](crate::Device::prepare) builds them ahead.
+    /// [`set_split`](Self::set_split) is called. The schedule stays, but
+    /// [`Schedule::FusedGrouped`] becomes [`Schedule::Fused`] with the native device. A driver that
+    /// has to build kernels can take seconds; [`Device::prepare`](crate::Device::prepare) builds
+    /// them ahead.
     ///
     /// # Errors
     ///
@@ -33,8 +35,13 @@ impl Crowd {
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let gl = self.device.gl.clone();
-        let mut opened =
-            devices.open(self.device.backend().schedule(), &Split::Measured, gl.as_ref())?;
+        let is_native = |device: &Device| matches!(device, Device::Native { .. });
+        let schedule = match self.device.backend().schedule() {
+            // The native device has no form for GPUs.
+            Schedule::FusedGrouped if devices.as_slice().iter().any(is_native) => Schedule::Fused,
+            schedule => schedule,
+        };
+        let mut opened = devices.open(schedule, &Split::Measured, gl.as_ref())?;
         opened.backend_mut().set_stages(self.state.stages.as_slice())?;
         // A lost device has no history: feet are planted again, and machines restart.
         let history = self.device.history(&self.state.base.tables).unwrap_or_default();

@@ -68,6 +68,10 @@ impl Backend for FailingBackend {
         self.inner.run(tables, frame)
     }
 
+    fn undo_frame(&mut self) {
+        self.inner.undo_frame();
+    }
+
     fn read(
         &mut self,
         tables: &Tables,

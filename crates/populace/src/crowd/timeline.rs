@@ -120,11 +120,8 @@ impl Crowd {
         *view_ms = start.elapsed().as_secs_f64() * 1e3;
         let elapsed = tick.saturating_sub(state.base.clock.tick);
         let frame = Frame::of_all(tick).after_ticks(u32::try_from(elapsed).unwrap_or(u32::MAX));
-        device.run(&mut state.base.tables, frame)?;
+        device.run(&mut state.base.tables, frame, !state.readbacks.is_empty())?;
         state.end_frame(tick, left_over);
-        if !state.readbacks.is_empty() {
-            device.backend_mut().fetch_watched(&state.base.tables, tick)?;
-        }
         Ok(())
     }
 }
