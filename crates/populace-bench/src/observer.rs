@@ -15,6 +15,11 @@ pub trait Observer {
     /// One more step of the work is done.
     fn step_done(&mut self) {}
 
+    /// Every subject has made one more frame, which is a measured one or one to warm up.
+    fn frame_done(&mut self, is_measured: bool) {
+        let _ = is_measured;
+    }
+
     /// The work is done.
     fn work_done(&mut self) {}
 

@@ -107,6 +107,7 @@ fn measure_group<'a>(
             session.frame(frame)?;
             observer.step_done();
         }
+        observer.frame_done(frame >= WARM_UP_FRAMES);
     }
     observer.work_done();
     let results = sessions.into_iter();

@@ -21,7 +21,7 @@ pub(crate) struct BenchArgs {
         long,
         conflicts_with_all = [
             "members", "joints", "slots", "frames", "device", "split", "schedule", "load",
-            "retarget", "changing", "seed", "chart", "from",
+            "retarget", "changing", "seed", "chart", "from", "against",
         ]
     )]
     pub(crate) skate: bool,
@@ -85,6 +85,11 @@ pub(crate) struct BenchArgs {
     /// each frame
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) changing: Option<f32>,
+    /// Also let another program evaluate as many members, frame by frame in turn, and print how the
+    /// times compare: one built by crates/populace-bench/against/build.sh from ozz-animation. Needs
+    /// --joints, with as many as its skeleton has
+    #[arg(long, value_name = "PROGRAM", requires = "joints")]
+    pub(crate) against: Option<PathBuf>,
     /// Also write a chart of nanoseconds per joint over members as an SVG
     #[arg(long, value_name = "FILE")]
     pub(crate) chart: Option<PathBuf>,
@@ -94,7 +99,7 @@ pub(crate) struct BenchArgs {
         value_name = "FILE",
         conflicts_with_all = [
             "members", "joints", "slots", "frames", "device", "split", "schedule", "load",
-            "retarget", "changing", "seed",
+            "retarget", "changing", "seed", "against",
         ]
     )]
     pub(crate) from: Option<PathBuf>,

@@ -1,5 +1,6 @@
 //! `populace bench`
 
+mod against;
 mod skate;
 
 use std::io::Read;
@@ -10,7 +11,7 @@ use populace_bench::{
     DeviceSetup, Document, Load, Measurement, Method, Observer, Scene, SceneSettings, Subject,
     machine, measure,
 };
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use crate::cli::BenchArgs;
 use crate::crowd_renderer::devices_and_shares;
@@ -18,6 +19,7 @@ use crate::failure::Failure;
 use crate::output::{self, check_inputs, check_kind, check_writable};
 use crate::progress::Progress;
 use crate::report;
+use against::{Against, Rival};
 
 /// The largest document that is read.
 const TEXT_BYTES: u64 = 64 << 20;
@@ -31,17 +33,25 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
         check_inputs(std::iter::once(chart.clone()), args.from.as_slice())?;
         check_writable(chart)?;
     }
-    let document = match &args.from {
-        Some(file) => read(file)?,
-        None => Document { machine: machine(), runs: measure_all(args)? },
+    let (document, rivals) = match &args.from {
+        Some(file) => (read(file)?, Vec::new()),
+        None => {
+            let (runs, rivals) = measure_all(args)?;
+            (Document { machine: machine(), runs }, rivals)
+        }
     };
     if let Some(chart) = &args.chart {
         output::write(chart, document.as_svg().as_bytes())?;
     }
     if args.json {
-        report::json(&document.as_json())?;
+        let more = json!({"against": against::as_json(&document.runs, &rivals)});
+        let more = if rivals.is_empty() { json!({}) } else { more };
+        report::json(&report::with_fields(document.as_json(), more))?;
     } else {
         report::text(&document.as_table())?;
+        if !rivals.is_empty() {
+            report::text(&against::table(&document.runs, &rivals))?;
+        }
     }
     document.runs.iter().try_for_each(check)
 }
@@ -69,7 +79,8 @@ fn read_text(file: &Path) -> Result<String, String> {
     Ok(text)
 }
 
-fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
+/// Measures crowds, and what the program of `--against` takes for as many members.
+fn measure_all(args: &BenchArgs) -> Result<(Vec<Measurement>, Vec<Rival>), Failure> {
     let settings =
         SceneSettings { joints: args.joints, slots: args.slots as usize, seed: args.seed };
     let scenes = loads(args).into_iter().map(|load| Scene::new(settings, load));
@@ -77,7 +88,7 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
     let setups = setups(args)?;
     let defaults = [Method::Crowd(Schedule::Staged), Method::Crowd(Schedule::Fused), Method::Baked];
     let methods = if args.schedule.is_empty() { &defaults[..] } else { &args.schedule };
-    let (mut runs, mut report) = (Vec::new(), Report::default());
+    let (mut runs, mut rivals, mut report) = (Vec::new(), Vec::new(), Report::default());
     for &members in &args.members {
         let scenes: Vec<_> =
             scenes.iter().map(|scene| scene.with_members(members as usize)).collect();
@@ -88,23 +99,31 @@ fn measure_all(args: &BenchArgs) -> Result<Vec<Measurement>, Failure> {
             ));
         }
         report::message!("{members} members, {} subjects to measure", subjects.len());
+        let start =
+            |program| Against::start(program, [members, args.slots], args.joints.unwrap_or(0));
+        report.against = args.against.as_deref().map(start).transpose()?;
         runs.extend(measure(subjects, args.frames, &mut report)?);
+        rivals.extend(report.against.take().map(Against::finish).transpose()?);
     }
     if runs.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(
             "all subjects were skipped; measure smaller crowds"
         )));
     }
-    Ok(runs)
+    Ok((runs, rivals))
 }
 
 fn check(run: &Measurement) -> Result<(), Failure> {
     run.fault().map_or(Ok(()), |fault| Err(Failure::Run(anyhow::anyhow!(fault))))
 }
 
-/// Shows a benchmark's progress and messages on the terminal.
+/// Shows a benchmark's progress and messages on the terminal, and lets another program take its
+/// turns.
 #[derive(Default)]
-struct Report(Option<Progress>);
+struct Report {
+    progress: Option<Progress>,
+    against: Option<Against>,
+}
 
 impl Observer for Report {
     fn drivers_started(&mut self) {
@@ -113,15 +132,19 @@ impl Observer for Report {
     }
 
     fn work_started(&mut self, label: &'static str, steps: usize) {
-        self.0 = Some(Progress::new(label, steps));
+        self.progress = Some(Progress::new(label, steps));
     }
 
     fn step_done(&mut self) {
-        self.0.iter_mut().for_each(Progress::step);
+        self.progress.iter_mut().for_each(Progress::step);
+    }
+
+    fn frame_done(&mut self, is_measured: bool) {
+        self.against.iter_mut().for_each(|against| against.frame(is_measured));
     }
 
     fn work_done(&mut self) {
-        self.0 = None;
+        self.progress = None;
     }
 
     fn skipped(&mut self, subject: &str, reason: &str) {

@@ -258,3 +258,60 @@ fn benchmarks_page_matches_its_data() {
         "the chart differs from docs/pictures/benchmark.svg"
     );
 }
+
+/// Writes a program that stands in for one of `--against`, and returns its path.
+#[cfg(unix)]
+fn rival(folder: &Folder, name: &str, script: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.text(name);
+    std::fs::write(&path, format!("#!/bin/sh\n{script}")).expect("written");
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).expect("a program");
+    path
+}
+
+#[test]
+#[cfg(unix)]
+fn another_program_takes_turns_and_times_are_compared() {
+    let folder = Folder::new();
+    let args = |program: &str| -> Vec<String> {
+        let more = ["--schedule", "fused", "--members", "20,40", "--slots", "3", "--joints", "20"];
+        let all = [&NATIVE[..], &more, &["--against", program]].concat();
+        all.into_iter().map(str::to_owned).collect()
+    };
+    let run = |program: &str, more: &[&str]| {
+        let args = args(program);
+        let args: Vec<&str> = args.iter().map(String::as_str).chain(more.iter().copied()).collect();
+        json_of(&args)
+    };
+    // Frames to warm up take longer, and are not counted: three of five.
+    let counts = "echo joints 20; echo \"$1 $2\" >> \"$0.told\"; n=0
+        while read -r _; do n=$((n + 1)); if [ $n -gt 3 ]; then echo 0.$n; else echo 100; fi; done";
+    let program = rival(&folder, "counts", counts);
+    let document = run(&program, &["--json"]);
+    let told = std::fs::read_to_string(folder.path("counts.told")).expect("what it was told");
+    assert_eq!(told, "20 3\n40 3\n");
+    let runs = document["runs"].as_array().expect("runs");
+    let against = document["against"].as_array().expect("a list");
+    assert_eq!(against.len(), 2);
+    for (one, members) in against.iter().zip([20, 40]) {
+        assert_eq!((&one["members"], &one["slots"]), (&json!(members), &json!(3)));
+        assert_eq!((&one["ms_median"], &one["ms_min"]), (&json!(0.5), &json!(0.4)));
+        let own = only(
+            runs,
+            &[("schedule", json!("fused")), ("stage", json!("all")), ("members", json!(members))],
+        );
+        let ratio = own["ms_median"].as_f64().expect("a time") / 0.5;
+        assert!((one["ratio_median"].as_f64().expect("a ratio") - ratio).abs() < 1e-9);
+    }
+
+    let refuses = |name: &str, script: &str, code: i32, words: &[&str]| {
+        let args = args(&rival(&folder, name, script));
+        refused(&args.iter().map(String::as_str).collect::<Vec<_>>(), code, words);
+    };
+    refuses("other", "echo joints 67; cat > /dev/null", 2, &["67 joints", "--joints 67"]);
+    refuses("talks", "echo hello; cat > /dev/null", 1, &["talks", "hello"]);
+    refuses("ends", "echo joints 20; read -r _; echo 1", 4, &["ended early"]);
+    let nothing = folder.text("nothing");
+    refused(&["bench", "--joints", "20", "--against", &nothing], 1, &["nothing"]);
+    refused(&["bench", "--against", &nothing], 2, &["--joints"]);
+}

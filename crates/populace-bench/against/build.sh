@@ -1,0 +1,15 @@
+#!/bin/sh
+# build.sh SOURCE BUILD OUTPUT - builds the timing program for ozz-animation, from the folder of its
+# source and the one in which it was built. CXX and CXXFLAGS name another compiler and flags.
+set -e
+[ $# -eq 3 ] || { echo "usage: build.sh SOURCE BUILD OUTPUT" >&2; exit 2; }
+find_library() {
+    found=$(find "$1" -name "lib$2*.a" | head -n 1)
+    [ -n "$found" ] || { echo "no lib$2*.a in $1" >&2; exit 1; }
+    echo "$found"
+}
+animation=$(find_library "$2" ozz_animation)
+base=$(find_library "$2" ozz_base)
+media=$(cd "$1/media/bin" && pwd)
+${CXX:-c++} -std=c++20 -O3 -DNDEBUG ${CXXFLAGS:--march=native} -I"$1/include" \
+    -DOZZ_MEDIA="\"$media\"" "$(dirname "$0")/ozz_frames.cc" "$animation" "$base" -pthread -o "$3"
