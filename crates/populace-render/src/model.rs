@@ -13,7 +13,7 @@ use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{ModelInfo, determinant};
-use crate::gl::{Buffer, BufferUse, Coding, Cull, Gl, Sampling, Texture};
+use crate::gl::{Buffer, Coding, Cull, Gl, Sampling, Texture};
 use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
 
 pub(crate) use contacts::Contacts;
