@@ -7,7 +7,7 @@
 // Reads    machine_instances, machine_parameters[machine_instance * MACHINE_PARAMETERS +
 //          parameter], machine_states, transitions, conditions
 // Writes   running: one element for each machine instance in use
-// Oracle   the interpreter in populace/tests/machine
+// Oracle   populace-testkit/src/oracle/machine.rs; the interpreter in populace/tests/machine
 // Twin of populace-native/src/machines.rs: same arithmetic, same order of operations.
 
 typedef struct {

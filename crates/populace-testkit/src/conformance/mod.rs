@@ -11,6 +11,7 @@ mod controls;
 mod feet;
 mod inertialize;
 mod layers;
+mod live;
 mod machines;
 mod mixed;
 mod plans;
@@ -29,6 +30,7 @@ pub use controls::{
 pub use feet::check_feet;
 pub use inertialize::check_inertialization;
 pub use layers::{check_additive_layers, check_far_rotations, check_override_layers};
+pub use live::check_live_clips;
 pub use machines::check_machines;
 pub use mixed::{check_churn, check_mixed_dispatch};
 pub use retarget::check_retarget;
@@ -88,6 +90,7 @@ macro_rules! fused_conformance {
             scene check_root_motion root_motion_holds;
             scene check_machines machines_hold;
             scene check_feet feet_hold;
+            scene check_live_clips live_clips_hold;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;

@@ -236,6 +236,19 @@ faults! {
         pelvises_sink_too_far: "length * (1.0f - soft), most = length * MAX_PELVIS_SINK" =>
             "length * (0.99f - soft), most = length * MAX_PELVIS_SINK";
     }
+    check_live_clips {
+        streams_have_no_delay: "shown = tick > delay ? tick - delay : 0" => "shown = tick";
+        rings_do_not_wrap: "(behind > clip.newest_row ? clip.ring_rows : 0)" => "0";
+        newest_rows_are_a_step_away: "older > 0 ? clip.per_row_tick : clip.per_newest_tick" =>
+            "clip.per_row_tick";
+        streams_show_what_was_overwritten: "if (behind > oldest || behind == 0)" =>
+            "if (behind == 0)";
+        streams_jump_from_row_to_row: "*between = (float)(uint)past *" =>
+            "*between = 0.0f *";
+        streams_play_backwards: "(behind - 1) * clip.row_ticks - older :" =>
+            "older % clip.row_ticks :";
+        streams_stop_late: "behind == 0 ? 0 : oldest" => "oldest";
+    }
     check_overrides {
         overrides_have_no_weight: "weight >= 1.0f ? to : part_of_the_way(own, to, weight)" => "to";
         overrides_do_not_scale: "1.0f + (new / old - 1.0f) * k" => "1.0f";

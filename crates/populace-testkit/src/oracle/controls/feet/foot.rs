@@ -166,8 +166,8 @@ impl FootNow<'_> {
     }
 
     /// Locks a foot that stands, unless the lock would hold it too far back. A foot that was let go
-    /// is locked again once it has caught up. The lock passes to another point of the sole when that
-    /// is lower.
+    /// is locked again once it has caught up. The lock passes to another point of the sole when
+    /// that is lower.
     fn lock(
         &self,
         before: Option<&FootState>,
