@@ -49,8 +49,8 @@ pub struct Skate {
     /// parts. It is the larger error of two speeds: that of the body, by the distance it covers,
     /// and that of the gait. The speed of the gait is that at which the ground passes beneath the
     /// body before feet are locked to it: the median, over all planted points of whole cycles, of
-    /// their velocity backwards in model space. With planting it includes the stride. Straight parts
-    /// are walked four times for it, each a quarter of a frame later in the cycle.
+    /// their velocity backwards in model space. With planting it includes the stride. Straight
+    /// parts are walked four times for it, each a quarter of a frame later in the cycle.
     pub speed_error: f32,
     /// The distance from the ground within which 95 % of planted points are, above or below, as a
     /// fraction of the body's height.

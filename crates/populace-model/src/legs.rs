@@ -14,8 +14,8 @@ impl Skeleton {
     }
 
     /// Where the middle of a leg's steps is along Z, in metres of model space, for a leg of hip,
-    /// knee and ankle: where the ankle is at rest. A body whose legs rest far ahead of their hips or
-    /// behind them does not stand so: at most a tenth of the leg's length.
+    /// knee and ankle: where the ankle is at rest, but at most a tenth of the leg's length from the
+    /// hip. A body whose legs rest farther ahead or behind does not stand so.
     #[must_use]
     pub fn middle_of_steps_z(&self, leg: [JointIndex; 3]) -> f64 {
         let most = ASIDE * self.leg_length_m(leg);

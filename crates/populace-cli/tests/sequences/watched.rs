@@ -115,7 +115,8 @@ impl Watched {
             self.stood.clone_from(&stand);
         }
         let far = |(a, b): (&[f32; 3], &[f32; 3])| {
-            a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f32>().sqrt()
+            let [x, y, z] = [0, 1, 2].map(|axis| a[axis] - b[axis]);
+            x.hypot(y).hypot(z)
         };
         drift.planted_m = self.stood.iter().zip(&stand).map(far).fold(0.0, largest);
         Ok(drift)

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use crate::failure::Failure;
 
 const HEAD: &str = "
-| members | device | schedule | load | against, ms, median | ms, least | ratio of medians | of least |
+| members | device | schedule | load | against, ms, median | ms, least | ratio of medians | least |
 |--:|---|---|---|--:|--:|--:|--:|
 ";
 
