@@ -448,7 +448,7 @@ mod tests {
         assert_eq!(
             Member::OPENCL_C,
             "typedef struct { uint body; uint joint_first; uint palette_first; uint \
-             layers_and_phase; uint control; uint posed; } Member;\n"
+             layers_and_phase; uint control; uint posed; uint shape; } Member;\n"
         );
         assert!(opencl_prelude().contains("#define JOINT_BLOCK 16u\n"));
     }
