@@ -195,9 +195,10 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
 /// Kernel functions without a twin, by file, with the reason. `*` stands for all of a file.
 const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("affine", &["repeated", "last_column"], "vectors of OpenCL C"),
+    ("contacts", &["stepping", "play_count", "play_in"], "inputs in lanes"),
     ("feet", &["hand_down_leg", "hand_down_goals"], "stores in Rust"),
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
-    ("fused", &["store_trs"], "a buffer of the device"),
+    ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),
     ("fused_grouped", &["descend", "fused_grouped_joints"], "work-groups, and their readback"),
     ("fused_wide", &["*"], "work-items, their memory and its caches"),
     (

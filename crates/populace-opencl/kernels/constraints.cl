@@ -135,10 +135,15 @@ INLINE void take_steps(Stop *at)
 INLINE float16 solve_joint(const Solver *s, Hierarchy joints, Rotations rotations, uint joint,
                            float16 own, float16 parent, bool has_parent)
 {
-    Stop at = { s, 1, 0, { 0 }, joints, rotations, { { 0 } }, { { 0 } }, has_parent };
+    Stop at;
+    at.members = s;
+    at.count = 1;
+    at.joints = joints;
+    at.rotations = rotations;
+    at.has_parent = has_parent;
     put_matrix(&at.own, 0, own);
     put_matrix(&at.parent, 0, parent);
-    for (; at.nth < s->control.step_count; at.nth++) {
+    for (at.nth = 0; at.nth < s->control.step_count; at.nth++) {
         at.step = step_in(&at, 0);
         if (at.step.joint == joint) take_steps(&at);
     }

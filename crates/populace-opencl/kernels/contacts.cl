@@ -1,13 +1,15 @@
-// contacts.cl - Contacts of feet, mixed from the clips that a member plays on its lowest layer.
+// contacts.cl - Contacts of feet in lanes, mixed from the clips that members play on their lowest
+// layers.
 //
-// Reads    slots, the state of state machines, bound clips, clips and contacts
+// Reads    slots and the state of state machines, or what members play; bound clips, clips and
+//          contacts
 // Twin of populace-native/src/constraints/contacts.rs: same arithmetic, same order of operations.
 
 // Weights of the clips of a layer, by what they do with one foot: the sum over clips that lift it,
 // of weight times seconds within a contact (negative outside of one); the weight of those clips;
 // and that of clips in which the foot stands throughout.
 typedef struct {
-    float within, steps, stands;
+    Real within, steps, stands;
 } Mix;
 
 // Returns the index of a foot's link to the ankle.
@@ -16,83 +18,139 @@ INLINE uint ankle_link(__global const Constraint *foot)
     return foot->link_count - 1 - foot->toe_links;
 }
 
-// Returns the seconds from the nearest end of a contact to a time, both in seconds after the start
-// of a cycle: positive within the contact.
-INLINE float secs_within(Contact contact, float secs, float cycle_secs)
+// Returns the seconds from the nearest ends of contacts to times, all in seconds after the start of a
+// cycle: positive within the contact.
+INLINE Real secs_within(Real from_secs, Real until_secs, Real secs, Real cycle_secs)
 {
-    const float middle = 0.5f * (contact.from_secs + contact.until_secs);
-    float away = fabs(secs - middle);
+    const Real middle = 0.5f * (from_secs + until_secs);
+    Real away = fabs(secs - middle);
     away = away > 0.5f * cycle_secs ? fabs(cycle_secs - away) : away;
-    return 0.5f * (contact.until_secs - contact.from_secs) - away;
+    return 0.5f * (until_secs - from_secs) - away;
 }
 
-INLINE void mix_contacts(const Solver *s, Slot slot, const uint *ankles, uint count, Mix *mixes)
+// A clip that a member plays on its lowest layer: its weight, 0 if it knows no contacts, and the time
+// after its start.
+typedef struct {
+    float weight, secs, duration_secs;
+    uint contact_first, contact_count;
+} Stepping;
+
+INLINE Stepping stepping(const ConstraintTables *tables, uint bound_clip, float weight, float secs)
 {
-    const ConstraintTables *tables = s->tables;
-    slot = slot_now(slot, tables->tick, tables->machines);
+    const BoundClip bound = tables->bound_clips[bound_clip];
+    const Stepping stepping = { bound.contact_count > 0 ? weight : 0.0f, secs,
+                                tables->clips[bound.clip].duration_secs, bound.contact_first,
+                                bound.contact_count };
+    return stepping;
+}
+
+#if LANES == 1
+
+INLINE uint play_count(const Stop *at, uint lane) { return at->members->tables->slots_per_member; }
+
+INLINE Stepping play_in(const Stop *at, uint lane, uint nth)
+{
+    const ConstraintTables *tables = at->members->tables;
+    const Stepping none = { 0.0f, 0.0f, 0.0f, 0, 0 };
+    const Slot given =
+        tables->slots[at->members->control.member * tables->slots_per_member + nth];
+    if (given.bound_clip == NONE || slot_layer(given) != 0) return none;
+    const Slot slot = slot_now(given, tables->tick, tables->machines);
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tables->tick);
-    if (weight <= 0.0f || slot_mode(slot) == SLOT_LIVE) return;
-    const BoundClip bound = tables->bound_clips[slot.bound_clip];
-    if (bound.contact_count == 0) return;
-    const ClipRows clip = tables->clips[bound.clip];
-    const float secs = slot_time(slot, tables->tick, clip) - clip.start_secs;
-    for (uint foot = 0; foot < count; foot++) {
-        float within = -FOOT_NEAR_SECS;
-        bool stands = false;
-        for (uint i = 0; i < bound.contact_count; i++) {
-            const Contact contact = tables->contacts[bound.contact_first + i];
-            if (contact.joint != ankles[foot]) continue;
-            const float of_contact = secs_within(contact, secs, clip.duration_secs);
-            within = of_contact > within ? of_contact : within;
-            const float lasts_secs = contact.until_secs - contact.from_secs;
-            stands = stands || lasts_secs >= CONTACT_WHOLE * clip.duration_secs;
-        }
-        if (stands) {
-            mixes[foot].stands += weight;
-        } else {
-            within = within < FOOT_NEAR_SECS ? within : FOOT_NEAR_SECS;
-            mixes[foot].within += weight * within;
-            mixes[foot].steps += weight;
-        }
-    }
+    if (weight <= 0.0f || slot_mode(slot) == SLOT_LIVE) return none;
+    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].clip];
+    return stepping(tables, slot.bound_clip, weight,
+                    slot_time(slot, tables->tick, clip) - clip.start_secs);
 }
 
-// Writes for each foot of a member the seconds from the nearest end of a contact: positive within it, negative
-// outside of it, at most FOOT_NEAR_SECS in size. NAN if no clip knows.
-INLINE void contacts_of(const Solver *s, const uint *ankles, uint count, float *within_secs)
+#else
+
+INLINE uint play_count(const Stop *at, uint lane) { return at->plays[lane].count; }
+
+INLINE Stepping play_in(const Stop *at, uint lane, uint nth)
 {
-    Mix mixes[MAX_FEET];
-    for (uint foot = 0; foot < count; foot++)
-        mixes[foot].within = mixes[foot].steps = mixes[foot].stands = 0.0f;
-    __global const Slot *slots =
-        s->tables->slots + s->control.member * s->tables->slots_per_member;
-    for (uint i = 0; i < s->tables->slots_per_member; i++)
-        if (slots[i].bound_clip != NONE && slot_layer(slots[i]) == 0)
-            mix_contacts(s, slots[i], ankles, count, mixes);
-    for (uint foot = 0; foot < count; foot++) {
-        const Mix mix = mixes[foot];
-        const float total = mix.steps + mix.stands;
-        const bool stands_still = mix.steps <= FOOT_STEPPING * total;
-        within_secs[foot] = total > 0.0f
-                                ? (stands_still ? FOOT_NEAR_SECS : mix.within / mix.steps)
-                                : NAN;
+    const Stepping none = { 0.0f, 0.0f, 0.0f, 0, 0 };
+    const Playing playing = playing_at(at->plays[lane], nth);
+    if (playing.layer != 0 || isnan(playing.secs)) return none;
+    return stepping(at->members->tables, playing.bound_clip, playing.at.weight, playing.secs);
+}
+
+#endif
+
+// Adds a clip of each member to the mix of each foot.
+INLINE void mix_contacts(const Stop *at, const Stepping *clips, uint contacts_most,
+                         const uint *ankles, uint feet, Mix *mixes)
+{
+    Real weight = 0.0f, secs = 0.0f, duration_secs = 0.0f, within[MAX_FEET];
+    Choice stands[MAX_FEET];
+    for (uint lane = 0; lane < at->count; lane++) {
+        PUT(weight, lane, clips[lane].weight);
+        PUT(secs, lane, clips[lane].secs);
+        PUT(duration_secs, lane, clips[lane].duration_secs);
+    }
+    for (uint foot = 0; foot < feet; foot++) {
+        within[foot] = -FOOT_NEAR_SECS;
+        stands[foot] = 0;
+    }
+    for (uint i = 0; i < contacts_most; i++) {
+        Real from_secs = 0.0f, until_secs = 0.0f;
+        Words joint = NONE;
+        for (uint lane = 0; lane < at->count; lane++) {
+            if (i >= clips[lane].contact_count) continue;
+            const Contact contact =
+                at->members->tables->contacts[clips[lane].contact_first + i];
+            PUT(from_secs, lane, contact.from_secs);
+            PUT(until_secs, lane, contact.until_secs);
+            PUT_WORD(joint, lane, contact.joint);
+        }
+        const Real of_contact = secs_within(from_secs, until_secs, secs, duration_secs);
+        const Choice is_whole = until_secs - from_secs >= CONTACT_WHOLE * duration_secs;
+        for (uint foot = 0; foot < feet; foot++) {
+            const Choice own = joint == ankles[foot];
+            within[foot] = own & (of_contact > within[foot]) ? of_contact : within[foot];
+            stands[foot] = stands[foot] | (own & is_whole);
+        }
+    }
+    const Real none = 0.0f;
+    for (uint foot = 0; foot < feet; foot++) {
+        const Real near =
+            within[foot] < (Real)(FOOT_NEAR_SECS) ? within[foot] : (Real)(FOOT_NEAR_SECS);
+        mixes[foot].within += stands[foot] ? none : weight * near;
+        mixes[foot].steps += stands[foot] ? none : weight;
+        mixes[foot].stands += stands[foot] ? weight : none;
     }
 }
 
-// Writes the same for all members at a step of feet, in lanes. `feet` are the constraints of the
-// first member.
+// Writes for each foot the seconds from the nearest ends of contacts: positive within one, negative
+// outside of it, at most FOOT_NEAR_SECS in size. NAN if no clip knows. `feet` are the constraints of
+// the first member.
 INLINE void put_contacts(const Stop *at, __global const Constraint *feet, uint count,
-                              Real *within_secs)
+                         Real *within_secs)
 {
-    uint ankles[MAX_FEET];
+    uint ankles[MAX_FEET], plays_most = 0;
+    Mix mixes[MAX_FEET];
     for (uint foot = 0; foot < count; foot++) {
         const uint link = feet[foot].link_first + ankle_link(feet + foot);
         ankles[foot] = at->members->tables->links[link].joint;
-        within_secs[foot] = 0.0f;
+        mixes[foot].within = mixes[foot].steps = mixes[foot].stands = 0.0f;
     }
-    for (uint lane = 0; lane < at->count; lane++) {
-        float own[MAX_FEET];
-        contacts_of(at->members + lane, ankles, count, own);
-        for (uint foot = 0; foot < count; foot++) PUT(within_secs[foot], lane, own[foot]);
+    for (uint lane = 0; lane < at->count; lane++)
+        plays_most = max(plays_most, play_count(at, lane));
+    for (uint nth = 0; nth < plays_most; nth++) {
+        Stepping clips[LANES];
+        uint contacts_most = 0;
+        for (uint lane = 0; lane < at->count; lane++) {
+            const Stepping none = { 0.0f, 0.0f, 0.0f, 0, 0 };
+            clips[lane] = nth < play_count(at, lane) ? play_in(at, lane, nth) : none;
+            contacts_most = max(contacts_most, clips[lane].contact_count);
+        }
+        if (contacts_most > 0) mix_contacts(at, clips, contacts_most, ankles, count, mixes);
+    }
+    for (uint foot = 0; foot < count; foot++) {
+        const Mix mix = mixes[foot];
+        const Real total = mix.steps + mix.stands;
+        const Choice stands_still = mix.steps <= FOOT_STEPPING * total;
+        const Real near = stands_still ? (Real)(FOOT_NEAR_SECS) : mix.within / mix.steps;
+        within_secs[foot] = total > (Real)(0.0f) ? near : (Real)(NAN);
     }
 }

@@ -39,7 +39,7 @@ typedef struct {
 INLINE Playing playing_at(Playback playback, uint s)
 {
     const Slot slot = playback.slots[s];
-    Playing playing = { playback.samples[s], slot.bound_clip, slot_layer(slot) };
+    Playing playing = { playback.samples[s], slot.bound_clip, slot_layer(slot), NAN };
     if (slot_mode(slot) == SLOT_MACHINE && playing.at.weight > 0.0f)
         playing.bound_clip = machine_clip(slot.bound_clip, playback.machines);
     return playing;

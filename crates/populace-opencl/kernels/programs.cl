@@ -10,6 +10,9 @@
 typedef struct {
     const Solver *members;
     uint count;
+#if LANES > 1
+    const Playback *plays; // what each plays
+#endif
     uint nth;  // index of the step in each program
     Step step; // of the first member; kind, joint and operand are those of all
     Hierarchy joints;

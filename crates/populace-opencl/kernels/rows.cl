@@ -16,10 +16,11 @@ typedef struct {
     __global const float *poses, *masks;
 } ClipTables;
 
-// What a slot plays now.
+// What a slot plays now, and its time after the start of the clip; NAN for live clips.
 typedef struct {
     SlotSample at;
     uint bound_clip, layer;
+    float secs;
 } Playing;
 
 // Properties of a row.

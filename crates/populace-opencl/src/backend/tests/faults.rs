@@ -228,10 +228,9 @@ faults! {
             "const Choice stays = 0 &";
         contacts_do_not_wrap: "away = away > 0.5f * cycle_secs ? fabs(cycle_secs - away) : away;" =>
             "";
-        contacts_have_no_weight: "mixes[foot].within += weight * within;" =>
-            "mixes[foot].within += within;";
-        stands_count_as_steps: "CONTACT_WHOLE * clip.duration_secs" =>
-            "2.0f * clip.duration_secs";
+        contacts_have_no_weight: "stands[foot] ? none : weight * near;" =>
+            "stands[foot] ? none : near;";
+        stands_count_as_steps: "CONTACT_WHOLE * duration_secs" => "2.0f * duration_secs";
         pelvises_rise_at_once: "elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS)" => "1.0f";
         pelvises_sink_too_far: "length * (1.0f - soft), most = length * MAX_PELVIS_SINK" =>
             "length * (0.99f - soft), most = length * MAX_PELVIS_SINK";
