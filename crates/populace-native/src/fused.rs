@@ -182,7 +182,7 @@ pub(crate) fn fused(
                 let member = &members[seat.member as usize];
                 (member.posed, member.shape)
             };
-            seats.sort_by_key(|seat| (kind(seat), seat.member));
+            seats.sort_by_cached_key(|seat| (kind(seat), seat.member));
             let scratch = &mut scratch.of_current_thread();
             for seats in seats.chunk_by_mut(|a, b| kind(a) == kind(b)) {
                 let Machine { registers, lanes } = machine;
