@@ -196,6 +196,8 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
 const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("affine", &["repeated", "last_column"], "vectors of OpenCL C"),
     ("contacts", &["stepping", "play_count", "play_in"], "inputs in lanes"),
+    ("contacts", &["share_clip", "contacts_of"], "one slice, natively"),
+    ("targets", &["target_of"], "targets() returns all"),
     ("feet", &["hand_down_leg", "hand_down_goals"], "stores in Rust"),
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
     ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),

@@ -96,7 +96,8 @@ impl Solver<'_> {
     }
 
     fn world_from_model(&self) -> Affine {
-        let ([x, y, z, scale], [sin, cos, ..]) = (self.control.place.0, self.control.facing.0);
+        let ([x, y, z, scale], sin, cos) =
+            (self.control.place.0, self.control.sine, self.control.cosine);
         let (s, c) = (sin * scale, cos * scale);
         Affine { rows: [[c, 0.0, s, x], [0.0, scale, 0.0, y], [-s, 0.0, c, z]] }
     }
@@ -136,7 +137,7 @@ impl Solver<'_> {
             }
             STEP_CARRY => self.keep_watched(step.index, joints.model_of(joint)),
             STEP_ATTACH => self.attach(joints, joint, step),
-            STEP_MOTION => self.moves(joints, joint, step),
+            STEP_MOTION => self.moves(joints, joint),
             _ => {}
         }
     }

@@ -19,7 +19,7 @@ const ELEMENTS: usize = STAGE_PARAMETERS as usize / 4;
 fn stage_joint(inputs: &FrameInputs, step: &Step, control: &Control) -> StageJoint {
     let values = inputs.tables.stage_values().as_slice();
     let first = step.index as usize * ELEMENTS;
-    let ([x, y, z, scale], [sin, cos, ..]) = (control.place.0, control.facing.0);
+    let ([x, y, z, scale], sin, cos) = (control.place.0, control.sine, control.cosine);
     let mut parameters = [0.0; STAGE_PARAMETERS as usize];
     for (four, value) in parameters.as_chunks_mut::<4>().0.iter_mut().zip(&values[first..]) {
         *four = value.0;

@@ -67,7 +67,7 @@ INLINE float16 override_model(Override given, float16 own)
 INLINE float16 world_from_model(const Solver *s)
 {
     const float4 place = s->control.place;
-    const float sine = s->control.facing.x * place.w, cosine = s->control.facing.y * place.w;
+    const float sine = s->control.sine * place.w, cosine = s->control.cosine * place.w;
     const float4 row0 = (float4)(cosine, 0.0f, sine, place.x);
     const float4 row1 = (float4)(0.0f, place.w, 0.0f, place.y);
     const float4 row2 = (float4)(-sine, 0.0f, cosine, place.z);
@@ -106,7 +106,7 @@ INLINE float16 take_step(const Stop *at, uint lane, float16 own)
         return stage_model(tables, step, s->control, own);
     }
 #endif
-    case STEP_MOTION: return moves(s, step, own);
+    case STEP_MOTION: return moves(s, step.joint, own);
     case STEP_WATCH: keep_watched(s, step.index, affine_mul(world_from_model(s), own)); return own;
     case STEP_CARRY: keep_watched(s, step.index, own); return own;
     case STEP_ATTACH: return attach(s, step, own);
@@ -138,6 +138,7 @@ INLINE float16 solve_joint(const Solver *s, Hierarchy joints, Rotations rotation
     Stop at;
     at.members = s;
     at.count = 1;
+    at.share_rows = true;
     at.joints = joints;
     at.rotations = rotations;
     at.has_parent = has_parent;

@@ -77,6 +77,44 @@ INLINE Stepping play_in(const Stop *at, uint lane, uint nth)
 
 #endif
 
+// Returns whether all members play the same clip.
+INLINE bool share_clip(const Stop *at, const Stepping *clips)
+{
+    bool share = true;
+    for (uint lane = 1; lane < at->count; lane++)
+        share = share & (clips[lane].contact_first == clips->contact_first)
+                & (clips[lane].contact_count == clips->contact_count);
+    return share;
+}
+
+// Contacts in lanes. Joints are NONE in lanes without one.
+typedef struct {
+    Real from_secs, until_secs;
+    Words joint;
+} Contacts;
+
+// Returns the `nth` contact of each member's clip. `share` tells that all clips are the same.
+INLINE Contacts contacts_of(const Stop *at, const Stepping *clips, bool share, uint nth)
+{
+    __global const Contact *contacts = at->members->tables->contacts;
+    Contacts all = { 0.0f, 0.0f, NONE };
+    if (share) {
+        const Contact one = contacts[clips->contact_first + nth];
+        all.from_secs = one.from_secs;
+        all.until_secs = one.until_secs;
+        all.joint = one.joint;
+        return all;
+    }
+    for (uint lane = 0; lane < at->count; lane++) {
+        if (nth >= clips[lane].contact_count) continue;
+        const Contact one = contacts[clips[lane].contact_first + nth];
+        PUT(all.from_secs, lane, one.from_secs);
+        PUT(all.until_secs, lane, one.until_secs);
+        PUT_WORD(all.joint, lane, one.joint);
+    }
+    return all;
+}
+
 // Adds a clip of each member to the mix of each foot.
 INLINE void mix_contacts(const Stop *at, const Stepping *clips, uint contacts_most,
                          const uint *ankles, uint feet, Mix *mixes)
@@ -92,21 +130,14 @@ INLINE void mix_contacts(const Stop *at, const Stepping *clips, uint contacts_mo
         within[foot] = -FOOT_NEAR_SECS;
         stands[foot] = 0;
     }
+    const bool share = share_clip(at, clips);
     for (uint i = 0; i < contacts_most; i++) {
-        Real from_secs = 0.0f, until_secs = 0.0f;
-        Words joint = NONE;
-        for (uint lane = 0; lane < at->count; lane++) {
-            if (i >= clips[lane].contact_count) continue;
-            const Contact contact =
-                at->members->tables->contacts[clips[lane].contact_first + i];
-            PUT(from_secs, lane, contact.from_secs);
-            PUT(until_secs, lane, contact.until_secs);
-            PUT_WORD(joint, lane, contact.joint);
-        }
-        const Real of_contact = secs_within(from_secs, until_secs, secs, duration_secs);
-        const Choice is_whole = until_secs - from_secs >= CONTACT_WHOLE * duration_secs;
+        const Contacts all = contacts_of(at, clips, share, i);
+        const Real lasts_secs = all.until_secs - all.from_secs;
+        const Real of_contact = secs_within(all.from_secs, all.until_secs, secs, duration_secs);
+        const Choice is_whole = lasts_secs >= CONTACT_WHOLE * duration_secs;
         for (uint foot = 0; foot < feet; foot++) {
-            const Choice own = joint == ankles[foot];
+            const Choice own = all.joint == ankles[foot];
             within[foot] = own & (of_contact > within[foot]) ? of_contact : within[foot];
             stands[foot] = stands[foot] | (own & is_whole);
         }

@@ -102,7 +102,7 @@ INLINE Stance stance_of(const Stop *at)
         put_numbers(&all, lane, (__global const float *)(s->tables->controls + s->index));
     }
     turn_numbers(&all);
-    const Stance stance = { vec3_of(&all, 0), vec3_of(&all, 8), all.n[3], all.n[4], all.n[5] };
+    const Stance stance = { vec3_of(&all, 0), vec3_of(&all, 4), all.n[3], all.n[8], all.n[9] };
     return stance;
 }
 

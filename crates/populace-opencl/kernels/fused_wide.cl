@@ -210,6 +210,7 @@ APART void descend(const Company *all, const ConstraintTables *tables, Hierarchy
     Stop at;
     at.members = members;
     at.count = all->count;
+    at.share_rows = share_rows(members, all->count);
     at.plays = all->plays;
     at.joints = joints;
     at.rotations = rotations;

@@ -82,7 +82,7 @@ INLINE Sight see_target(const Gazes *g, uint t, Vec3 from, Real *weight, Choice 
         const Solver *s = g->at->members + lane;
         __global const Constraint *constraint = constraint_in(g->at, lane);
         if (t >= constraint->target_count) continue;
-        const Target target = s->tables->targets[constraint->target_first + t];
+        const Target target = target_of(s, constraint, t);
         float own;
         put_vec3(&place, lane, sight(s, target, vec3_in(from, lane), &own));
         PUT(*weight, lane, own);

@@ -266,20 +266,21 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
 }
 
 // Applies the member's root motion to a root joint.
-APART_STEP float16 moves(const Solver *s, Step step, float16 own)
+APART_STEP float16 moves(const Solver *s, uint joint, float16 own)
 {
-    const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE;
+    const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE,
+               epoch = s->control.motion_epoch;
     const float4 place = s->tables->states_before[state],
                  heading = s->tables->states_before[state + 1];
     const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f) };
     const Last kept = { { place.x, place.y, place.z, heading.x, heading.y },
                         s->tables->states_before[state + 2],
                         s->tables->states_before[state + 3] };
-    const bool begun = as_uint(place.w) == step.operand;
+    const bool begun = as_uint(place.w) == epoch;
     const Last next = next_of(*s->tables, s->control.member, begun ? kept : none, begun);
     const Move now = next.place;
-    if (step.joint == 0) {
-        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(step.operand));
+    if (joint == 0) {
+        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(epoch));
         s->tables->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
         s->tables->states[state + 2] = next.speed;
         s->tables->states[state + 3] = next.excess;

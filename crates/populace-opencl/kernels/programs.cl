@@ -10,6 +10,7 @@
 typedef struct {
     const Solver *members;
     uint count;
+    bool share_rows; // all have equal programs, and so the same rows
 #if LANES > 1
     const Playback *plays; // what each plays
 #endif
@@ -45,10 +46,25 @@ INLINE Quat handed_down(const Stop *at, uint index)
     return handed_rotations(at->rotations, at->step.operand + index);
 }
 
-// Returns axis, front, up and limits of the `nth` constraints after those of the step.
+// Returns whether members have equal programs.
+INLINE bool share_rows(const Solver *members, uint count)
+{
+    bool share = true;
+    for (uint lane = 1; lane < count; lane++)
+        share = share & (members[lane].control.step_first == members->control.step_first);
+    return share;
+}
+
+// Returns axis, front, up and limits of the `nth` constraints after those of the step. Equal programs
+// share them.
 INLINE Numbers settings_of(const Stop *at, uint nth)
 {
     Numbers settings = no_numbers();
+    if (at->share_rows) {
+        __global const float *row = (__global const float *)(constraint_in(at, 0) + nth);
+        for (uint i = 0; i < 16; i++) settings.n[i] = row[i];
+        return settings;
+    }
     for (uint lane = 0; lane < at->count; lane++)
         put_numbers(&settings, lane, (__global const float *)(constraint_in(at, lane) + nth));
     turn_numbers(&settings);

@@ -27,7 +27,7 @@ INLINE StageJoint stage_joint(StageTables tables, Step step, Control control)
     joint.rotation = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
     joint.row0 = joint.row1 = joint.row2 = (float4)(0.0f);
     joint.place = control.place;
-    joint.facing = control.facing;
+    joint.facing = (float4)(control.sine, control.cosine, 0.0f, 0.0f);
     joint.values = tables.values[step.operand];
     for (uint i = 0; i < STAGE_PARAMETERS / 4; i++)
         vstore4(tables.values[step.index * (STAGE_PARAMETERS / 4) + i], i, joint.parameters);

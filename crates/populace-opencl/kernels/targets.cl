@@ -47,7 +47,7 @@ INLINE Solver solver_of(const ConstraintTables *tables, uint control)
 // Rotates a direction of the world into model space.
 INLINE float4 direction_to_model(Control control, float4 d)
 {
-    const float sine = control.facing.x, cosine = control.facing.y;
+    const float sine = control.sine, cosine = control.cosine;
     return vec(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z);
 }
 
@@ -61,7 +61,7 @@ INLINE float4 to_model(Control control, float4 point)
 INLINE float4 to_world(Control control, float4 p)
 {
     const float4 place = control.place;
-    const float sine = control.facing.x, cosine = control.facing.y;
+    const float sine = control.sine, cosine = control.cosine;
     return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y,
                (cosine * p.z - sine * p.x) * place.w + place.z);
 }
@@ -97,6 +97,12 @@ INLINE float4 sight(const Solver *s, Target target, float4 from, float *weight)
     return point;
 }
 
+// Returns a target of one of the member's constraints.
+INLINE Target target_of(const Solver *s, __global const Constraint *constraint, uint nth)
+{
+    return s->tables->targets[s->control.target_first + constraint->target_first + nth];
+}
+
 // Returns the weighted mean of all targets, and their total weight, at most 1.
 INLINE float4 goal(const Solver *s, __global const Constraint *constraint, float4 from,
                    float *weight)
@@ -105,7 +111,7 @@ INLINE float4 goal(const Solver *s, __global const Constraint *constraint, float
     float total = 0.0f;
     for (uint t = 0; t < constraint->target_count; t++) {
         float own;
-        const float4 place = sight(s, s->tables->targets[constraint->target_first + t], from, &own);
+        const float4 place = sight(s, target_of(s, constraint, t), from, &own);
         if (own <= 0.0f) continue;
         sum = add_scaled(sum, place, own);
         total += own;

@@ -91,14 +91,15 @@ device_struct! {
     pub struct Control {
         /// `x y z` of the model space's origin in the world, in metres, and the member's scale.
         pub place: Float4,
-        /// Sine and cosine of the heading about +Y, then zeros. Heading 0 faces +Z, a quarter turn
-        /// +X.
-        pub facing: Float4,
         /// How planted feet step: `x` and `z` where a step of the clips that leads one metre along
         /// +Z leads instead; then the tangent of half the angle that the member turns per metre of
         /// the clips' strides; then 0. A clip as it is has `0 1 0 0`.
         pub stride: Float4,
-        /// Offset into `steps`.
+        /// Sine of the heading about +Y. Heading 0 faces +Z, a quarter turn +X.
+        pub sine: f32,
+        /// Cosine of the heading.
+        pub cosine: f32,
+        /// Offset into `steps`. Members with equal programs have the same steps.
         pub step_first: u32,
         /// Number of steps that run during Transform, sorted by joint.
         pub step_count: u32,
@@ -109,6 +110,11 @@ device_struct! {
         /// Identifies the owner. History state with another epoch belongs to an earlier member and
         /// is ignored.
         pub epoch: u32,
+        /// Offset into `targets`: those of the member's constraints.
+        pub target_first: u32,
+        /// Identifies the use of root motion. History state with another epoch belongs to an
+        /// earlier one and is ignored.
+        pub motion_epoch: u32,
         /// Offset into `joint_scales`: a length factor for each joint's translation, padded to
         /// whole blocks, or [`NONE`].
         pub scale_first: u32,
@@ -132,7 +138,6 @@ device_struct! {
         pub index: u32,
         /// The first of the member's rotations that the step writes, or the one that it applies.
         /// [`STEP_STAGE`]: offset into `stage_values`. [`STEP_ATTACH`]: index into `overrides`.
-        /// [`STEP_MOTION`]: epoch of the root motion.
         pub operand: u32,
     }
 }
@@ -191,7 +196,7 @@ device_struct! {
         /// Foot: index of the link where the leg begins; the links before it lead down from the
         /// pelvis.
         pub upper: u32,
-        /// Offset into `targets`.
+        /// Offset into the targets of the member.
         pub target_first: u32,
         /// Number of targets. Foot: number of the member's feet.
         pub target_count: u32,

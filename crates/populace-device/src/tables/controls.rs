@@ -4,9 +4,10 @@
 mod compile;
 mod foot;
 mod ground;
+mod interned;
 mod limb;
 mod ranges;
-mod shapes;
+mod shared;
 mod stages;
 mod targets;
 
@@ -17,7 +18,8 @@ use compile::Program;
 use populace_model::Skeleton;
 use populace_model::convert::u32_from;
 
-use shapes::Shapes;
+use interned::Interned;
+use shared::SharedRows;
 
 use super::soles::Soles;
 use super::{Space, Table, Tables};
@@ -31,27 +33,29 @@ use crate::place::Place;
 pub use ground::Ground;
 pub(super) use stages::PARAMETER_ELEMENTS;
 
-/// Runs of a control in each table: first element and length.
-#[derive(Clone, Copy, Debug, Default)]
+/// Runs that a control has alone: first element and length. And its program, whose other rows
+/// equal programs share.
+#[derive(Clone, Copy, Debug)]
 struct Runs {
-    steps: (usize, usize),
     overrides: (usize, usize),
-    constraints: (usize, usize),
-    links: (usize, usize),
     targets: (usize, usize),
     values: (usize, usize),
+    /// Number of the program in [`SharedRows`], or [`NONE`].
+    program: u32,
     /// Joints that the program needs, counted from the first.
     joint_count: u32,
+}
+
+impl Runs {
+    const NONE: Self =
+        Self { overrides: (0, 0), targets: (0, 0), values: (0, 0), program: NONE, joint_count: 0 };
 }
 
 /// Allocation of controls and of their runs.
 #[derive(Clone, Debug)]
 pub(super) struct ControlSpaces {
     controls: Space,
-    steps: Space,
     overrides: Space,
-    constraints: Space,
-    links: Space,
     targets: Space,
     values: Space,
     watched: Space,
@@ -61,8 +65,9 @@ pub(super) struct ControlSpaces {
     watched_known: usize,
     /// Runs, by control index.
     runs: Vec<Runs>,
+    shared: SharedRows,
     /// Shapes of the programs in use.
-    shapes: Shapes,
+    shapes: Interned<()>,
     /// Controls whose programs changed since the last `mark_clean`.
     unchecked: BTreeSet<u32>,
     epoch: u32,
@@ -73,17 +78,15 @@ impl ControlSpaces {
         let space = || Space::new(usize::MAX);
         Self {
             controls: space(),
-            steps: space(),
             overrides: space(),
-            constraints: space(),
-            links: space(),
             targets: space(),
             values: stages::space(),
             watched: space(),
             watched_new: BTreeSet::new(),
             watched_known: 0,
             runs: Vec::new(),
-            shapes: Shapes::default(),
+            shared: SharedRows::new(),
+            shapes: Interned::default(),
             unchecked: BTreeSet::new(),
             epoch: 0,
         }
@@ -176,9 +179,9 @@ impl Tables {
     fn check_control_capacity(&self, program: &Program) -> Result<(), Error> {
         let spaces = &self.control_spaces;
         for (what, count) in [
-            ("the steps", spaces.steps.end_with(program.steps.len())),
+            ("the steps", spaces.shared.steps.end_with(program.steps.len())),
             ("the overrides", spaces.overrides.end_with(program.overrides.len())),
-            ("the links of chains", spaces.links.end_with(program.links.len())),
+            ("the links of chains", spaces.shared.links.end_with(program.links.len())),
             ("the values of stages", spaces.values.end_with(program.values.len())),
             ("the targets", spaces.targets.end_with(program.targets.len())),
             (
@@ -196,13 +199,14 @@ impl Tables {
     fn add_control(&mut self, member_index: u32) -> u32 {
         let spaces = &mut self.control_spaces;
         let (first, _) = spaces.controls.take(1);
-        spaces.runs.resize(spaces.runs.len().max(first + 1), Runs::default());
+        spaces.runs.resize(spaces.runs.len().max(first + 1), Runs::NONE);
         let epoch = spaces.next_epoch();
         let standing = Place { position: [0.0; 3], sin_cos: [0.0, 1.0], scale: 1.0 };
-        let [at, facing] = device_place(&standing);
+        let [sine, cosine] = standing.sin_cos;
         let control = Control {
-            place: at,
-            facing,
+            place: device_place(&standing),
+            sine,
+            cosine,
             stride: Float4([0.0, 1.0, 0.0, 0.0]),
             epoch,
             scale_first: NONE,
@@ -244,8 +248,8 @@ impl Tables {
     #[must_use]
     pub fn sin_cos(&self, member_index: u32) -> Option<[f32; 2]> {
         let control = self.all.members.as_slice()[member_index as usize].control;
-        let [sin, cos, ..] = self.all.controls.as_slice().get(control as usize)?.facing.0;
-        Some([sin, cos])
+        let control = self.all.controls.as_slice().get(control as usize)?;
+        Some([control.sine, control.cosine])
     }
 
     /// Removes the constraint program of a member.
@@ -255,6 +259,9 @@ impl Tables {
             return;
         }
         self.resize_runs(member.control as usize, &Program::default());
+        let runs = &mut self.control_spaces.runs[member.control as usize];
+        let program = std::mem::replace(&mut runs.program, NONE);
+        self.release_program(program);
         self.control_spaces.unchecked.remove(&member.control);
         self.control_spaces.shapes.release(member.shape);
         self.control_spaces.controls.release((member.control as usize, 1));
@@ -267,16 +274,10 @@ impl Tables {
     fn resize_runs(&mut self, control: usize, program: &Program) {
         let spaces = &mut self.control_spaces;
         let runs = &mut spaces.runs[control];
-        resize_run(&mut spaces.steps, &mut runs.steps, program.steps.len());
         resize_run(&mut spaces.overrides, &mut runs.overrides, program.overrides.len());
-        resize_run(&mut spaces.constraints, &mut runs.constraints, program.constraints.len());
-        resize_run(&mut spaces.links, &mut runs.links, program.links.len());
         resize_run(&mut spaces.targets, &mut runs.targets, program.targets.len());
         resize_run(&mut spaces.values, &mut runs.values, program.values.len());
-        self.all.steps.truncate(spaces.steps.end());
         self.all.overrides.truncate(spaces.overrides.end());
-        self.all.constraints.truncate(spaces.constraints.end());
-        self.all.links.truncate(spaces.links.end());
         self.all.targets.truncate(spaces.targets.end());
         self.all.stage_values.truncate(spaces.values.end());
     }
@@ -285,28 +286,24 @@ impl Tables {
         self.control_spaces.runs[control].joint_count = program.joints_needed();
         self.set_shape(control, &program.shape());
         let runs = self.control_spaces.runs[control];
-        program.move_to(
-            runs.overrides.0,
-            runs.constraints.0,
-            runs.links.0,
-            runs.targets.0,
-            runs.values.0,
-        );
-        write(&mut self.all.steps, runs.steps.0, &program.steps);
+        program.move_own(runs.overrides.0, runs.values.0);
         write(&mut self.all.overrides, runs.overrides.0, &program.overrides);
-        write(&mut self.all.constraints, runs.constraints.0, &program.constraints);
-        write(&mut self.all.links, runs.links.0, &program.links);
         write(&mut self.all.targets, runs.targets.0, &program.targets);
         write(&mut self.all.stage_values, runs.values.0, &program.values);
         let row = Control {
-            step_first: u32_from(runs.steps.0),
             step_count: u32_from(program.steps.len() - program.pose_step_count),
             pose_step_count: u32_from(program.pose_step_count),
             local_first: u32_from(runs.overrides.0),
             local_count: u32_from(program.local_count),
+            target_first: u32_from(runs.targets.0),
             scale_first: program.scale_first,
+            motion_epoch: program.motion_epoch,
             ..self.all.controls.as_slice()[control]
         };
+        let number = self.replace_program(runs.program, program);
+        self.control_spaces.runs[control].program = number;
+        let step_first = u32_from(self.control_spaces.shared.runs(number).steps.0);
+        let row = Control { step_first, ..row };
         write(&mut self.all.controls, control, &[row]);
         self.control_spaces.unchecked.insert(u32_from(control));
     }
@@ -315,8 +312,9 @@ impl Tables {
     fn set_shape(&mut self, control: usize, shape: &[u32]) {
         let member_index = self.all.controls.as_slice()[control].member as usize;
         let mut member = self.all.members.as_slice()[member_index];
-        let number = self.control_spaces.shapes.take(shape);
-        self.control_spaces.shapes.release(member.shape);
+        let shapes = &mut self.control_spaces.shapes;
+        let number = shapes.share(shape).unwrap_or_else(|| shapes.add(shape, ()));
+        shapes.release(member.shape);
         if member.shape != number {
             member.shape = number;
             self.all.members.set(member_index, member);
@@ -333,11 +331,11 @@ impl Tables {
     pub fn set_place(&mut self, member_index: u32, standing: &Place) -> Result<(), Error> {
         let control = self.used_member(member_index)?.control;
         if control != NONE {
-            let [at, facing] = device_place(standing);
+            let (place, [sine, cosine]) = (device_place(standing), standing.sin_cos);
             let row = &self.all.controls.as_slice()[control as usize];
-            if row.place != at || row.facing != facing {
+            if row.place != place || [row.sine, row.cosine] != [sine, cosine] {
                 let row = self.all.controls.change(control as usize);
-                (row.place, row.facing) = (at, facing);
+                (row.place, row.sine, row.cosine) = (place, sine, cosine);
             }
         }
         Ok(())
@@ -436,7 +434,7 @@ impl Tables {
     }
 }
 
-fn device_place(standing: &Place) -> [Float4; 2] {
-    let ([x, y, z], [sin, cos]) = (standing.position, standing.sin_cos);
-    [Float4([x, y, z, standing.scale]), Float4([sin, cos, 0.0, 0.0])]
+fn device_place(standing: &Place) -> Float4 {
+    let [x, y, z] = standing.position;
+    Float4([x, y, z, standing.scale])
 }

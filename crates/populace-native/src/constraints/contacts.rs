@@ -5,29 +5,80 @@
 
 use populace_device::layout::{
     CONTACT_WHOLE, Constraint, Contact, FOOT_NEAR_SECS, FOOT_STEPPING, Link, MAX_FEET, NONE,
-    SLOT_LIVE, Slot,
+    SLOT_LIVE,
 };
 
 use populace_model::math::Real;
 
-use super::programs::{Company, Programs, Stop};
-use super::targets::Solver;
-use crate::lanes::{Simd, put};
+use super::programs::{Company, Programs};
+use crate::frame::FrameInputs;
+use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::machines::slot_now;
 use crate::members::member_slots;
 
 const FEET: usize = MAX_FEET as usize;
 
-/// Weights of the clips of a layer, by what they do with one foot.
+/// Weights of the clips of a layer, by what they do with one foot: the sum over clips that lift
+/// it, of weight times seconds within a contact (negative outside of one); the weight of those
+/// clips; and that of clips in which it stands throughout.
+type Mix<R> = [R; 3];
+
+/// A clip that a member plays on its lowest layer.
 #[derive(Clone, Copy, Default)]
-struct Mix {
-    /// Sum over clips that lift the foot, of weight times seconds within a contact; negative
-    /// outside of one.
-    within: f32,
-    /// Weight of the clips that lift the foot.
-    steps: f32,
-    /// Weight of the clips in which it stands throughout.
-    stands: f32,
+struct Stepping<'a> {
+    weight: f32,
+    /// Time after the clip's start.
+    secs: f32,
+    duration_secs: f32,
+    /// None if the member plays no such clip.
+    contacts: &'a [Contact],
+}
+
+impl<'a> Stepping<'a> {
+    /// Returns the clip in the `nth` slot of a member; `None` if it does not play there on the
+    /// lowest layer, or knows no contacts.
+    #[inline(always)]
+    fn of_slot(inputs: &'a FrameInputs, member: u32, nth: usize) -> Option<Self> {
+        let (tables, tick) = (inputs.tables, inputs.frame.tick);
+        let slot = &member_slots(tables, member)[nth];
+        if slot.bound_clip == NONE || slot.layer() != 0 {
+            return None;
+        }
+        let slot = slot_now(tables, &inputs.history.running, slot, tick);
+        let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
+        if weight <= 0.0 || slot.mode() == SLOT_LIVE {
+            return None;
+        }
+        let bound = &tables.bound_clips().as_slice()[slot.bound_clip as usize];
+        if bound.contact_count == 0 {
+            return None;
+        }
+        let clip = &tables.clips().as_slice()[bound.clip as usize];
+        let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs;
+        let first = bound.contact_first as usize;
+        let contacts = &tables.contacts().as_slice()[first..first + bound.contact_count as usize];
+        Some(Self { weight, secs, duration_secs: clip.duration_secs, contacts })
+    }
+
+    /// Adds the clip to the mixes of a foot of members that play it, with their weights and times.
+    #[inline(always)]
+    fn mix_contacts<R: Real>(&self, ankle: &Link, weight: R, secs: R, mix: &mut Mix<R>) {
+        let near = R::splat(FOOT_NEAR_SECS);
+        let (mut within, mut stands) = (-near, false);
+        for contact in self.contacts.iter().filter(|contact| contact.joint == ankle.joint) {
+            let of_contact = secs_within(contact, secs, self.duration_secs);
+            within = R::choose(within.less(of_contact), of_contact, within);
+            let lasts_secs = contact.until_secs - contact.from_secs;
+            stands |= lasts_secs >= CONTACT_WHOLE * self.duration_secs;
+        }
+        let [sum, steps, standing] = *mix;
+        *mix = if stands {
+            [sum, steps, standing + weight]
+        } else {
+            let within = R::choose(within.less(near), within, near);
+            [sum + weight * within, steps + weight, standing]
+        };
+    }
 }
 
 /// Returns the index of a foot's link to the ankle.
@@ -36,19 +87,22 @@ pub(super) fn ankle_link(foot: &Constraint) -> usize {
     (foot.link_count - 1 - foot.toe_links) as usize
 }
 
-/// Returns the seconds from the nearest end of a contact to a time, both in seconds after the start
+/// Returns the seconds from the nearest end of a contact to times, all in seconds after the start
 /// of a cycle: positive within the contact.
-fn secs_within(contact: &Contact, secs: f32, cycle_secs: f32) -> f32 {
-    let middle = 0.5 * (contact.from_secs + contact.until_secs);
+#[inline(always)]
+fn secs_within<R: Real>(contact: &Contact, secs: R, cycle_secs: f32) -> R {
+    let (half, cycle) = (R::splat(0.5), R::splat(cycle_secs));
+    let middle = half * R::splat(contact.from_secs + contact.until_secs);
     let away = (secs - middle).abs();
-    let away = if away > 0.5 * cycle_secs { (cycle_secs - away).abs() } else { away };
-    0.5 * (contact.until_secs - contact.from_secs) - away
+    let away = R::choose((half * cycle).less(away), (cycle - away).abs(), away);
+    R::splat(0.5 * (contact.until_secs - contact.from_secs)) - away
 }
 
 /// The place of a foot in its contacts.
 #[derive(Clone, Copy)]
 pub(super) struct InContact<R: Real> {
-    /// Seconds from the nearest end of a contact, see [`Solver::contacts_of`].
+    /// Seconds from the nearest end of a contact: positive within it, negative outside of it, at
+    /// most [`FOOT_NEAR_SECS`] in size.
     pub(super) within_secs: R,
     /// False if no clip knows.
     pub(super) known: R::Choice,
@@ -62,78 +116,74 @@ impl<R: Real> InContact<R> {
     }
 }
 
+/// Returns numbers of [`InContact`] from a mix. A mean of times within contacts moves the ends of
+/// contacts between those of the clips. Clips in which a foot always stands do not count, unless
+/// nearly all do so: a standing clip mixed with a walk gives smaller steps.
+#[inline(always)]
+fn place_of<R: Real>([within, steps, stands]: Mix<R>) -> [R; 2] {
+    let (zero, one) = (R::splat(0.0), R::splat(1.0));
+    let total = steps + stands;
+    let stands_still = steps.at_most(R::splat(FOOT_STEPPING) * total);
+    let secs = R::choose(stands_still, R::splat(FOOT_NEAR_SECS), within / steps);
+    let known = zero.less(total);
+    [R::choose(known, secs, zero), R::choose(known, one, zero)]
+}
+
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
     /// Collects numbers of [`InContact`] for each foot. `feet` are the constraints of the first
     /// member.
     #[inline(always)]
-    pub(super) fn put_contacts(&mut self, feet: &[Constraint]) -> [[Simd<COUNT>; 2]; FEET] {
-        let mut contacts = [[Simd([0.0; COUNT]); 2]; FEET];
-        let mut ankles = [Link::default(); FEET];
-        for (ankle, foot) in ankles.iter_mut().zip(feet) {
-            *ankle = self.links(foot)[ankle_link(foot)];
+    pub(super) fn put_contacts<R: Members>(
+        &mut self,
+        feet: &[Constraint],
+    ) -> [[Simd<COUNT>; 2]; FEET] {
+        let mut mixes = [[Simd([0.0; COUNT]); 3]; FEET];
+        for nth in 0..self.inputs.tables.slots_per_member() {
+            let mut clips = [Stepping::default(); COUNT];
+            for (clip, member) in clips.iter_mut().zip(self.members) {
+                *clip = Stepping::of_slot(self.inputs, *member, nth).unwrap_or_default();
+            }
+            self.mix_clips::<R>(&clips, feet, &mut mixes);
         }
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
-            let own = solver.contacts_of(&ankles, feet.len());
-            for (all, secs) in contacts.iter_mut().zip(own) {
-                put(all, lane, secs.map_or([0.0; 2], |secs| [secs, 1.0]));
+        let mut contacts = [[Simd([0.0; COUNT]); 2]; FEET];
+        for (contacts, mixes) in contacts.iter_mut().zip(&mixes).take(feet.len()) {
+            for first in (0..self.members.len()).step_by(R::COUNT) {
+                store(&place_of::<R>(load(mixes, first)), contacts, first);
             }
         }
         contacts
     }
-}
 
-impl Solver<'_> {
-    /// Returns for each foot the seconds from the nearest end of a contact: positive within it,
-    /// negative outside of it, at most [`FOOT_NEAR_SECS`] in size. `None` if no clip knows.
-    ///
-    /// A mean of these times over the clips moves the ends of contacts between those of the clips.
-    /// Clips in which a foot always stands do not count, unless nearly all do so: a standing clip
-    /// mixed with a walk gives smaller steps.
-    pub(super) fn contacts_of(&self, ankles: &[Link; FEET], count: usize) -> [Option<f32>; FEET] {
-        let mut mixes = [Mix::default(); FEET];
-        for slot in member_slots(self.tables, self.control.member) {
-            if slot.bound_clip != NONE && slot.layer() == 0 {
-                self.mix_contacts(slot, &ankles[..count], &mut mixes);
-            }
-        }
-        mixes.map(|Mix { within, steps, stands }| {
-            let total = steps + stands;
-            let stands_still = steps <= FOOT_STEPPING * total;
-            (total > 0.0).then(|| if stands_still { FOOT_NEAR_SECS } else { within / steps })
-        })
-    }
-
+    /// Adds a clip of each member to the mix of each foot: in lanes if all play the same clip.
     #[inline(always)]
-    fn mix_contacts(&self, slot: &Slot, ankles: &[Link], mixes: &mut [Mix; FEET]) {
-        let (tables, tick) = (self.tables, self.inputs.frame.tick);
-        let slot = slot_now(tables, &self.inputs.history.running, slot, tick);
-        let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
-        if weight <= 0.0 || slot.mode() == SLOT_LIVE {
+    fn mix_clips<R: Members>(
+        &self,
+        clips: &[Stepping; COUNT],
+        feet: &[Constraint],
+        mixes: &mut [[Simd<COUNT>; 3]; FEET],
+    ) {
+        let members = self.members.len();
+        let share = clips[..members].iter().all(|c| std::ptr::eq(c.contacts, clips[0].contacts));
+        if share && clips[0].contacts.is_empty() {
             return;
         }
-        let bound = &tables.bound_clips().as_slice()[slot.bound_clip as usize];
-        if bound.contact_count == 0 {
-            return;
-        }
-        let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs;
-        let first = bound.contact_first as usize;
-        let contacts = &tables.contacts().as_slice()[first..first + bound.contact_count as usize];
-        for (ankle, mix) in ankles.iter().zip(mixes) {
-            let (mut within, mut stands) = (-FOOT_NEAR_SECS, false);
-            for contact in contacts.iter().filter(|contact| contact.joint == ankle.joint) {
-                let of_contact = secs_within(contact, secs, clip.duration_secs);
-                within = if of_contact > within { of_contact } else { within };
-                let lasts_secs = contact.until_secs - contact.from_secs;
-                stands |= lasts_secs >= CONTACT_WHOLE * clip.duration_secs;
-            }
-            if stands {
-                mix.stands += weight;
+        let weights = [Simd::<COUNT>::from_fn(|lane| clips[lane].weight)];
+        let times = [Simd::<COUNT>::from_fn(|lane| clips[lane].secs)];
+        for (foot, mixes) in feet.iter().zip(mixes) {
+            let ankle = &self.links(foot)[ankle_link(foot)];
+            if share {
+                for first in (0..members).step_by(R::COUNT) {
+                    let ([weight], [secs]) = (load(&weights, first), load(&times, first));
+                    let mut mix: Mix<R> = load(mixes, first);
+                    clips[0].mix_contacts(ankle, weight, secs, &mut mix);
+                    store(&mix, mixes, first);
+                }
             } else {
-                let within = if within < FOOT_NEAR_SECS { within } else { FOOT_NEAR_SECS };
-                mix.within += weight * within;
-                mix.steps += weight;
+                for (lane, clip) in clips[..members].iter().enumerate() {
+                    let mut mix = lane_of(mixes, lane);
+                    clip.mix_contacts(ankle, clip.weight, clip.secs, &mut mix);
+                    put(mixes, lane, mix);
+                }
             }
         }
     }

@@ -5,7 +5,7 @@
 //! the pelvis' state, and rotations for hips, knees and ankles.
 
 use populace_device::layout::{
-    Constraint, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
+    Constraint, Control, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
 };
 use populace_model::math::{Real, quat, vec3};
 
@@ -99,6 +99,14 @@ struct Collected<const COUNT: usize> {
     pelvis: [Simd<COUNT>; 2],
 }
 
+/// Returns the numbers of [`Settings`] of a constraint.
+#[inline(always)]
+fn settings_in(constraint: &Constraint) -> [f32; SETTINGS] {
+    let [x, y, z] = constraint.axis.xyz();
+    let ([a, b, c, d], [e, f, g, h]) = (constraint.up.0, constraint.limits.0);
+    [x, y, z, a, b, c, d, e, f, g, h]
+}
+
 /// Returns how far the pelvis is lowered, in metres. It sinks at once, so that feet reach the
 /// ground, and takes its time to rise.
 #[inline(always)]
@@ -142,28 +150,29 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         leg
     }
 
-    /// Collects the settings of each member's constraint at `nth` after that of its step.
+    /// Collects the settings of each member's constraint at `nth` after that of its step. Equal
+    /// programs share them.
     #[inline(always)]
     fn put_settings(&mut self, nth: usize) -> [Simd<COUNT>; SETTINGS] {
         let mut settings = [Simd([0.0; COUNT]); SETTINGS];
+        let constraints = self.inputs.tables.constraints().as_slice();
+        if let (true, Some((step, _))) = (self.share_rows(), self.first_stop()) {
+            return settings_in(&constraints[step.index as usize + nth]).map(Simd::splat);
+        }
         for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, .. }) = self.stop(lane) else { continue };
-            let all = solver.tables.constraints().as_slice();
-            let constraint = &all[step.index as usize + nth];
-            let [x, y, z] = constraint.axis.xyz();
-            let ([a, b, c, d], [e, f, g, h]) = (constraint.up.0, constraint.limits.0);
-            put(&mut settings, lane, [x, y, z, a, b, c, d, e, f, g, h]);
+            let Some(Stop { step, .. }) = self.stop(lane) else { continue };
+            put(&mut settings, lane, settings_in(&constraints[step.index as usize + nth]));
         }
         settings
     }
 
     /// Collects the inputs of all members. `feet` are the constraints of the first member.
     #[inline(always)]
-    fn collect(&mut self, feet: &[Constraint]) -> Collected<COUNT> {
+    fn collect<R: Members>(&mut self, feet: &[Constraint]) -> Collected<COUNT> {
         let none = Simd([0.0; COUNT]);
         let mut all = Collected {
             settings: [[none; SETTINGS]; FEET],
-            contacts: self.put_contacts(feet),
+            contacts: self.put_contacts::<R>(feet),
             states: [[none; STATE]; FEET],
             stances: [none; STANCE],
             pelvis: [none; 2],
@@ -174,10 +183,9 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         }
         for lane in 0..self.members.len() {
             let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
-            let ([x, y, z, scale], [sin, cos, ..]) =
-                (solver.control.place.0, solver.control.facing.0);
-            let [a, b, c, _] = solver.control.stride.0;
-            put(&mut all.stances, lane, [x, y, z, scale, sin, cos, a, b, c]);
+            let Control { place, stride, sine, cosine, .. } = solver.control;
+            let ([x, y, z, scale], [a, b, c, _]) = (place.0, stride.0);
+            put(&mut all.stances, lane, [x, y, z, scale, *sine, *cosine, a, b, c]);
             let Float4([drop, _, _, bits]) = solver.state(PELVIS_STATE);
             let known = if bits.to_bits() == solver.control.epoch { 1.0 } else { 0.0 };
             put(&mut all.pelvis, lane, [drop, known]);
@@ -244,7 +252,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         let Some((step, constraint)) = self.first_stop() else { return };
         let count = constraint.target_count as usize;
         let feet = &self.inputs.tables.constraints().as_slice()[step.index as usize..][..count];
-        let mut all = self.collect(feet);
+        let mut all = self.collect::<R>(feet);
         let mut drops = Simd([0.0; COUNT]);
         for first in (0..self.members.len()).step_by(R::COUNT) {
             if let Some(drop) = self.plant::<R>(feet, &mut all, first) {

@@ -11,7 +11,7 @@
 
 use populace_device::layout::{
     BoundClip, ClipRows, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET, MOTION_ELEMENTS,
-    MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot, Step,
+    MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, vec3};
@@ -315,11 +315,12 @@ impl Solver<'_> {
 
     /// Moves a root to where clips have moved the member.
     #[inline(never)]
-    pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize, step: &Step) {
+    pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize) {
         let [shift, heading, speed, excess] =
             [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
+        let epoch = self.control.motion_epoch;
         // The state of another epoch belongs to an earlier use of root motion.
-        let last = (shift[3].to_bits() == step.operand).then(|| Last {
+        let last = (shift[3].to_bits() == epoch).then(|| Last {
             offset: Move {
                 shift: [shift[0], shift[1], shift[2]],
                 heading: [heading[0], heading[1]],
@@ -330,7 +331,7 @@ impl Solver<'_> {
         let Last { offset: now, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
-            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(step.operand)]));
+            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(epoch)]));
             self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
             self.keep_state(MOTION_STATE + 2, Float4(speed));
             self.keep_state(MOTION_STATE + 3, Float4(excess));

@@ -165,6 +165,13 @@ impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
         Some((step, &tables.constraints().as_slice()[step.index as usize]))
     }
 
+    /// Returns whether all members have equal programs, and so the same rows.
+    #[inline(always)]
+    pub(super) fn share_rows(&self) -> bool {
+        let rows = |member: &u32| steps_of(self.inputs.tables, *member).as_ptr();
+        self.members.iter().all(|member| rows(member) == rows(&self.members[0]))
+    }
+
     /// Walks down chains by their local transforms, in lanes from `lane` on. Writes the positions
     /// of the chain's joints, in model space, and returns the model transform of the last joint.
     #[inline(always)]

@@ -94,7 +94,7 @@ impl<'a> Solver<'a> {
     }
 
     pub(super) fn targets(&self, constraint: &Constraint) -> &[Target] {
-        let first = constraint.target_first as usize;
+        let first = self.control.target_first as usize + constraint.target_first as usize;
         &self.tables.targets().as_slice()[first..first + constraint.target_count as usize]
     }
 
@@ -111,8 +111,8 @@ impl<'a> Solver<'a> {
     /// Returns where the member stands.
     #[inline(always)]
     pub(super) fn standing(&self) -> Standing<f32> {
-        let [sin, cos, ..] = self.control.facing.0;
-        Standing { place: self.control.place.0, facing: [sin, cos] }
+        let facing = [self.control.sine, self.control.cosine];
+        Standing { place: self.control.place.0, facing }
     }
 
     /// Returns a target's position as seen from a point, both in model space, and its present

@@ -132,6 +132,49 @@ fn constraints_give_equal_bits_on_every_device_and_schedule() {
 /// Constraints of several members are solved in one batch. Members with equal constraints get equal
 /// poses, whatever their neighbours in the batch.
 #[test]
+fn members_with_equal_programs_and_clips_get_the_bits_of_others() {
+    let first: RefCell<Option<Vec<u32>>> = RefCell::new(None);
+    for others_differ in [false, true] {
+        everywhere(|scene| {
+            let body = scene.crowd.add_character(with_soles()).expect("enough capacity");
+            let clips = ["walk", "sway"].map(|name| scene.clip(name));
+            for (clip, from_secs) in clips.into_iter().zip([0.6, 0.1]) {
+                let ankle = joint("leftFoot");
+                let contact = Contact { ankle, from_secs, until_secs: from_secs + 0.5 };
+                let mut character = scene.crowd.character_mut(body).expect("a character");
+                character.set_contacts(clip, &[contact]).expect("a contact within the clip");
+            }
+            let members: Vec<MemberId> = (0..36u8)
+                .map(|at| {
+                    let x = f32::from(at / 2);
+                    let place = Placement::at([x, 0.0, 0.0]).facing(x);
+                    let member = scene.crowd.spawn(body, place).expect("enough capacity");
+                    let differs = others_differ && at % 2 == 0;
+                    let clip = clips[usize::from(differs)];
+                    let late = ClipPlayback::looping().phase(x / 20.0);
+                    scene.edit(member).play(clip, late).expect("a clip that plays");
+                    let weight = if differs { 0.7 } else { 1.0 };
+                    scene.edit(member).plant_feet_with(&feet(weight)).expect("feet");
+                    member
+                })
+                .collect();
+            let mut bits = Vec::new();
+            for _ in 0..8 {
+                scene.update(0.06);
+                for member in members.iter().skip(1).step_by(2) {
+                    let palette = scene.edit(*member).palette().expect("a palette");
+                    bits.extend(palette.iter().flat_map(|m| m.rows).flatten().map(f32::to_bits));
+                }
+            }
+            let mut first = first.borrow_mut();
+            let expected = first.get_or_insert_with(|| bits.clone());
+            let apart = expected.iter().zip(&bits).filter(|(a, b)| a != b).count();
+            assert_eq!((apart, expected.len()), (0, bits.len()), "others differ: {others_differ}");
+        });
+    }
+}
+
+#[test]
 fn constraint_result_is_independent_of_batch_neighbours() {
     const KINDS: u8 = 16;
     let first: RefCell<Option<Vec<Vec<u32>>>> = RefCell::new(None);

@@ -19,7 +19,7 @@ use crate::layout::{
 };
 
 /// The compiled constraint program of one member. Indices count from the program's own first
-/// elements until [`move_to`](Self::move_to) is called.
+/// elements until [`move_own`](Self::move_own) and [`move_shared`](Self::move_shared) are called.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Program {
     /// Steps by joint: those that run during Transform, then those that run after Pose.
@@ -34,6 +34,7 @@ pub(super) struct Program {
     /// The member's values for the stages that it uses.
     pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
+    pub(super) motion_epoch: u32,
     rotation_count: usize,
 }
 
@@ -98,8 +99,11 @@ impl Program {
         soles: &Soles,
         controls: &Controls,
     ) -> Result<Self, Error> {
-        let mut program =
-            Self { scale_first: controls.proportions.unwrap_or(NONE), ..Self::default() };
+        let mut program = Self {
+            scale_first: controls.proportions.unwrap_or(NONE),
+            motion_epoch: controls.motion.unwrap_or(0),
+            ..Self::default()
+        };
         for constraint in &controls.constraints {
             match constraint {
                 Constraint::Gaze(gaze) => program.gaze(skeleton, gaze)?,
@@ -108,11 +112,10 @@ impl Program {
                 Constraint::Feet(feet) => program.feet(skeleton, soles, feet)?,
             }
         }
-        for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
-            controls
-                .motion
-                .into_iter()
-                .for_each(|epoch| program.step(root, STEP_MOTION, 0, epoch as usize));
+        if controls.motion.is_some() {
+            for root in skeleton.joints().filter(|joint| skeleton.parent(*joint).is_none()) {
+                program.step(root, STEP_MOTION, 0, 0);
+            }
         }
         program.overrides(skeleton, &controls.overrides)?;
         let pose_steps = program.stages(skeleton, &controls.stages)?;
@@ -375,30 +378,29 @@ impl Program {
         Ok(())
     }
 
-    /// Offsets all indices to the program's location in the tables.
-    pub(super) fn move_to(
-        &mut self,
-        overrides: usize,
-        constraints: usize,
-        links: usize,
-        targets: usize,
-        values: usize,
-    ) {
+    /// Offsets the indices of overrides and values to where the member has its own.
+    pub(super) fn move_own(&mut self, overrides: usize, values: usize) {
+        for step in &mut self.steps {
+            match step.kind {
+                STEP_OVERRIDE => step.index += u32_from(overrides),
+                STEP_ATTACH => step.operand += u32_from(overrides),
+                STEP_STAGE => step.operand += u32_from(values),
+                _ => {}
+            }
+        }
+    }
+
+    /// Offsets the indices of constraints and links to the rows that equal programs share.
+    pub(super) fn move_shared(&mut self, constraints: usize, links: usize) {
         for step in &mut self.steps {
             step.index += match step.kind {
-                STEP_OVERRIDE => u32_from(overrides),
-                STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE | STEP_MOTION => 0,
+                STEP_OVERRIDE | STEP_WATCH | STEP_CARRY | STEP_ATTACH | STEP_STAGE
+                | STEP_MOTION => 0,
                 _ => u32_from(constraints),
-            };
-            step.operand += match step.kind {
-                STEP_STAGE => u32_from(values),
-                STEP_ATTACH => u32_from(overrides),
-                _ => 0,
             };
         }
         for constraint in &mut self.constraints {
             constraint.link_first += u32_from(links);
-            constraint.target_first += u32_from(targets);
         }
     }
 }

@@ -24,11 +24,12 @@ impl Tables {
             return Ok(());
         }
         for (control, runs) in self.control_spaces.runs.iter().enumerate() {
+            let shared = self.control_spaces.shared.runs(runs.program);
             for (table, (first, count), length) in [
-                ("steps", runs.steps, all.steps.len()),
+                ("steps", shared.steps, all.steps.len()),
                 ("overrides", runs.overrides, all.overrides.len()),
-                ("constraints", runs.constraints, all.constraints.len()),
-                ("links", runs.links, all.links.len()),
+                ("constraints", shared.constraints, all.constraints.len()),
+                ("links", shared.links, all.links.len()),
                 ("targets", runs.targets, all.targets.len()),
                 ("stage_values", runs.values, all.stage_values.len()),
             ] {
@@ -57,10 +58,10 @@ impl Tables {
             within("joint_scales", control, row.scale_first as usize, 1, all.joint_scales.len())?;
         }
         let steps = &all.steps.as_slice()[row.step_first as usize..][..steps];
-        steps.iter().try_for_each(|step| self.check_step(control, step))
+        steps.iter().try_for_each(|step| self.check_step(control, &row, step))
     }
 
-    fn check_step(&self, control: usize, step: &Step) -> Result<(), Error> {
+    fn check_step(&self, control: usize, of: &Control, step: &Step) -> Result<(), Error> {
         let all = &self.all;
         let (index, operand) = (step.index as usize, step.operand as usize);
         match step.kind {
@@ -85,7 +86,8 @@ impl Tables {
                 if matches!(step.kind, STEP_PELVIS | STEP_FOOT) {
                     return Ok(());
                 }
-                let (first, count) = (row.target_first as usize, row.target_count as usize);
+                let first = of.target_first as usize + row.target_first as usize;
+                let count = row.target_count as usize;
                 within("targets", control, first, count, all.targets.len())
             }
             STEP_ROTATION => {
@@ -95,7 +97,6 @@ impl Tables {
                 within("stages", control, index, 1, MAX_STAGES as usize)?;
                 within("stage_values", control, operand, 1, all.stage_values.len())
             }
-            // Its operand is an epoch.
             STEP_MOTION => Ok(()),
             kind => within("step kinds", control, kind as usize, 1, STEP_MOTION as usize + 1),
         }

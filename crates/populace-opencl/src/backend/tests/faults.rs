@@ -265,7 +265,7 @@ faults! {
         watched_joints_have_no_offset:
             "vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z)" =>
             "vec(a.w, rows[1].w, rows[2].w)";
-        watched_joints_have_no_scale: "const float sine = s->control.facing.x * place.w, cosine" =>
-            "const float sine = s->control.facing.x, cosine";
+        watched_joints_have_no_scale: "const float sine = s->control.sine * place.w, cosine" =>
+            "const float sine = s->control.sine, cosine";
     }
 }
