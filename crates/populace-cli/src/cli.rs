@@ -77,11 +77,12 @@ pub(crate) enum Command {
     /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts
     /// from the call that evaluates the frame until the device has finished, `draw` from then until
     /// the picture is read back, and `total` until the file is written, or the picture handed to
-    /// the encoder of the film. `shadow`, `members` and `surroundings` are the times of passes by
-    /// the timers of OpenGL. The rest describes the last picture: `drawn_members`, `triangles`,
-    /// `draw_calls`, what the `shadow` map shows, members in view by their level of detail in
-    /// `levels`, those out of view that throw a shadow into it in `shadow_only`, and those that
-    /// cannot be seen in `hidden`.
+    /// the encoder of the film. `view` is the part of `animate` that chose visibility and levels of
+    /// detail. `shadow`, `members` and `surroundings` are the times of passes by the timers of
+    /// OpenGL. The rest describes the last picture: `drawn_members`, `triangles`, what the `shadow`
+    /// map shows, `draw_calls` by pass, members in view by their level of detail in `levels`, those
+    /// out of view that throw a shadow into it in `shadow_only`, and those that cannot be seen in
+    /// `hidden`.
     ///
     /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
     /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from

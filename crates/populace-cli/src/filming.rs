@@ -111,11 +111,11 @@ impl Filmed {
     pub(crate) fn report(&self, crowd: &Crowd, json: bool, more: Value) -> Result<(), Failure> {
         let Self { frames, skipped, times, drawn, out } = self;
         let count = frames.count();
-        let [total, behave, animate, draw] = times.medians();
+        let [total, behave, animate, view_ms, draw] = times.medians();
         message!(
             "{} drawn, {}",
-            counted(drawn.instances, "member"),
-            counted(drawn.triangles, "triangle")
+            counted(drawn.members.instances, "member"),
+            counted(drawn.members.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };
         let mut text = counted(count as usize, "frame");
@@ -141,15 +141,20 @@ impl Filmed {
                 "total": total,
                 "behave": behave,
                 "animate": animate,
+                "view": view_ms,
                 "draw": draw,
                 "shadow": times.pass(|pass| pass.shadow_ms),
                 "members": times.pass(|pass| pass.members_ms),
                 "surroundings": times.pass(|pass| pass.surroundings_ms),
             },
-            "drawn_members": drawn.instances,
-            "triangles": drawn.triangles,
-            "shadow": {"members": drawn.shadow_instances, "triangles": drawn.shadow_triangles},
-            "draw_calls": drawn.draw_calls,
+            "drawn_members": drawn.members.instances,
+            "triangles": drawn.members.triangles,
+            "shadow": {"members": drawn.shadow.instances, "triangles": drawn.shadow.triangles},
+            "draw_calls": {
+                "shadow": drawn.shadow.draw_calls,
+                "members": drawn.members.draw_calls,
+                "surroundings": drawn.surroundings.draw_calls,
+            },
             "levels": view.levels,
             "shadow_only": view.shadow_only,
             "hidden": view.hidden,

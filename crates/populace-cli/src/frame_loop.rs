@@ -124,8 +124,7 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        let animate_ms = self.lead_in(crowd, action, &mut times)?;
-        let mut spent = Spent { animate: animate_ms, ..Spent::default() };
+        let mut spent = self.lead_in(crowd, action, &mut times)?;
         let mut renderer = renderer.inspect_err(|_| {
             let ms = median(&times.animate).unwrap_or(spent.animate);
             message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
@@ -141,9 +140,7 @@ impl FrameLoop<'_> {
             // The lead-in ends at the first moment.
             if moment.secs > now_secs {
                 self.look(crowd, action, moment.secs)?;
-                spent.animate += animate(crowd, action, single(moment.secs - now_secs))?;
-                let behave = action.take_behave_ms();
-                (spent.animate, spent.behave) = (spent.animate - behave, spent.behave + behave);
+                spent.add(&animate(crowd, action, single(moment.secs - now_secs))?);
                 now_secs = moment.secs;
             }
             // Once for all pictures of a frame: another process may write its file meanwhile.
@@ -165,8 +162,7 @@ impl FrameLoop<'_> {
                 continue;
             }
             let spent = std::mem::take(&mut spent);
-            times.animate.push(spent.animate);
-            times.behave.push(spent.behave);
+            times.add_animated(&spent);
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
                 let depths_m = facts.as_ref().map_or(&[][..], |facts| &facts.marks.depths_m[..]);
@@ -181,25 +177,25 @@ impl FrameLoop<'_> {
         Ok((times, renderer.drawn()))
     }
 
-    /// Evaluates the frames up to frame 0, and returns the milliseconds of the last of them. The
-    /// first evaluation includes all uploads, so it is counted only if it is the only one.
+    /// Evaluates the frames up to frame 0, and returns the times of the last of them. The first
+    /// evaluation includes all uploads, so it is counted only if it is the only one.
     fn lead_in(
         &self,
         crowd: &mut Crowd,
         action: &mut dyn Action,
         times: &mut FrameTimes,
-    ) -> Result<f64, Failure> {
+    ) -> Result<Spent, Failure> {
         self.look(crowd, action, 0.0)?;
-        let mut ms = animate(crowd, action, 0.0)?;
+        let mut spent = animate(crowd, action, 0.0)?;
         let mut progress = Progress::new("evaluating", self.lead_in as usize);
         for number in 0..self.lead_in {
             if number > 0 {
-                times.animate.push(ms);
+                times.add_animated(&spent);
             }
-            ms = animate(crowd, action, LEAD_IN_SECS)?;
+            spent = animate(crowd, action, LEAD_IN_SECS)?;
             progress.step();
         }
-        Ok(ms)
+        Ok(spent)
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -218,6 +214,8 @@ pub(crate) struct FrameTimes {
     total: Vec<f64>,
     behave: Vec<f64>,
     animate: Vec<f64>,
+    /// The part of `animate` that chose visibility and levels of detail.
+    view: Vec<f64>,
     draw: Vec<f64>,
     passes: Vec<PassTimes>,
 }
@@ -227,7 +225,17 @@ pub(crate) struct FrameTimes {
 struct Spent {
     behave: f64,
     animate: f64,
+    view: f64,
     draw: f64,
+}
+
+impl Spent {
+    fn add(&mut self, other: &Self) {
+        self.behave += other.behave;
+        self.animate += other.animate;
+        self.view += other.view;
+        self.draw += other.draw;
+    }
 }
 
 /// Returns the milliseconds since `start`.
@@ -243,23 +251,31 @@ fn median(ms: &[f64]) -> Option<f64> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Advances the action, waits for the device, and returns the milliseconds that it took.
-fn animate(crowd: &mut Crowd, action: &mut dyn Action, secs: f32) -> Result<f64, Failure> {
+/// Advances the action, waits for the device, and returns the milliseconds that they took.
+fn animate(crowd: &mut Crowd, action: &mut dyn Action, secs: f32) -> Result<Spent, Failure> {
     let start = Instant::now();
     action.advance(crowd, secs)?;
     crowd.finish()?;
-    Ok(ms_since(start))
+    let (all, behave) = (ms_since(start), action.take_behave_ms());
+    let view = crowd.frame_times().view_ms;
+    Ok(Spent { behave, animate: all - behave, view, draw: 0.0 })
 }
 
 impl FrameTimes {
+    fn add_animated(&mut self, spent: &Spent) {
+        self.behave.push(spent.behave);
+        self.animate.push(spent.animate);
+        self.view.push(spent.view);
+    }
+
     /// Returns the median of one pass.
     pub(crate) fn pass(&self, of: fn(&PassTimes) -> f64) -> f64 {
         median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()
     }
 
-    /// Returns the medians of `total`, `behave`, `animate` and `draw`.
-    pub(crate) fn medians(&self) -> [f64; 4] {
-        [&self.total, &self.behave, &self.animate, &self.draw]
+    /// Returns the medians of `total`, `behave`, `animate`, `view` and `draw`.
+    pub(crate) fn medians(&self) -> [f64; 5] {
+        [&self.total, &self.behave, &self.animate, &self.view, &self.draw]
             .map(|ms| median(ms).unwrap_or_default())
     }
 }

@@ -200,6 +200,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("targets", &["target_of"], "targets() returns all"),
     ("feet", &["hand_down_leg", "hand_down_goals"], "stores in Rust"),
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
+    ("foot_state", &["foot_states", "keep_foot_states"], "one foot of a member, natively"),
     ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),
     ("fused_grouped", &["descend", "fused_grouped_joints"], "work-groups, and their readback"),
     ("fused_wide", &["*"], "work-items, their memory and its caches"),

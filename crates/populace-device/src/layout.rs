@@ -213,31 +213,31 @@ device_consts! {
     ///
     /// | Element | `x` | `y` | `z` | `w` |
     /// |---|---|---|---|---|
-    /// | foot `i`, planted | anchor x | height of the ground | anchor z | bits |
-    /// | foot `i`, lifted | lag x | height of the ground | lag z | bits |
-    /// | `FOOT_TURN_STATE` + `i`, planted | direction x | direction z | height | climb |
-    /// | `FOOT_TURN_STATE` + `i`, lifted | lag of the turn | 0 | 0 | climb |
     /// | `PELVIS_STATE` | drop | 0 | 0 | bits: `epoch` |
-    /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Step::operand`] |
+    /// | `FOOT_STATE + 2 i`, planted | anchor x | height of the ground | anchor z | bits |
+    /// | `FOOT_STATE + 2 i`, lifted | lag x | height of the ground | lag z | bits |
+    /// | `FOOT_STATE + 2 i + 1`, planted | direction x | direction z | height | climb |
+    /// | `FOOT_STATE + 2 i + 1`, lifted | lag of the turn | 0 | 0 | climb |
+    /// | `MOTION_STATE` | offset x | offset y | offset z | bits: [`Control::motion_epoch`] |
     /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
     /// | `MOTION_STATE + 2` | velocity x | velocity y | velocity z | sine of turn per tick |
     /// | `MOTION_STATE + 3` | excess x | excess y | excess z | sine of turn per tick |
     ///
-    /// Lengths are in metres, velocities in metres per tick. Feet have elements 0 to [`MAX_FEET`]`
-    /// - 1`, in world space. The *anchor* is where the sole's pivot stands, and the *direction*
-    /// that from heel to toes. The *lag* of a foot is how far it trails behind the clip; that of
-    /// its turn is the tangent of half the angle. *Height* is that above the ground, and *climb*
-    /// the speed at which the foot rises to the ground, in metres per second. The bits of a foot
-    /// are `epoch << FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the
-    /// index of the pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted
-    /// foot. *Velocity* is that of the last frame. *Excess* is the velocity at the start of an
-    /// inertialization minus the velocity of the clips that play since. `epoch` is
-    /// [`Control::epoch`].
-    pub const MOTION_STATE: u32 = 2 * MAX_FEET;
+    /// Lengths are in metres, velocities in metres per tick. Feet `i` from 0 to [`MAX_FEET`]` - 1`
+    /// have theirs in world space; a member with two feet has all of them within 80 bytes. The
+    /// *anchor* is where the sole's pivot stands, and the *direction* that from heel to toes. The
+    /// *lag* of a foot is how far it trails behind the clip; that of its turn is the tangent of
+    /// half the angle. *Height* is that above the ground, and *climb* the speed at which the foot
+    /// rises to the ground, in metres per second. The bits of a foot are `epoch <<
+    /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
+    /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
+    /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
+    /// the velocity of the clips that play since. `epoch` is [`Control::epoch`].
+    pub const MOTION_STATE: u32 = FOOT_STATE + 2 * MAX_FEET;
     /// Element of the pelvis in a member's history state; see [`MOTION_STATE`].
-    pub const PELVIS_STATE: u32 = 3 * MAX_FEET;
-    /// First element of the directions of feet in a member's history state; see [`MOTION_STATE`].
-    pub const FOOT_TURN_STATE: u32 = MAX_FEET;
+    pub const PELVIS_STATE: u32 = 0;
+    /// First element of feet in a member's history state, two for each foot; see [`MOTION_STATE`].
+    pub const FOOT_STATE: u32 = 1;
     /// Elements per row of root motion: an offset, then sine and cosine of a heading.
     pub const MOTION_ELEMENTS: u32 = 2;
     /// Maximum number of user stages.

@@ -62,10 +62,12 @@ impl History {
         Ok(())
     }
 
-    /// Begins a frame: the newest state becomes its input, and stays where the frame writes
-    /// nothing.
+    /// Begins a frame: the newest state becomes its input. Watched joints stay where the frame
+    /// writes nothing. A member's states need no copy: a frame that evaluates the member writes all
+    /// of them, and what they were before other frames does not count.
     pub(crate) fn begin_frame(&mut self) {
-        self.before.states.clone_from(&self.now.states);
+        std::mem::swap(&mut self.now.states, &mut self.before.states);
+        self.now.states.resize(self.before.states.len(), Float4::default());
         self.before.watched.clone_from(&self.now.watched);
         self.has_begun = true;
     }

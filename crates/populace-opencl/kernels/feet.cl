@@ -138,7 +138,7 @@ APART_STEP void pelvis(Stop *at)
     __global const Constraint *feet = constraint_in(at, 0);
     const uint count = feet->target_count;
     const Stance stance = stance_of(at);
-    FootStates states = foot_states(at);
+    FootStates states = foot_states(at, count);
     Real within_secs[MAX_FEET], needed = 0.0f, weight = 0.0f;
     Legs legs[MAX_FEET];
     put_contacts(at, feet, count, within_secs);

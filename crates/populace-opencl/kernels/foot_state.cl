@@ -22,30 +22,36 @@ typedef struct {
     Real scale, sine, cosine;
 } Stance;
 
-// States of all feet of members as they are stored, and the epochs of their owners.
+// States of all feet of members as they are stored, those of two feet in each sixteen numbers, and
+// the epochs of their owners.
 typedef struct {
-    Numbers places, turns;
+    Numbers pairs[MAX_FEET / 2];
     Words epochs;
 } FootStates;
 
-INLINE FootStates foot_states(const Stop *at)
+// Returns the states of the first feet of members.
+INLINE FootStates foot_states(const Stop *at, uint feet)
 {
-    FootStates all = { no_numbers(), no_numbers(), 0 };
-    for (uint lane = 0; lane < at->count; lane++) {
-        const Solver *s = at->members + lane;
-        __global const float4 *before = s->tables->states_before + s->index * STATES_PER_CONTROL;
-        put_numbers(&all.places, lane, (__global const float *)before);
-        put_numbers(&all.turns, lane, (__global const float *)(before + FOOT_TURN_STATE));
-        PUT_WORD(all.epochs, lane, s->control.epoch);
+    FootStates all;
+    all.epochs = 0;
+    for (uint lane = 0; lane < at->count; lane++)
+        PUT_WORD(all.epochs, lane, at->members[lane].control.epoch);
+    for (uint pair = 0; 2 * pair < feet; pair++) {
+        Numbers *numbers = all.pairs + pair;
+        *numbers = no_numbers();
+        for (uint lane = 0; lane < at->count; lane++) {
+            const Solver *s = at->members + lane;
+            const uint first = s->index * STATES_PER_CONTROL + FOOT_STATE + 4 * pair;
+            put_numbers(numbers, lane, (__global const float *)(s->tables->states_before + first));
+        }
+        turn_numbers(numbers);
     }
-    turn_numbers(&all.places);
-    turn_numbers(&all.turns);
     return all;
 }
 
 INLINE FootState foot_state(const FootStates *all, uint foot)
 {
-    const Real *place = all->places.n + 4 * foot, *turn = all->turns.n + 4 * foot, none = 0.0f;
+    const Real *place = all->pairs[foot / 2].n + 8 * (foot % 2), *turn = place + 4, none = 0.0f;
     const Words bits = AS_WORDS(place[3]);
     const Choice known = bits >> FOOT_STATE_BITS == all->epochs;
     const FootState state = { known ? place[0] : none,
@@ -64,7 +70,7 @@ INLINE FootState foot_state(const FootStates *all, uint foot)
 
 INLINE void put_foot_state(FootStates *all, uint foot, const FootState *state)
 {
-    Real *place = all->places.n + 4 * foot, *turn = all->turns.n + 4 * foot;
+    Real *place = all->pairs[foot / 2].n + 8 * (foot % 2), *turn = place + 4;
     const Words none = 0, flags = (state->released ? (Words)(32u) : none)
                                   | (state->planted ? (Words)(1u) : none);
     const Words bits =
@@ -82,14 +88,15 @@ INLINE void put_foot_state(FootStates *all, uint foot, const FootState *state)
 // Writes the states of the first feet of members.
 INLINE void keep_foot_states(const Stop *at, FootStates *all, uint feet)
 {
-    turn_numbers(&all->places);
-    turn_numbers(&all->turns);
-    for (uint lane = 0; lane < at->count; lane++) {
-        const Solver *s = at->members + lane;
-        __global float4 *states = s->tables->states + s->index * STATES_PER_CONTROL;
-        for (uint foot = 0; foot < feet; foot++) {
-            states[foot] = numbers_in(&all->places, lane, 4 * foot);
-            states[FOOT_TURN_STATE + foot] = numbers_in(&all->turns, lane, 4 * foot);
+    for (uint pair = 0; 2 * pair < feet; pair++) {
+        Numbers *numbers = all->pairs + pair;
+        const uint count = min(feet - 2 * pair, 2u);
+        turn_numbers(numbers);
+        for (uint lane = 0; lane < at->count; lane++) {
+            const Solver *s = at->members + lane;
+            const uint first = s->index * STATES_PER_CONTROL + FOOT_STATE + 4 * pair;
+            for (uint i = 0; i < 2 * count; i++)
+                s->tables->states[first + i] = numbers_in(numbers, lane, 4 * i);
         }
     }
 }

@@ -122,6 +122,7 @@ INLINE void fetch_controls(const Company *all, const ConstraintTables *tables)
         const uint control = all->controls[lane];
         fetch_lines(tables->controls + control, sizeof(Control) / 4);
         fetch_lines(tables->states_before + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
+        fetch_lines(tables->states + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
     }
 }
 

@@ -95,16 +95,13 @@ impl History {
         self.states.iter().chain(&self.watched).chain(&self.scratch).map(Buffer::bytes).sum()
     }
 
-    /// Begins a frame: swaps the buffers and copies the last frame's contents, which stay where
-    /// this frame writes nothing.
+    /// Begins a frame: swaps the buffers, and copies the last frame's watched joints, which stay
+    /// where this frame writes nothing. A member's states need no copy: a frame that evaluates the
+    /// member writes all of them, and what they were before other frames does not count.
     pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
-        for [first, second] in [&mut self.states, &mut self.watched] {
-            if self.now == 0 {
-                second.copy_from(queue, first)
-            } else {
-                first.copy_from(queue, second)
-            }?;
-        }
+        let [first, second] = &mut self.watched;
+        let (from, to) = if self.now == 0 { (first, second) } else { (second, first) };
+        to.copy_from(queue, from)?;
         (self.now, self.has_begun) = (1 - self.now, true);
         Ok(())
     }

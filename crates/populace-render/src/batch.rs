@@ -11,18 +11,25 @@ use crate::layout::{Index32x4, InstanceData};
 /// Members of which no larger part is drawn throw no shadow.
 const THROWS: f32 = 0.5;
 
-/// Counts of a drawn picture.
+/// Counts of a drawn picture, by pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Number of instances in the picture.
+    /// Members in the picture, and their contact shadows on floors that are members.
+    pub members: PassCounts,
+    /// Members in the shadow map.
+    pub shadow: PassCounts,
+    /// Sky, ground, and the contact shadows on it.
+    pub surroundings: PassCounts,
+}
+
+/// Counts of a pass.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PassCounts {
+    /// Number of instances; 0 for surroundings.
     pub instances: usize,
-    /// Number of their triangles, without hidden parts.
+    /// Number of their triangles, without hidden parts and contact shadows.
     pub triangles: usize,
-    /// Number of instances in the shadow map.
-    pub shadow_instances: usize,
-    /// Number of their triangles.
-    pub shadow_triangles: usize,
-    /// Number of draw calls for instances in both, and for their contact shadows.
+    /// Number of draw calls.
     pub draw_calls: usize,
 }
 

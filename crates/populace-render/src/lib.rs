@@ -38,7 +38,7 @@ mod renderer;
 mod scene;
 mod sun;
 
-pub use batch::Drawn;
+pub use batch::{Drawn, PassCounts};
 pub use camera::Camera;
 pub use error::Error;
 pub use gl::WindowTarget;

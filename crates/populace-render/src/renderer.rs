@@ -298,8 +298,6 @@ impl Renderer {
         self.draw_passes(&batches, sun.is_some(), scene, &mut drawn)?;
         self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")?;
-        drawn.instances = batches.opaque.iter().map(|run| run.count as usize).sum();
-        drawn.shadow_instances = batches.shadow.iter().map(|run| run.count as usize).sum();
         self.runs = batches.opaque;
         Ok(drawn)
     }

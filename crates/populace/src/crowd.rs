@@ -24,6 +24,7 @@ mod stages;
 mod state;
 mod timeline;
 mod view;
+mod visible;
 mod watches;
 
 use populace_model::convert::u32_from;
@@ -45,6 +46,7 @@ pub use snapshot::Snapshot;
 pub use stages::StageId;
 pub use timeline::{History, SeekReport};
 pub use view::ViewStatistics;
+pub use visible::VisibleMember;
 pub use watches::{JointReadback, Watch};
 
 /// Members of characters, playing clips on a device.

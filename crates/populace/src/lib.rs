@@ -53,7 +53,7 @@ pub use populace_settings::{
 pub use crowd::{
     AssetId, CharacterMut, CharacterRef, ClipMut, Crowd, CrowdBuilder, DeviceInfo, Event,
     EventKind, FrameTimes, History, JointReadback, MemberMut, MemberRef, MemberView, SeekReport,
-    Snapshot, StageId, ViewStatistics, Watch,
+    Snapshot, StageId, ViewStatistics, VisibleMember, Watch,
 };
 
 /// Skeletons, tracks, masks and humanoid roles.

@@ -118,6 +118,34 @@ fn levels_follow_the_distance_and_change_with_hysteresis() {
     assert_eq!((level_at(30.0), level_at(1000.0), level_at(1.0)), (1, 2, 0));
 }
 
+#[test]
+fn visible_members_are_listed_in_runs_with_what_a_renderer_needs() {
+    let far = [0.0, -1.0, -30.0];
+    let mut scene =
+        Scene::new(Device::native(), Schedule::Fused, &[far, BEHIND, AHEAD, far, AHEAD]);
+    let id = scene.crowd.add_character(Arc::new(man())).unwrap();
+    let other = scene.crowd.spawn(id, Placement::at(AHEAD)).unwrap();
+    scene.crowd.set_view(Some(view(1.0))).unwrap();
+    scene.crowd.update(0.1).unwrap();
+    let mut list = Vec::new();
+    scene.crowd.visible_members(&mut list);
+    scene.crowd.visible_members(&mut list);
+    let of = |nth: usize| scene.members[nth];
+    let runs: Vec<Vec<MemberId>> = list
+        .chunk_by(|a, b| a.run() == b.run())
+        .map(|run| run.iter().map(|visible| visible.member).collect())
+        .collect();
+    assert_eq!(runs, [vec![of(2), of(4)], vec![of(0), of(3)], vec![other]]);
+    for visible in list {
+        let member = scene.crowd.member(visible.member).unwrap();
+        let instance = member.instance();
+        assert_eq!((visible.center, visible.radius_m), member.bounding_sphere());
+        assert_eq!(visible.world_from_model, instance.world_from_model);
+        assert_eq!(visible.palette_first, instance.palette_first);
+        assert_eq!((visible.level, visible.visibility), (instance.level, instance.visibility));
+    }
+}
+
 /// Seconds for which nobody in view may keep a pose.
 const LONGEST_POSE_SECS: f32 = 0.1;
 
@@ -148,6 +176,33 @@ fn nobody_in_view_keeps_a_pose() {
                 );
             }
         }
+    }
+}
+
+/// Frames keep what feet remember in two buffers by turns, and write neither for hidden members.
+#[test]
+fn hidden_members_are_read_without_what_their_feet_remember() {
+    for device in [Device::native(), Device::opencl(0)] {
+        let mut scene = Scene::new(device, Schedule::Fused, &[AHEAD]);
+        let member = scene.members[0];
+        scene.crowd.member_mut(member).unwrap().plant_feet(1.0).unwrap();
+        scene.crowd.set_view(Some(view(1.0))).unwrap();
+        for frame in 0_u8..20 {
+            let z = -10.0 + f32::from(frame) / 30.0;
+            let place = Placement::at([0.0, -1.0, z]);
+            scene.crowd.set_placements(&[(member, place)]).unwrap();
+            scene.crowd.update(1.0 / 30.0).unwrap();
+        }
+        let mut planes = view(1.0).planes;
+        planes[4][3] = -30.0;
+        scene.crowd.set_view(Some(View { planes, ..view(1.0) })).unwrap();
+        let mut read = || {
+            scene.crowd.update(0.0).unwrap();
+            assert_eq!(scene.seen(), [(Visibility::Hidden, 0)]);
+            scene.crowd.member_mut(member).unwrap().model_from_joints().unwrap()
+        };
+        let first = read();
+        assert!((0..3).all(|_| read() == first));
     }
 }
 

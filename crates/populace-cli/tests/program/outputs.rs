@@ -251,6 +251,7 @@ fn documents_of_pictures_and_films_have_the_same_fields() {
                 "total",
                 "behave",
                 "animate",
+                "view",
                 "draw",
                 "shadow",
                 "members",
@@ -265,6 +266,9 @@ fn documents_of_pictures_and_films_have_the_same_fields() {
                 && d["ms_median"]["draw"].as_f64() > Some(0.0)
         );
         assert_eq!(fields(&d["shadow"]), BTreeSet::from(["members", "triangles"]));
+        let passes = BTreeSet::from(["shadow", "members", "surroundings"]);
+        assert_eq!(fields(&d["draw_calls"]), passes);
+        assert!(passes.iter().all(|pass| d["draw_calls"][pass].as_u64() > Some(0)), "{d}");
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),
             None => assert!(d["triangles"].as_u64() > Some(100), "people have many triangles"),

@@ -3,7 +3,7 @@
 use super::Tables;
 use crate::layout::{
     MEMBER_HIDDEN, NONE, SLOT_LIVE, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
-    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH, Slot,
+    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH,
 };
 
 /// Returns whether a step rotates joints of its member, by nothing but its targets.
@@ -21,9 +21,12 @@ impl Tables {
     #[must_use]
     pub fn is_bounded(&self, member_index: u32) -> bool {
         let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
-        let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
-        let is_live = |slot: &Slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE;
-        self.takes_only(member_index, bounded) && !slots.iter().any(is_live)
+        // Slots are most of what a choice for all members would read.
+        let plays_live = || {
+            let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
+            slots.iter().any(|slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE)
+        };
+        self.takes_only(member_index, bounded) && !(self.has_played_live && plays_live())
     }
 
     /// Returns whether a member can be [hidden](Self::set_hidden): nobody else needs its pose, and
@@ -55,7 +58,7 @@ impl Tables {
     }
 
     /// Hides a member, so that frames do not evaluate it and its palette stays as it is, or shows
-    /// it again. What feet and gaze remember of earlier frames does not count any more then.
+    /// it again. What feet and gaze remember of earlier frames counts in neither case.
     ///
     /// # Panics
     ///
@@ -67,8 +70,21 @@ impl Tables {
         }
         member.layers_and_phase ^= MEMBER_HIDDEN;
         self.all.members.set(member_index as usize, member);
-        if !hidden && member.control != NONE {
+        // Frames write no states of hidden members, so the two buffers of states are left unequal.
+        if member.control != NONE {
             self.renew_epoch(member.control);
         }
+    }
+
+    /// Returns whether a member is already hidden or shown, and evaluated with the reduced body, as
+    /// [`set_hidden`](Self::set_hidden) and [`set_reduced`](Self::set_reduced) would have it.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member or reduced body.
+    #[must_use]
+    pub fn is_evaluated_as(&self, member_index: u32, hidden: bool, reduced: u32) -> bool {
+        let member = &self.all.members.as_slice()[member_index as usize];
+        member.is_hidden() == hidden && member.posed == self.reduced_body(member, reduced)
     }
 }

@@ -8,7 +8,7 @@ use super::runs::Runs;
 use super::set::TableSet;
 use super::{Tables, device_entry};
 use crate::Error;
-use crate::layout::Body;
+use crate::layout::{Body, Member};
 
 /// Adds what a body has with its first `joint_count` joints only, and returns its row.
 pub(super) fn add(
@@ -52,16 +52,22 @@ impl Tables {
     /// If there is no such member or reduced body.
     pub fn set_reduced(&mut self, member_index: u32, reduced: u32) {
         let mut member = self.all.members.as_slice()[member_index as usize];
+        let posed = self.reduced_body(&member, reduced);
+        if member.posed != posed {
+            member.posed = posed;
+            self.all.members.set(member_index as usize, member);
+            self.mix_page(&member);
+        }
+    }
+
+    /// Returns the body that [`set_reduced`](Self::set_reduced) takes for a member.
+    pub(super) fn reduced_body(&self, member: &Member, reduced: u32) -> u32 {
         let needed = self.control_spaces.joints_needed(member.control);
         let bodies = self.all.bodies.as_slice();
         let mut posed = member.body + reduced;
         while posed > member.body && bodies[posed as usize].joint_count < needed {
             posed -= 1;
         }
-        if member.posed != posed {
-            member.posed = posed;
-            self.all.members.set(member_index as usize, member);
-            self.mix_page(&member);
-        }
+        posed
     }
 }

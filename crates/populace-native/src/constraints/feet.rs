@@ -15,7 +15,7 @@ use super::foot_state::{FootState, SETTINGS, STANCE, STATE, Settings, Stance};
 use super::foothold::Floor;
 use super::limb::Limb;
 use super::programs::{Company, Programs, Stop};
-use crate::lanes::{Members, Simd, load, put, store};
+use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::matrices::{origin, product, transform_vector};
 
 const FEET: usize = MAX_FEET as usize;
@@ -177,9 +177,8 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             stances: [none; STANCE],
             pelvis: [none; 2],
         };
-        for ((nth, index), _) in (0..).zip(0..).zip(feet) {
-            all.settings[nth] = self.put_settings(nth);
-            all.states[nth] = self.foot_states(index);
+        for (nth, settings) in all.settings[..feet.len()].iter_mut().enumerate() {
+            *settings = self.put_settings(nth);
         }
         for lane in 0..self.members.len() {
             let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
@@ -189,6 +188,9 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             let Float4([drop, _, _, bits]) = solver.state(PELVIS_STATE);
             let known = if bits.to_bits() == solver.control.epoch { 1.0 } else { 0.0 };
             put(&mut all.pelvis, lane, [drop, known]);
+            for (nth, states) in (0..).zip(&mut all.states[..feet.len()]) {
+                put(states, lane, solver.foot_state(nth));
+            }
         }
         all
     }
@@ -260,13 +262,13 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             }
         }
         self.joints.lower(step.joint as usize, drops);
-        for (nth, states) in (0..).zip(&all.states[..count]) {
-            self.keep_foot_states(nth, states);
-        }
         for lane in 0..self.members.len() {
             let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
             let epoch = f32::from_bits(solver.control.epoch);
             solver.keep_state(PELVIS_STATE, Float4([drops.0[lane], 0.0, 0.0, epoch]));
+            for (nth, states) in (0..).zip(&all.states[..count]) {
+                solver.keep_foot_state(nth, &FootState::of_numbers(lane_of(states, lane)));
+            }
         }
     }
 

@@ -1,12 +1,10 @@
 //! States of feet: what a frame leaves for the next; and where members stand. Twin of
 //! `kernels/foot_state.cl`.
 
-use populace_device::layout::{FOOT_STATE_BITS, FOOT_TURN_STATE, Float4};
+use populace_device::layout::{FOOT_STATE, FOOT_STATE_BITS, Float4};
 use populace_model::math::Real;
 
-use super::programs::{Company, Programs, Stop};
-use super::targets::Standing;
-use crate::lanes::{Simd, lane_of, put};
+use super::targets::{Solver, Standing};
 
 /// The bits of a state that hold the pivot, after the lowest one.
 const PIVOT: u32 = 15;
@@ -113,48 +111,37 @@ impl<R: Real> FootState<R> {
     }
 }
 
-impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
-    /// Returns the states of the `nth` feet as of the frame before.
+impl Solver<'_> {
+    /// Returns the numbers of the state of the `nth` foot as of the frame before.
     #[inline(always)]
-    pub(super) fn foot_states(&mut self, nth: u32) -> [Simd<COUNT>; STATE] {
-        let mut states = [Simd([0.0; COUNT]); STATE];
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, .. }) = self.stop(lane) else { continue };
-            let [x, height, z, bits] = solver.state(nth).0;
-            let [along_x, along_z, above, climb] = solver.state(FOOT_TURN_STATE + nth).0;
-            let bits = bits.to_bits();
-            let known = bits >> FOOT_STATE_BITS == solver.control.epoch;
-            let [x, z, along_x, along_z] = if known { [x, z, along_x, along_z] } else { [0.0; 4] };
-            let is = |flag: u32| if known && bits & flag != 0 { 1.0 } else { 0.0 };
-            let pivot = (bits >> 1 & PIVOT) as f32;
-            let known = if known { 1.0 } else { 0.0 };
-            let (planted, released) = (is(PLANTED), is(RELEASED));
-            let numbers = [x, z, along_x, along_z, height, above, climb, pivot];
-            let [a, b, c, d, e, f, g, h] = numbers;
-            put(&mut states, lane, [a, b, c, d, e, f, g, h, planted, released, known]);
-        }
-        states
+    pub(super) fn foot_state(&self, nth: u32) -> [f32; STATE] {
+        let [x, height, z, bits] = self.state(FOOT_STATE + 2 * nth).0;
+        let [along_x, along_z, above, climb] = self.state(FOOT_STATE + 2 * nth + 1).0;
+        let bits = bits.to_bits();
+        let known = bits >> FOOT_STATE_BITS == self.control.epoch;
+        let [x, z, along_x, along_z] = if known { [x, z, along_x, along_z] } else { [0.0; 4] };
+        let is = |flag: u32| if known && bits & flag != 0 { 1.0 } else { 0.0 };
+        let pivot = (bits >> 1 & PIVOT) as f32;
+        let (planted, released, known) = (is(PLANTED), is(RELEASED), f32::from(u8::from(known)));
+        [x, z, along_x, along_z, height, above, climb, pivot, planted, released, known]
     }
 
-    /// Writes the states of the `nth` feet.
+    /// Writes the state of the `nth` foot.
     #[inline(always)]
-    pub(super) fn keep_foot_states(&mut self, nth: u32, states: &[Simd<COUNT>; STATE]) {
-        for lane in 0..self.members.len() {
-            let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
-            let state = FootState::of_numbers(lane_of(states, lane));
-            let planted = if state.planted { PLANTED } else { 0 };
-            let released = if state.released { RELEASED } else { 0 };
-            #[expect(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "the index of one of few points"
-            )]
-            let pivot = state.pivot as u32;
-            let bits = solver.control.epoch << FOOT_STATE_BITS | released | planted | pivot << 1;
-            let ([x, z], [along_x, along_z]) = (state.vector, state.direction);
-            solver.keep_state(nth, Float4([x, state.height, z, f32::from_bits(bits)]));
-            let turned = Float4([along_x, along_z, state.above, state.climb]);
-            solver.keep_state(FOOT_TURN_STATE + nth, turned);
-        }
+    pub(super) fn keep_foot_state(&mut self, nth: u32, state: &FootState<f32>) {
+        let planted = if state.planted { PLANTED } else { 0 };
+        let released = if state.released { RELEASED } else { 0 };
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "the index of one of few points"
+        )]
+        let pivot = state.pivot as u32;
+        let bits = self.control.epoch << FOOT_STATE_BITS | released | planted | pivot << 1;
+        let ([x, z], [along_x, along_z]) = (state.vector, state.direction);
+        let place = Float4([x, state.height, z, f32::from_bits(bits)]);
+        self.keep_state(FOOT_STATE + 2 * nth, place);
+        let turned = Float4([along_x, along_z, state.above, state.climb]);
+        self.keep_state(FOOT_STATE + 2 * nth + 1, turned);
     }
 }

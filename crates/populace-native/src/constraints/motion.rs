@@ -10,8 +10,9 @@
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_device::layout::{
-    BoundClip, ClipRows, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET, MOTION_ELEMENTS,
-    MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL, Slot,
+    BoundClip, ClipRows, FOOT_STATE, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET,
+    MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL,
+    Slot,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, vec3};
@@ -343,6 +344,6 @@ impl Solver<'_> {
 }
 
 const _: () = assert!(
-    MOTION_STATE == 2 * MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
-    "the states of feet come first, then that of root motion"
+    MOTION_STATE == FOOT_STATE + 2 * MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    "the state of the pelvis comes first, then those of feet, then that of root motion"
 );

@@ -1,7 +1,7 @@
 //! The passes of a picture: members in the shadow map and in the picture, and what surrounds them.
 
 use super::Renderer;
-use crate::batch::{Batches, Drawn, Run};
+use crate::batch::{Batches, Drawn, PassCounts, Run};
 use crate::gl::{Buffer, Cull, DrawRange, DrawState, ShadowTarget};
 use crate::layout::InstanceData;
 use crate::model::{Alpha, ModelPart, Skin};
@@ -74,7 +74,7 @@ impl Renderer {
         if shadows {
             self.shadow.iter().for_each(ShadowTarget::begin);
             self.timed(SHADOW_PASS, |renderer| {
-                renderer.draw_runs(&batches.shadow, Pass::Shadow, drawn)
+                renderer.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn.shadow)
             })?;
         }
         if let Some(shadow) = &self.shadow {
@@ -82,13 +82,16 @@ impl Renderer {
         }
         self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
-            renderer.draw_runs(&batches.opaque, Pass::Opaque, drawn)?;
-            renderer.draw_contacts_on_floors(&batches.opaque, scene, drawn)?;
-            renderer.draw_runs(&batches.blended, Pass::Blended, drawn)
+            renderer.draw_runs(&batches.opaque, Pass::Opaque, &mut drawn.members)?;
+            renderer.draw_contacts_on_floors(&batches.opaque, scene, &mut drawn.members)?;
+            renderer.draw_runs(&batches.blended, Pass::Blended, &mut drawn.members)
         })?;
         self.timed(SURROUNDINGS_PASS, |renderer| {
-            renderer.draw_surroundings(&batches.opaque, scene, drawn)
+            renderer.draw_surroundings(&batches.opaque, scene, &mut drawn.surroundings)
         })?;
+        let instances = |runs: &[Run]| runs.iter().map(|run| run.count as usize).sum();
+        drawn.members.instances = instances(&batches.opaque);
+        drawn.shadow.instances = instances(&batches.shadow);
         Ok(())
     }
 
@@ -104,8 +107,13 @@ impl Renderer {
         result
     }
 
-    /// Draws runs of instances, and counts the triangles.
-    fn draw_runs(&mut self, runs: &[Run], pass: Pass, drawn: &mut Drawn) -> Result<(), Error> {
+    /// Draws runs of instances, and counts triangles and calls.
+    fn draw_runs(
+        &mut self,
+        runs: &[Run],
+        pass: Pass,
+        counts: &mut PassCounts,
+    ) -> Result<(), Error> {
         let mut waiting = 0;
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
@@ -131,11 +139,8 @@ impl Renderer {
                     }),
                 };
                 let triangles = part.indices.len() / 3 * run.count as usize;
-                match pass {
-                    Pass::Shadow => drawn.shadow_triangles += triangles,
-                    Pass::Opaque | Pass::Blended => drawn.triangles += triangles,
-                }
-                drawn.draw_calls += 1;
+                counts.triangles += triangles;
+                counts.draw_calls += 1;
                 waiting += triangles;
                 if waiting > HANDED_OVER {
                     self.gl.flush();
@@ -169,19 +174,22 @@ impl Renderer {
         &mut self,
         runs: &[Run],
         scene: &Scene,
-        drawn: &mut Drawn,
+        counts: &mut PassCounts,
     ) -> Result<(), Error> {
         let surroundings =
             DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
         self.picture.begin_resolve(MEMBER_UNIT, 1.0);
         self.gl.set_state(surroundings);
         self.gl.draw_strip(self.programs.get(Kind::Sky)?, &self.no_attributes, 4);
+        // The sky, and the members that are blended over it.
+        counts.draw_calls += 2;
         if scene.ground.is_some() {
             self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
+            counts.draw_calls += 1;
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
         if is_at_zero(scene) && scene.contact_shadows > 0.0 {
-            self.draw_contacts(runs, drawn)?;
+            self.draw_contacts(runs, counts)?;
         }
         let resolve = Kind::Resolve { samples: self.picture.samples() };
         self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
@@ -196,7 +204,7 @@ impl Renderer {
         &mut self,
         runs: &[Run],
         scene: &Scene,
-        drawn: &mut Drawn,
+        counts: &mut PassCounts,
     ) -> Result<(), Error> {
         if scene.ground.is_none() || is_at_zero(scene) || scene.contact_shadows == 0.0 {
             return Ok(());
@@ -210,11 +218,11 @@ impl Renderer {
             depth_offset: [-1.0, -2.0],
             ..DrawState::OPAQUE
         });
-        self.draw_contacts(runs, drawn)
+        self.draw_contacts(runs, counts)
     }
 
     /// Draws the contact shadows of instances on the plane y = 0.
-    fn draw_contacts(&mut self, runs: &[Run], drawn: &mut Drawn) -> Result<(), Error> {
+    fn draw_contacts(&mut self, runs: &[Run], counts: &mut PassCounts) -> Result<(), Error> {
         self.programs.get(Kind::Contact)?.bind();
         for run in runs {
             self.palettes.bind(run.page, PALETTE_BINDING);
@@ -225,7 +233,7 @@ impl Renderer {
                 let indices = (&contacts.indices, index_count);
                 let range = (run.first, run.count);
                 self.contacts.draw_contacts(&contacts.vertices, indices, &self.instances, range);
-                drawn.draw_calls += 1;
+                counts.draw_calls += 1;
             }
         }
         Ok(())

@@ -97,11 +97,11 @@ fn instances_and_visible_triangles_are_counted() {
         2 * parts.map(|part| part.mesh.indices.len() / 3).sum::<usize>()
     };
     let all = rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap();
-    assert_eq!((all.instances, all.triangles), (2, triangles("")));
+    assert_eq!((all.members.instances, all.members.triangles), (2, triangles("")));
     rig.renderer.upload_character(&character, &|part| part.node_name == "head").unwrap();
     let headless = rig.renderer.draw(&mut crowd, &rig.camera, &rig.scene).unwrap();
     assert!(triangles("head") > 0);
-    assert_eq!(headless.triangles, all.triangles - triangles("head"));
+    assert_eq!(headless.members.triangles, all.members.triangles - triangles("head"));
 }
 
 #[test]
@@ -131,11 +131,11 @@ fn instances_show_their_level_and_hidden_ones_nothing() {
         let (drawn, picture) = draw(Instance { level, ..whole });
         picture.expect(0.0, 1.6, NOTHING);
         picture.expect(0.0, 1.1, RED);
-        assert!(drawn.triangles < all.triangles, "level {level}");
+        assert!(drawn.members.triangles < all.members.triangles, "level {level}");
     }
     for visibility in [Visibility::ShadowOnly, Visibility::Hidden] {
         let (drawn, picture) = draw(Instance { visibility, ..whole });
         picture.expect(0.0, 1.1, NOTHING);
-        assert_eq!((drawn.instances, drawn.triangles), (0, 0));
+        assert_eq!((drawn.members.instances, drawn.members.triangles), (0, 0));
     }
 }

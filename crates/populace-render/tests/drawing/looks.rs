@@ -48,7 +48,7 @@ fn each_region_of_each_member_has_its_own_tint() {
         drawn.expect(0.5, -0.6, [srgb(0.5); 3]);
     }
     let drawn = rig.renderer.draw_instances(&list, &rig.camera, &rig.scene).unwrap();
-    assert_eq!(drawn.draw_calls, 1, "looks take no further calls");
+    assert_eq!(drawn.members.draw_calls, 1, "looks take no further calls");
 }
 
 #[test]

@@ -111,17 +111,16 @@ impl State {
         let Self { base, motion, attachments, .. } = self;
         let Base { tables, assets, members, view, .. } = base;
         let choice = Choice { view: view.as_ref(), tables, assets, motion, attachments };
-        members.all.par_chunks_mut(SHARE).enumerate().for_each(|(share, members)| {
-            for (index, member) in (u32_from(share * SHARE)..).zip(members) {
-                choice.update(index, member);
-            }
-        });
-        for (index, member) in (0..).zip(&members.all) {
-            let Some(state) = assets.character(member) else { continue };
-            let reduced = state.reduced_of_level.get(member.seen.level as usize).copied();
-            let is_hidden = member.seen.visibility == Visibility::Hidden;
-            tables.set_hidden(index, is_hidden && tables.can_hide(index));
-            tables.set_reduced(index, reduced.unwrap_or_default());
+        let shares = members.all.par_chunks_mut(SHARE).enumerate();
+        let changes: Vec<Vec<_>> = shares
+            .map(|(share, members)| {
+                let members = (u32_from(share * SHARE)..).zip(members);
+                members.filter_map(|(index, member)| choice.update(index, member)).collect()
+            })
+            .collect();
+        for Change { member, is_hidden, reduced } in changes.into_iter().flatten() {
+            tables.set_hidden(member, is_hidden);
+            tables.set_reduced(member, reduced);
         }
     }
 
@@ -155,13 +154,26 @@ struct Choice<'a> {
     attachments: &'a Attachments,
 }
 
+/// A change of what the tables say of a member.
+struct Change {
+    /// Index of the member.
+    member: u32,
+    is_hidden: bool,
+    /// The reduced body, as for [`Tables::set_reduced`].
+    reduced: u32,
+}
+
 impl Choice<'_> {
-    /// Updates what a member is seen as.
-    fn update(&self, index: u32, member: &mut MemberState) {
-        if let Some(state) = self.assets.character(member) {
-            let seen = |view| self.seen(view, index, member, state);
-            member.seen = self.view.map_or_else(Seen::default, seen);
-        }
+    /// Updates what a member is seen as, and returns what this changes in the tables.
+    fn update(&self, index: u32, member: &mut MemberState) -> Option<Change> {
+        let state = self.assets.character(member)?;
+        let seen = |view| self.seen(view, index, member, state);
+        member.seen = self.view.map_or_else(Seen::default, seen);
+        let Seen { visibility, level } = member.seen;
+        let is_hidden = visibility == Visibility::Hidden && self.tables.can_hide(index);
+        let reduced = state.reduced_of_level.get(level as usize).copied().unwrap_or_default();
+        let is_same = self.tables.is_evaluated_as(index, is_hidden, reduced);
+        (!is_same).then_some(Change { member: index, is_hidden, reduced })
     }
 
     fn seen(&self, view: &View, index: u32, member: &MemberState, state: &CharacterState) -> Seen {

@@ -1,0 +1,71 @@
+//! The list of members to draw, for renderers of your own.
+
+use populace_device::Visibility;
+use populace_device::layout::PAGE_ENTRIES;
+use populace_model::Affine;
+use populace_settings::parts::Parts as _;
+
+use super::Crowd;
+use crate::{CharacterId, MemberId};
+
+/// A member to draw.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct VisibleMember {
+    /// Its handle.
+    pub member: MemberId,
+    /// Its character.
+    pub character: CharacterId,
+    /// Its level of detail: 0 for the character's own meshes, else one more than the index of its
+    /// [`levels`](populace_character::Character::levels).
+    pub level: u32,
+    /// Whether it can be seen, or only its shadow; never [`Visibility::Hidden`].
+    pub visibility: Visibility,
+    /// Its first palette entry: page times [`PAGE_ENTRIES`] plus the index within the page.
+    pub palette_first: u32,
+    /// Its placement in the world.
+    pub world_from_model: Affine,
+    /// Centre in world space of the sphere around all its poses, in metres; see
+    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere).
+    pub center: [f32; 3],
+    /// Radius of that sphere, in metres.
+    pub radius_m: f32,
+}
+
+impl Crowd {
+    /// Fills `list` with all members of which they or their shadows can be seen, as the last update
+    /// chose, and keeps its allocation. Without a [view](Self::view) these are all members, in full
+    /// detail.
+    ///
+    /// The list is sorted by character, palette page and level, so that each of its runs is one
+    /// instanced draw. In a run, members keep the order of [`members`](Self::members).
+    pub fn visible_members(&self, list: &mut Vec<VisibleMember>) {
+        list.clear();
+        list.extend(self.members().filter_map(|member| {
+            let instance = member.instance();
+            let (center, radius_m) = member.bounding_sphere();
+            (instance.visibility != Visibility::Hidden).then_some(VisibleMember {
+                member: member.id(),
+                character: member.character(),
+                level: instance.level,
+                visibility: instance.visibility,
+                palette_first: instance.palette_first,
+                world_from_model: instance.world_from_model,
+                center,
+                radius_m,
+            })
+        }));
+        list.sort_by_key(|visible| {
+            let (character, page, level) = visible.run();
+            (character.parts().index, page, level)
+        });
+    }
+}
+
+impl VisibleMember {
+    /// What the members that one instanced draw shows have in common: character, palette page and
+    /// level of detail. Split a sorted list by it with [`slice::chunk_by`].
+    #[must_use]
+    pub const fn run(&self) -> (CharacterId, u32, u32) {
+        (self.character, self.palette_first / PAGE_ENTRIES, self.level)
+    }
+}
