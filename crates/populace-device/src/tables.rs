@@ -55,8 +55,6 @@ pub struct BodyIndex(pub u32);
 pub struct Tables {
     /// Slots of each member, 1 to [`MAX_SLOTS`].
     slots_per_member: usize,
-    /// Whether a slot has ever played a live clip.
-    has_played_live: bool,
     all: TableSet,
     blocks: BlockTableSet,
     /// Width of the widest level of any body, by depth.
@@ -97,7 +95,6 @@ impl Tables {
         all.stage_values.grow(controls::PARAMETER_ELEMENTS, Float4::default());
         Self {
             slots_per_member,
-            has_played_live: false,
             all,
             blocks: BlockTableSet::new(),
             level_widths: Vec::new(),

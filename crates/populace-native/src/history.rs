@@ -62,9 +62,9 @@ impl History {
         Ok(())
     }
 
-    /// Begins a frame: the newest state becomes its input. Watched joints stay where the frame
-    /// writes nothing. A member's states need no copy: a frame that evaluates the member writes all
-    /// of them, and what they were before other frames does not count.
+    /// Begins a frame: swaps the buffers, and copies the watched joints, which stay where the
+    /// frame writes nothing. States are not copied: a frame writes all states of each member that
+    /// it evaluates, and a new epoch makes those of a hidden member void.
     pub(crate) fn begin_frame(&mut self) {
         std::mem::swap(&mut self.now.states, &mut self.before.states);
         self.now.states.resize(self.before.states.len(), Float4::default());

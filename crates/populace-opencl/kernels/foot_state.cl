@@ -22,14 +22,13 @@ typedef struct {
     Real scale, sine, cosine;
 } Stance;
 
-// States of all feet of members as they are stored, those of two feet in each sixteen numbers, and
-// the epochs of their owners.
+// Stored states of members' feet, sixteen numbers for two feet, and the members' epochs.
 typedef struct {
     Numbers pairs[MAX_FEET / 2];
     Words epochs;
 } FootStates;
 
-// Returns the states of the first feet of members.
+// Returns the states of the first `feet` feet of each member.
 INLINE FootStates foot_states(const Stop *at, uint feet)
 {
     FootStates all;

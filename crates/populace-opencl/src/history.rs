@@ -95,9 +95,9 @@ impl History {
         self.states.iter().chain(&self.watched).chain(&self.scratch).map(Buffer::bytes).sum()
     }
 
-    /// Begins a frame: swaps the buffers, and copies the last frame's watched joints, which stay
-    /// where this frame writes nothing. A member's states need no copy: a frame that evaluates the
-    /// member writes all of them, and what they were before other frames does not count.
+    /// Begins a frame: swaps the buffers, and copies the watched joints, which stay where the
+    /// frame writes nothing. States are not copied: a frame writes all states of each member that
+    /// it evaluates, and a new epoch makes those of a hidden member void.
     pub(crate) fn begin_frame(&mut self, queue: &CommandQueue) -> Result<(), ClError> {
         let [first, second] = &mut self.watched;
         let (from, to) = if self.now == 0 { (first, second) } else { (second, first) };

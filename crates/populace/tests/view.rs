@@ -179,7 +179,7 @@ fn nobody_in_view_keeps_a_pose() {
     }
 }
 
-/// Frames keep what feet remember in two buffers by turns, and write neither for hidden members.
+/// States of feet alternate between two buffers, and no frame writes those of hidden members.
 #[test]
 fn hidden_members_are_read_without_what_their_feet_remember() {
     for device in [Device::native(), Device::opencl(0)] {

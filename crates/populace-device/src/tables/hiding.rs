@@ -3,7 +3,7 @@
 use super::Tables;
 use crate::layout::{
     MEMBER_HIDDEN, NONE, SLOT_LIVE, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
-    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH,
+    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH, Slot,
 };
 
 /// Returns whether a step rotates joints of its member, by nothing but its targets.
@@ -21,12 +21,9 @@ impl Tables {
     #[must_use]
     pub fn is_bounded(&self, member_index: u32) -> bool {
         let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
-        // Slots are most of what a choice for all members would read.
-        let plays_live = || {
-            let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
-            slots.iter().any(|slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE)
-        };
-        self.takes_only(member_index, bounded) && !(self.has_played_live && plays_live())
+        let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
+        let is_live = |slot: &Slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE;
+        self.takes_only(member_index, bounded) && !slots.iter().any(is_live)
     }
 
     /// Returns whether a member can be [hidden](Self::set_hidden): nobody else needs its pose, and
@@ -58,7 +55,7 @@ impl Tables {
     }
 
     /// Hides a member, so that frames do not evaluate it and its palette stays as it is, or shows
-    /// it again. What feet and gaze remember of earlier frames counts in neither case.
+    /// it again. Both make its states of earlier frames void.
     ///
     /// # Panics
     ///
@@ -76,8 +73,8 @@ impl Tables {
         }
     }
 
-    /// Returns whether a member is already hidden or shown, and evaluated with the reduced body, as
-    /// [`set_hidden`](Self::set_hidden) and [`set_reduced`](Self::set_reduced) would have it.
+    /// Returns whether [`set_hidden`](Self::set_hidden) and [`set_reduced`](Self::set_reduced)
+    /// would change nothing.
     ///
     /// # Panics
     ///

@@ -246,7 +246,6 @@ impl Tables {
     fn replace_slot(&mut self, index: usize, slot: Slot) {
         let before = self.all.slots.as_slice()[index];
         self.all.slots.set(index, slot);
-        self.has_played_live |= slot.mode() == SLOT_LIVE;
         self.update_instance_uses(before.machine_instance(), slot.machine_instance());
     }
 

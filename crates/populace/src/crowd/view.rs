@@ -154,7 +154,7 @@ struct Choice<'a> {
     attachments: &'a Attachments,
 }
 
-/// A change of what the tables say of a member.
+/// A change of a member's row in the tables.
 struct Change {
     /// Index of the member.
     member: u32,
@@ -164,7 +164,7 @@ struct Change {
 }
 
 impl Choice<'_> {
-    /// Updates what a member is seen as, and returns what this changes in the tables.
+    /// Chooses a member's visibility and level, and returns the change of the tables, if any.
     fn update(&self, index: u32, member: &mut MemberState) -> Option<Change> {
         let state = self.assets.character(member)?;
         let seen = |view| self.seen(view, index, member, state);

@@ -18,7 +18,7 @@ pub struct VisibleMember {
     /// Its level of detail: 0 for the character's own meshes, else one more than the index of its
     /// [`levels`](populace_character::Character::levels).
     pub level: u32,
-    /// Whether it can be seen, or only its shadow; never [`Visibility::Hidden`].
+    /// The part of the view that it takes; never [`Visibility::Hidden`].
     pub visibility: Visibility,
     /// Its first palette entry: page times [`PAGE_ENTRIES`] plus the index within the page.
     pub palette_first: u32,
@@ -32,9 +32,8 @@ pub struct VisibleMember {
 }
 
 impl Crowd {
-    /// Fills `list` with all members of which they or their shadows can be seen, as the last update
-    /// chose, and keeps its allocation. Without a [view](Self::view) these are all members, in full
-    /// detail.
+    /// Fills `list` with all members that the last update did not hide, and keeps its allocation.
+    /// Without a [view](Self::view) these are all members, in full detail.
     ///
     /// The list is sorted by character, palette page and level, so that each of its runs is one
     /// instanced draw. In a run, members keep the order of [`members`](Self::members).
@@ -42,8 +41,11 @@ impl Crowd {
         list.clear();
         list.extend(self.members().filter_map(|member| {
             let instance = member.instance();
+            if instance.visibility == Visibility::Hidden {
+                return None;
+            }
             let (center, radius_m) = member.bounding_sphere();
-            (instance.visibility != Visibility::Hidden).then_some(VisibleMember {
+            Some(VisibleMember {
                 member: member.id(),
                 character: member.character(),
                 level: instance.level,
@@ -62,8 +64,8 @@ impl Crowd {
 }
 
 impl VisibleMember {
-    /// What the members that one instanced draw shows have in common: character, palette page and
-    /// level of detail. Split a sorted list by it with [`slice::chunk_by`].
+    /// The key of an instanced draw: character, palette page and level of detail. Split the list
+    /// by it with [`slice::chunk_by`].
     #[must_use]
     pub const fn run(&self) -> (CharacterId, u32, u32) {
         (self.character, self.palette_first / PAGE_ENTRIES, self.level)
