@@ -9,8 +9,7 @@
 //! Reads all that [`joint`](crate::joint) reads, and parents and entries. Writes the members'
 //! palettes, with zeros for the padding of the last block.
 
-use populace_device::MAX_SLOTS;
-use populace_device::layout::{Body, Entry, Float4, Layer, NONE, PALETTE_BLOCK};
+use populace_device::layout::{Body, Entry, Float4, NONE, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::{Real, components};
 
@@ -21,13 +20,11 @@ use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::joint::Posing;
 use crate::lanes::{LANES, Lanes, Members, Simd, lane_of, load, vectors};
-use crate::machines::slot_now;
 use crate::matrices::{MATRIX, product, rotated};
-use crate::members::{control_of, member_layers, member_slots, parents_of, steps_of};
-use crate::playback::{Inertialization, Playing, inertialization_of};
+use crate::members::{parents_of, steps_of};
+use crate::playback::Play;
 use crate::rows::Joints;
 use crate::scratch::Scratch;
-use crate::slot::sample_of;
 use crate::transposition::Square;
 
 /// Components of a local transform: translation, rotation, scale.
@@ -40,52 +37,6 @@ pub(crate) struct Seat<'a> {
     /// Index of the member.
     pub(crate) member: u32,
     pub(crate) palette: &'a mut [Float4],
-}
-
-/// What a member plays now.
-pub(crate) struct Play<'a> {
-    playing: [Playing; MAX_SLOTS],
-    count: usize,
-    inertialization: Inertialization<'a>,
-    layers: &'a [Layer],
-}
-
-impl<'a> Play<'a> {
-    /// Collects the member's slots that have weight now, in order.
-    pub(crate) fn play_all(inputs: &FrameInputs<'a>, member: u32) -> Self {
-        let FrameInputs { tables, frame, history, .. } = *inputs;
-        let (mut playing, mut count) = ([Playing::default(); MAX_SLOTS], 0);
-        for slot in member_slots(tables, member) {
-            let slot = slot_now(tables, &history.running, slot, frame.tick);
-            let at = sample_of(tables, &slot, frame.tick);
-            if at.weight > 0.0 {
-                playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
-                count += 1;
-            }
-        }
-        let inertialization = inertialization_of(tables, member, frame.tick);
-        Self { playing, count, inertialization, layers: member_layers(tables, member) }
-    }
-
-    /// Returns the inputs of the poses of joints.
-    #[inline(always)]
-    pub(crate) fn posing(
-        &'a self,
-        inputs: &'a FrameInputs<'a>,
-        member: u32,
-        joints: Joints<'a>,
-        registers: Dispatch,
-    ) -> Posing<'a> {
-        Posing {
-            inputs,
-            joints,
-            playing: &self.playing[..self.count],
-            inertialization: self.inertialization,
-            layers: self.layers,
-            control: control_of(inputs.tables, member),
-            dispatch: registers,
-        }
-    }
 }
 
 /// Call of [`Posing::pose_block`] for the joints of a block.
@@ -295,9 +246,19 @@ where
             }
             let members = &members[..seats.len()];
             let joints = &mut SideBySide(models);
-            let next = 0;
-            Programs { inputs, registers, members, parents, joints, rotations, writes, next }
-                .descend();
+            let (plays, next) = (&plays, 0);
+            Programs {
+                inputs,
+                registers,
+                members,
+                plays,
+                parents,
+                joints,
+                rotations,
+                writes,
+                next,
+            }
+            .descend();
         }
         let first = body.entry_first as usize;
         let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];

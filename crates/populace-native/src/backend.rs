@@ -119,17 +119,16 @@ impl NativeBackend {
         let Self { pool, machine, stages, buffers, pages, scratch, history, .. } = self;
         for phase in frame.phases(tables) {
             let frame = frame.of_phase(phase);
-            let inputs = FrameInputs { tables, frame, stages, history };
             pool.install(|| {
+                let inputs = FrameInputs { tables, frame, stages, history };
                 if staged {
                     transform(&inputs, &buffers.joints, scratch, &mut buffers.models);
                 } else {
                     fused(&inputs, *machine, scratch, pages);
                 }
+                let mut writes: Vec<_> = scratch.iter_mut().map(|own| &mut own.writes).collect();
+                history.commit(&mut writes);
             });
-            for own in scratch.iter_mut() {
-                history.commit(&mut own.writes);
-            }
         }
     }
 

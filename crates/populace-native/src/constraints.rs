@@ -104,9 +104,7 @@ impl Solver<'_> {
 
     /// Writes the transform of a watched joint, for other members and for the next frame.
     fn keep_watched(&mut self, watched: u32, joint: Affine) {
-        for (element, row) in (watched * WATCHED_ELEMENTS..).zip(joint.rows) {
-            self.writes.watched.push((element, Float4(row)));
-        }
+        self.writes.watched.add(watched * WATCHED_ELEMENTS, &joint.rows.map(Float4));
     }
 
     /// Moves a root to the joint that the member is attached to, as an earlier phase of this frame

@@ -8,10 +8,10 @@ use populace_model::Property;
 use populace_model::math::{quat, vec3};
 
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::Load;
+use crate::lanes::{LANES, Simd};
 use crate::lanes::{Lanes, Members};
 #[cfg(target_arch = "x86_64")]
-use crate::registers::{Register, Registers};
+use crate::registers::Registers;
 use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
 
 /// Returns the rows of a correction that has its own, for two rows of its clip.
@@ -118,7 +118,7 @@ impl SampleWidth for Lanes {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<V: Register, const COUNT: usize> SampleWidth for Registers<V, COUNT> {
+impl<R: Registers> SampleWidth for R {
     #[inline(always)]
     fn corrected(
         joints: &Joints,
@@ -147,11 +147,13 @@ impl JointLanes for Lanes {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<V: Register, const COUNT: usize> JointLanes for Registers<V, COUNT> {
-    type Members = Registers<V, 1>;
+impl<R: Registers> JointLanes for R {
+    type Members = R::One;
 
     #[inline(always)]
     fn to_lanes(self) -> Lanes {
-        Self::to_lanes(self)
+        let mut lanes = Simd([0.0; LANES]);
+        self.store(&mut lanes.0);
+        lanes
     }
 }

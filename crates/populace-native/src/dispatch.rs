@@ -14,7 +14,9 @@ use std::arch::x86_64::{__m256, __m512};
 use crate::corrections::JointLanes;
 use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
-use crate::registers::Registers;
+use crate::pair::Pair;
+#[cfg(target_arch = "x86_64")]
+use crate::registers::One;
 
 /// Widest registers that both the processor and this crate support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +72,7 @@ impl Machine {
 ///
 /// A closure would not do: it is compiled for the baseline unless the compiler chooses to inline
 /// it.
-pub(crate) trait Work {
+pub(crate) trait Work: Sized {
     /// Lanes of the only registers, besides the baseline's, that the work is compiled for; `None`
     /// for all.
     const LANES: Option<usize> = None;
@@ -80,18 +82,29 @@ pub(crate) trait Work {
     ///
     /// `J` holds the lanes of sixteen joints.
     fn run<J: JointLanes>(self);
-}
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn run_avx2<W: Work>(work: W) {
-    work.run::<Registers<__m256, 2>>();
-}
+    /// Does the work, compiled for AVX2. A method of the work, so that the compiler builds work of
+    /// several modules at the same time.
+    ///
+    /// # Safety
+    ///
+    /// The processor must have AVX2.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    unsafe fn run_avx2(self) {
+        self.run::<Pair<One<__m256>>>();
+    }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
-fn run_avx512<W: Work>(work: W) {
-    work.run::<Registers<__m512, 1>>();
+    /// Does the work, compiled for AVX-512.
+    ///
+    /// # Safety
+    ///
+    /// The processor must have these parts of AVX-512.
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+    unsafe fn run_avx512(self) {
+        self.run::<One<__m512>>();
+    }
 }
 
 impl Dispatch {
@@ -135,11 +148,11 @@ impl Dispatch {
         match self {
             // SAFETY: `available` has this value only where the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 if const { is_compiled::<W>(8) } => unsafe { run_avx2(work) },
+            Self::Avx2 if const { is_compiled::<W>(8) } => unsafe { work.run_avx2() },
             // SAFETY: `available` has this value only where the processor has these parts of
             // AVX-512.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 if const { is_compiled::<W>(16) } => unsafe { run_avx512(work) },
+            Self::Avx512 if const { is_compiled::<W>(16) } => unsafe { work.run_avx512() },
             _ => work.run::<Lanes>(),
         }
     }

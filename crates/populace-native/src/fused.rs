@@ -12,7 +12,7 @@ use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::components;
 
-use crate::abreast::{COMPONENTS, Group, Play, PoseBlock, Seat};
+use crate::abreast::{COMPONENTS, Group, PoseBlock, Seat};
 use crate::constraints::{Alone, Programs, step_rotations};
 use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
@@ -22,6 +22,7 @@ use crate::lanes::{LANES, Lanes, Simd};
 use crate::local::Local;
 use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
+use crate::playback::Play;
 use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
@@ -98,8 +99,9 @@ pub(crate) fn member_models(
     let Scratch { models, rotations, writes, .. } = scratch;
     let rotations = step_rotations(rotations);
     let joints = &mut Alone(&mut InPlace(models));
-    let (members, registers, next) = (&[member], dispatch, 0);
-    Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();
+    let (members, plays, registers, next) = (&[member], &[Some(play)], dispatch, 0);
+    Programs { inputs, registers, members, plays, parents, joints, rotations, writes, next }
+        .descend();
 }
 
 /// Writes one member's palette.

@@ -1,8 +1,10 @@
 //! Double-buffered persistent state: what one frame leaves for the next.
 
-use populace_device::layout::{Float4, WATCHED_ELEMENTS};
+use populace_device::layout::{Float4, STATES_PER_CONTROL, WATCHED_ELEMENTS};
 use populace_device::{BackendError, Tables};
 use populace_model::Affine;
+use populace_model::convert::u32_from;
+use rayon::prelude::*;
 
 use crate::buffers::grow;
 
@@ -32,13 +34,52 @@ pub(crate) struct Persistent {
     pub(crate) watched: Vec<Float4>,
 }
 
-/// Writes collected by one worker and committed after the phase, as (element, value).
+/// Elements written one after the other, from `first` on.
+struct Run {
+    first: u32,
+    count: u32,
+}
+
+/// Runs of elements, and their values.
+#[derive(Default)]
+pub(crate) struct Runs {
+    runs: Vec<Run>,
+    values: Vec<Float4>,
+}
+
+impl Runs {
+    /// Adds the elements from `first` on.
+    pub(crate) fn add(&mut self, first: u32, values: &[Float4]) {
+        self.runs.push(Run { first, count: u32_from(values.len()) });
+        self.values.extend_from_slice(values);
+    }
+
+    fn clear(&mut self) {
+        self.runs.clear();
+        self.values.clear();
+    }
+
+    /// Writes the runs that begin in a part of a buffer, which starts at element `start`.
+    fn write(&self, part: &mut [Float4], start: usize) {
+        let mut values = self.values.as_slice();
+        for run in &self.runs {
+            let (own, rest) = values.split_at(run.count as usize);
+            values = rest;
+            let at = (run.first as usize).wrapping_sub(start);
+            if let Some(to) = part.get_mut(at..).and_then(|to| to.get_mut(..own.len())) {
+                to.copy_from_slice(own);
+            }
+        }
+    }
+}
+
+/// Writes collected by one worker and committed after the phase.
 #[derive(Default)]
 pub(crate) struct DeferredWrites {
-    /// To [`Persistent::states`], for the next frame.
-    pub(crate) states: Vec<(u32, Float4)>,
+    /// To [`Persistent::states`], for the next frame. No run has elements of two members.
+    pub(crate) states: Runs,
     /// To [`Persistent::watched`], for other members.
-    pub(crate) watched: Vec<(u32, Float4)>,
+    pub(crate) watched: Runs,
 }
 
 impl DeferredWrites {
@@ -48,6 +89,9 @@ impl DeferredWrites {
         self.watched.clear();
     }
 }
+
+/// Least elements of a part of the states that a thread commits.
+const LEAST: usize = 1024 * STATES_PER_CONTROL as usize;
 
 impl History {
     /// Grows the buffers to the size of the tables, and clears new watched elements.
@@ -88,15 +132,21 @@ impl History {
         }
     }
 
-    /// Applies a worker's writes.
-    pub(crate) fn commit(&mut self, writes: &mut DeferredWrites) {
+    /// Applies the writes of all workers, states in parallel.
+    pub(crate) fn commit(&mut self, workers: &mut [&mut DeferredWrites]) {
         let Persistent { states, watched } = &mut self.now;
-        for (buffer, writes) in [(states, &mut writes.states), (watched, &mut writes.watched)] {
-            for (index, value) in writes.drain(..) {
-                if let Some(element) = buffer.get_mut(index as usize) {
-                    *element = value;
-                }
+        for worker in workers.iter() {
+            worker.watched.write(watched, 0);
+        }
+        let each = states.len().div_ceil(rayon::current_num_threads()).max(LEAST);
+        let size = each.next_multiple_of(STATES_PER_CONTROL as usize);
+        states.par_chunks_mut(size).enumerate().for_each(|(nth, part)| {
+            for worker in workers.iter() {
+                worker.states.write(part, nth * size);
             }
+        });
+        for worker in workers {
+            worker.clear();
         }
     }
 

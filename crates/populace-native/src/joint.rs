@@ -15,7 +15,8 @@ use crate::frame::FrameInputs;
 use crate::inertialize::inertialize;
 use crate::lanes::{Lanes, Width};
 use crate::local::{Local, add_layer, change, each3, quotient};
-use crate::playback::{Inertialization, Playing};
+use crate::members::control_of;
+use crate::playback::{Inertialization, Play, Playing};
 use crate::rows::{Joints, load_quat, load_vec3};
 use crate::sample::sample_joint;
 use crate::stages::stage_locals;
@@ -74,6 +75,28 @@ pub(crate) struct Posing<'a> {
     pub(crate) control: Option<&'a Control>,
     /// Registers that sixteen joints are computed in.
     pub(crate) dispatch: Dispatch,
+}
+
+impl<'a> Play<'a> {
+    /// Returns the inputs of the poses of joints.
+    #[inline(always)]
+    pub(crate) fn posing(
+        &'a self,
+        inputs: &'a FrameInputs<'a>,
+        member: u32,
+        joints: Joints<'a>,
+        registers: Dispatch,
+    ) -> Posing<'a> {
+        Posing {
+            inputs,
+            joints,
+            playing: self.playing(),
+            inertialization: self.inertialization,
+            layers: self.layers,
+            control: control_of(inputs.tables, member),
+            dispatch: registers,
+        }
+    }
 }
 
 /// A width that poses are computed in.

@@ -38,6 +38,9 @@ pub(crate) trait Members: Load {
 
     /// Stores a float for each member to the start of a slice.
     fn store(self, to: &mut [f32]);
+
+    /// Returns whether any member is chosen.
+    fn any(which: Self::Choice) -> bool;
 }
 
 /// A number of joints computed together: one, or the sixteen of a block.
@@ -68,6 +71,11 @@ impl Members for f32 {
     #[inline(always)]
     fn store(self, to: &mut [f32]) {
         to[0] = self;
+    }
+
+    #[inline(always)]
+    fn any(which: bool) -> bool {
+        which
     }
 }
 
@@ -163,14 +171,6 @@ pub(crate) fn store<R: Members, const COUNT: usize, const SIZE: usize>(
     for (value, vector) in values.iter().zip(to) {
         value.store(&mut vector.0[first..]);
     }
-}
-
-/// Returns whether any lane is chosen.
-#[inline(always)]
-pub(crate) fn any<R: Members>(which: R::Choice) -> bool {
-    let mut chosen = [0.0; LANES];
-    R::choose(which, R::splat(1.0), R::splat(0.0)).store(&mut chosen);
-    chosen[..R::COUNT].contains(&1.0)
 }
 
 /// Sets the components of one lane.

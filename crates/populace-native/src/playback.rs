@@ -1,9 +1,12 @@
 //! Slots of a member that play now, and those that inertialize. Twin of `kernels/playback.cl`.
 
-use populace_device::Tables;
-use populace_device::layout::{Slot, SlotSample};
+use populace_device::layout::{Layer, SLOT_LIVE, Slot, SlotSample};
+use populace_device::{MAX_SLOTS, Tables};
 
-use crate::members::member_slots;
+use crate::frame::FrameInputs;
+use crate::machines::slot_now;
+use crate::members::{member_layers, member_slots};
+use crate::slot::sample_of;
 
 /// A slot as it plays now.
 #[derive(Clone, Copy, Default)]
@@ -27,4 +30,59 @@ pub(crate) fn inertialization_of(tables: &Tables, member: u32, tick: u64) -> Ine
     let slots = member_slots(tables, member);
     let any = slots.iter().any(|slot| slot.inertializes(tick));
     Inertialization { slots: if any { slots } else { &[] }, tick }
+}
+
+/// Returns the time of a slot after the start of its clip; NaN for live clips.
+#[inline(always)]
+fn secs_after_start(tables: &Tables, slot: &Slot, tick: u64) -> f32 {
+    if slot.mode() == SLOT_LIVE {
+        return f32::NAN;
+    }
+    let bound = &tables.bound_clips().as_slice()[slot.bound_clip as usize];
+    let clip = &tables.clips().as_slice()[bound.clip as usize];
+    slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs
+}
+
+/// What a member plays now.
+pub(crate) struct Play<'a> {
+    playing: [Playing; MAX_SLOTS],
+    /// Seconds after the start of each clip; NaN for live clips.
+    secs: [f32; MAX_SLOTS],
+    count: usize,
+    pub(crate) inertialization: Inertialization<'a>,
+    /// Layers that the member uses.
+    pub(crate) layers: &'a [Layer],
+}
+
+impl<'a> Play<'a> {
+    /// Collects the member's slots that have weight now, in order.
+    pub(crate) fn play_all(inputs: &FrameInputs<'a>, member: u32) -> Self {
+        let FrameInputs { tables, frame, history, .. } = *inputs;
+        let (mut playing, mut secs) = ([Playing::default(); MAX_SLOTS], [0.0; MAX_SLOTS]);
+        let mut count = 0;
+        for slot in member_slots(tables, member) {
+            let slot = slot_now(tables, &history.running, slot, frame.tick);
+            let at = sample_of(tables, &slot, frame.tick);
+            if at.weight > 0.0 {
+                playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
+                secs[count] = secs_after_start(tables, &slot, frame.tick);
+                count += 1;
+            }
+        }
+        let inertialization = inertialization_of(tables, member, frame.tick);
+        Self { playing, secs, count, inertialization, layers: member_layers(tables, member) }
+    }
+
+    /// Returns the slots that have weight.
+    #[inline(always)]
+    pub(crate) fn playing(&self) -> &[Playing] {
+        &self.playing[..self.count]
+    }
+
+    /// Returns what the `nth` of these slots plays, and the seconds after the start of its clip,
+    /// NaN for a live clip; `None` past the last.
+    #[inline(always)]
+    pub(crate) fn nth(&self, nth: usize) -> Option<(&Playing, f32)> {
+        self.playing().get(nth).zip(self.secs.get(nth).copied())
+    }
 }

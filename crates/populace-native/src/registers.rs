@@ -12,7 +12,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use populace_model::math::{INVERSE_SQRT_BITS, Real};
 
-use crate::lanes::{LANES, Lanes, Load, Members, Simd};
+use crate::lanes::{Load, Members};
+use crate::pair::Pair;
 
 /// A register of floats. Only [`Dispatch::run`](crate::dispatch::Dispatch::run) may choose a kind,
 /// since it alone knows what the processor has.
@@ -33,6 +34,9 @@ pub(crate) trait Register: Copy {
     fn less(self, other: Self) -> Self::Mask;
     fn at_most(self, other: Self) -> Self::Mask;
     fn choose(which: Self::Mask, a: Self, b: Self) -> Self;
+    fn both(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn either(a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    fn any(which: Self::Mask) -> bool;
     fn inverse_sqrt_guess(self) -> Self;
     /// The low 16 bits of each word.
     fn low_halves(words: &[u32]) -> Self;
@@ -50,7 +54,7 @@ macro_rules! register {
         $xor:ident $as_floats:ident $as_words:ident $convert:ident
         $splat_word:ident $load_words:ident $and:ident $shift:ident $sub_words:ident
         $load_packed:ident $widen:ident;
-        $less:expr; $at_most:expr; $choose:expr
+        $less:expr; $at_most:expr; $choose:expr; $both:expr; $either:expr; $any:expr
     ) => {
         // SAFETY of each block: `Dispatch::run` alone names these registers, for work on processors
         // that have them. Pointers are of slices that are long enough.
@@ -125,6 +129,24 @@ macro_rules! register {
             }
 
             #[inline(always)]
+            fn both(a: $mask, b: $mask) -> $mask {
+                // SAFETY: as above.
+                unsafe { $both(a, b) }
+            }
+
+            #[inline(always)]
+            fn either(a: $mask, b: $mask) -> $mask {
+                // SAFETY: as above.
+                unsafe { $either(a, b) }
+            }
+
+            #[inline(always)]
+            fn any(which: $mask) -> bool {
+                // SAFETY: as above.
+                unsafe { $any(which) }
+            }
+
+            #[inline(always)]
             fn inverse_sqrt_guess(self) -> Self {
                 // SAFETY: as above.
                 unsafe {
@@ -171,7 +193,10 @@ register! {
     _mm_loadu_si128 _mm256_cvtepu16_epi32;
     _mm256_cmp_ps::<_CMP_LT_OQ>;
     _mm256_cmp_ps::<_CMP_LE_OQ>;
-    |which, a, b| _mm256_blendv_ps(b, a, which)
+    |which, a, b| _mm256_blendv_ps(b, a, which);
+    _mm256_and_ps;
+    _mm256_or_ps;
+    |which| _mm256_movemask_ps(which) != 0
 }
 
 register! {
@@ -182,163 +207,146 @@ register! {
     _mm256_loadu_si256 _mm512_cvtepu16_epi32;
     _mm512_cmp_ps_mask::<_CMP_LT_OQ>;
     _mm512_cmp_ps_mask::<_CMP_LE_OQ>;
-    |which, a, b| _mm512_mask_blend_ps(which, b, a)
+    |which, a, b| _mm512_mask_blend_ps(which, b, a);
+    _mm512_kand;
+    _mm512_kor;
+    |which| _mm512_mask2int(which) != 0
 }
 
-/// Sixteen lanes in `COUNT` registers.
+/// Lanes of one register.
 #[derive(Clone, Copy)]
-pub(crate) struct Registers<V, const COUNT: usize>([V; COUNT]);
-
-/// Computes each register from those of two operands.
-#[inline(always)]
-fn each<V: Register, const COUNT: usize>(
-    a: Registers<V, COUNT>,
-    b: Registers<V, COUNT>,
-    of: impl Fn(V, V) -> V,
-) -> Registers<V, COUNT> {
-    let mut all = a.0;
-    for (a, b) in all.iter_mut().zip(b.0) {
-        *a = of(*a, b);
-    }
-    Registers(all)
-}
-
-/// Computes each register from its index.
-#[inline(always)]
-fn indexed<V: Register, const COUNT: usize>(of: impl Fn(usize) -> V) -> Registers<V, COUNT> {
-    let mut all = [V::splat(0.0); COUNT];
-    for (index, register) in all.iter_mut().enumerate() {
-        *register = of(index);
-    }
-    Registers(all)
-}
+pub(crate) struct One<V>(V);
 
 macro_rules! operators {
     ($($operator:ident $method:ident),*) => {
-        $(impl<V: Register, const COUNT: usize> $operator for Registers<V, COUNT> {
+        $(impl<V: Register> $operator for One<V> {
             type Output = Self;
 
             #[inline(always)]
             fn $method(self, other: Self) -> Self {
-                each(self, other, #[inline(always)] |a, b| a.$method(b))
+                Self(self.0.$method(other.0))
             }
         })*
     };
 }
 operators!(Add add, Sub sub, Mul mul, Div div);
 
-impl<V: Register, const COUNT: usize> Neg for Registers<V, COUNT> {
+impl<V: Register> Neg for One<V> {
     type Output = Self;
 
     #[inline(always)]
     fn neg(self) -> Self {
-        each(
-            self,
-            self,
-            #[inline(always)]
-            |a, _| a.neg(),
-        )
+        Self(self.0.neg())
     }
 }
 
-impl<V: Register, const COUNT: usize> Real for Registers<V, COUNT> {
-    type Choice = [V::Mask; COUNT];
+impl<V: Register> Real for One<V> {
+    type Choice = V::Mask;
 
     #[inline(always)]
     fn splat(value: f32) -> Self {
-        Self([V::splat(value); COUNT])
+        Self(V::splat(value))
     }
 
     #[inline(always)]
-    fn less(self, other: Self) -> Self::Choice {
-        let mut all = [self.0[0].less(other.0[0]); COUNT];
-        for (mask, (a, b)) in all.iter_mut().zip(self.0.into_iter().zip(other.0)).skip(1) {
-            *mask = a.less(b);
-        }
-        all
+    fn less(self, other: Self) -> V::Mask {
+        self.0.less(other.0)
     }
 
     #[inline(always)]
-    fn at_most(self, other: Self) -> Self::Choice {
-        let mut all = [self.0[0].at_most(other.0[0]); COUNT];
-        for (mask, (a, b)) in all.iter_mut().zip(self.0.into_iter().zip(other.0)).skip(1) {
-            *mask = a.at_most(b);
-        }
-        all
+    fn at_most(self, other: Self) -> V::Mask {
+        self.0.at_most(other.0)
     }
 
     #[inline(always)]
-    fn choose(which: Self::Choice, a: Self, b: Self) -> Self {
-        indexed(
-            #[inline(always)]
-            |index| V::choose(which[index], a.0[index], b.0[index]),
-        )
+    fn choose(which: V::Mask, a: Self, b: Self) -> Self {
+        Self(V::choose(which, a.0, b.0))
+    }
+
+    #[inline(always)]
+    fn both(a: V::Mask, b: V::Mask) -> V::Mask {
+        V::both(a, b)
+    }
+
+    #[inline(always)]
+    fn either(a: V::Mask, b: V::Mask) -> V::Mask {
+        V::either(a, b)
     }
 
     #[inline(always)]
     fn inverse_sqrt_guess(self) -> Self {
-        each(
-            self,
-            self,
-            #[inline(always)]
-            |a, _| a.inverse_sqrt_guess(),
-        )
+        Self(self.0.inverse_sqrt_guess())
     }
 }
 
-impl<V: Register, const COUNT: usize> Load for Registers<V, COUNT> {
+impl<V: Register> Load for One<V> {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
-        indexed(
-            #[inline(always)]
-            |index| V::load(&from[index * V::COUNT..]),
-        )
+        Self(V::load(from))
     }
 }
 
-impl<V: Register> Members for Registers<V, 1> {
+impl<V: Register> Members for One<V> {
     const COUNT: usize = V::COUNT;
 
     #[inline(always)]
     fn store(self, to: &mut [f32]) {
-        self.0[0].store(to);
+        self.0.store(to);
+    }
+
+    #[inline(always)]
+    fn any(which: V::Mask) -> bool {
+        V::any(which)
     }
 }
 
-impl<V: Register, const COUNT: usize> Registers<V, COUNT> {
-    #[inline(always)]
-    pub(crate) fn to_lanes(self) -> Lanes {
-        let mut lanes = Simd([0.0; LANES]);
-        for (register, to) in self.0.into_iter().zip(lanes.0.chunks_exact_mut(V::COUNT)) {
-            register.store(to);
-        }
-        lanes
-    }
+/// Lanes in registers, which take rows of 16 bits for each lane.
+pub(crate) trait Registers: Members {
+    /// One register.
+    type One: Members;
 
     /// Converts the low 16 bits of each lane's word.
-    #[inline(always)]
-    pub(crate) fn low_halves(words: &[u32]) -> Self {
-        indexed(
-            #[inline(always)]
-            |index| V::low_halves(&words[index * V::COUNT..]),
-        )
-    }
-
+    fn low_halves(words: &[u32]) -> Self;
     /// Converts the high 16 bits of each lane's word.
+    fn high_halves(words: &[u32]) -> Self;
+    /// Converts 16 bits for each lane, two lanes in a word.
+    fn packed(words: &[u32]) -> Self;
+}
+
+impl<V: Register> Registers for One<V> {
+    type One = Self;
+
     #[inline(always)]
-    pub(crate) fn high_halves(words: &[u32]) -> Self {
-        indexed(
-            #[inline(always)]
-            |index| V::high_halves(&words[index * V::COUNT..]),
-        )
+    fn low_halves(words: &[u32]) -> Self {
+        Self(V::low_halves(words))
     }
 
-    /// Converts 16 bits for each lane, two lanes in a word.
     #[inline(always)]
-    pub(crate) fn packed(words: &[u32]) -> Self {
-        indexed(
-            #[inline(always)]
-            |index| V::packed(&words[index * V::COUNT / 2..]),
-        )
+    fn high_halves(words: &[u32]) -> Self {
+        Self(V::high_halves(words))
+    }
+
+    #[inline(always)]
+    fn packed(words: &[u32]) -> Self {
+        Self(V::packed(words))
+    }
+}
+
+impl<R: Registers> Registers for Pair<R> {
+    type One = R::One;
+
+    #[inline(always)]
+    fn low_halves(words: &[u32]) -> Self {
+        Self(R::low_halves(words), R::low_halves(&words[R::COUNT..]))
+    }
+
+    #[inline(always)]
+    fn high_halves(words: &[u32]) -> Self {
+        Self(R::high_halves(words), R::high_halves(&words[R::COUNT..]))
+    }
+
+    #[inline(always)]
+    fn packed(words: &[u32]) -> Self {
+        Self(R::packed(words), R::packed(&words[R::COUNT / 2..]))
     }
 }

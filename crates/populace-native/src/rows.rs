@@ -14,7 +14,7 @@ use populace_model::math::Real;
 
 use crate::lanes::{LANES, Lanes, Load, Simd};
 #[cfg(target_arch = "x86_64")]
-use crate::registers::{Register, Registers};
+use crate::registers::Registers;
 
 /// Joints computed together: those of one [`Width`] from `first` on.
 #[derive(Clone, Copy)]
@@ -199,7 +199,7 @@ impl RowWidth for Lanes {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<V: Register, const COUNT: usize> RowWidth for Registers<V, COUNT> {
+impl<R: Registers> RowWidth for R {
     type Columns<'a> = BlockColumns<'a>;
 
     #[inline(always)]
@@ -289,27 +289,26 @@ impl Columns<Lanes> for BlockColumns<'_> {
 }
 
 #[cfg(target_arch = "x86_64")]
-impl<V: Register, const COUNT: usize> Columns<Registers<V, COUNT>> for BlockColumns<'_> {
+impl<R: Registers> Columns<R> for BlockColumns<'_> {
     #[inline(always)]
     fn planes(&self, property: Property) -> Planes {
         Planes::of(&self.bound.rows(), property)
     }
 
     #[inline(always)]
-    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> Registers<V, COUNT> {
+    fn steps(&self, property: Property, at: &SlotSample, component: usize) -> R {
         let Some((from, to, encoding)) = self.straight(property, at, component) else {
-            return Registers::load(&self.gathered_steps(property, at, component).0);
+            return R::load(&self.gathered_steps(property, at, component).0);
         };
         let (from, to) = match encoding {
-            Encoding::Float => (
-                Registers::load(bytemuck::cast_slice(from)),
-                Registers::load(bytemuck::cast_slice(to)),
-            ),
-            Encoding::LowHalf => (Registers::low_halves(from), Registers::low_halves(to)),
-            Encoding::HighHalf => (Registers::high_halves(from), Registers::high_halves(to)),
-            Encoding::Packed => (Registers::packed(from), Registers::packed(to)),
+            Encoding::Float => {
+                (R::load(bytemuck::cast_slice(from)), R::load(bytemuck::cast_slice(to)))
+            }
+            Encoding::LowHalf => (R::low_halves(from), R::low_halves(to)),
+            Encoding::HighHalf => (R::high_halves(from), R::high_halves(to)),
+            Encoding::Packed => (R::packed(from), R::packed(to)),
         };
-        from.mix(to, Registers::splat(at.between))
+        from.mix(to, R::splat(at.between))
     }
 }
 

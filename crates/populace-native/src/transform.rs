@@ -6,7 +6,7 @@
 //! result is rows, not a translation, rotation and scale, because a rotated child under a
 //! non-uniform scale shears.
 
-use populace_device::layout::{Float4, JOINT_BLOCK};
+use populace_device::layout::{Float4, JOINT_BLOCK, STEP_PELVIS};
 use populace_model::{Affine, Trs};
 
 use crate::buffers::{JointBuffer, ModelRows};
@@ -14,7 +14,8 @@ use crate::constraints::{Alone, Programs, step_rotations};
 use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
-use crate::members::{body_of, parents_of};
+use crate::members::{body_of, parents_of, steps_of};
+use crate::playback::Play;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 
@@ -71,8 +72,11 @@ pub(crate) fn transform(
         let Scratch { rotations, writes, .. } = &mut *scratch.of_current_thread();
         let rotations = step_rotations(rotations);
         let joints = &mut Alone(&mut rows);
+        let has_feet = steps_of(tables, index).iter().any(|step| step.kind == STEP_PELVIS);
+        let plays = &[has_feet.then(|| Play::play_all(inputs, index))];
         let (members, registers, next) = (&[index], Dispatch::Baseline, 0);
-        Programs { inputs, registers, members, parents, joints, rotations, writes, next }.descend();
+        Programs { inputs, registers, members, plays, parents, joints, rotations, writes, next }
+            .descend();
     };
     split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);
 }

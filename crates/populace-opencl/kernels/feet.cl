@@ -11,6 +11,7 @@
 // the turn of the foot, and the settings of their constraints.
 typedef struct {
     Limb limb;
+    BoneLengths lengths;
     Quat follows;
     Real turn, soft, weight;
 } Legs;
@@ -43,10 +44,12 @@ INLINE void walk_leg(const Stop *at, __global const Constraint *foot, uint start
 // Puts legs and their goals together.
 INLINE Legs bend_leg(const Leg *leg, const FootGoals *goals, Real soft, Real weight)
 {
+    const Limb limb = { vec3_add_scaled(leg->knee, leg->hip, -1.0f),
+                        vec3_add_scaled(matrix_origin(&leg->ankle), leg->knee, -1.0f), leg->bend,
+                        vec3_add_scaled(goals->ankle, leg->hip, -1.0f) };
     const Legs legs = {
-        { vec3_add_scaled(leg->knee, leg->hip, -1.0f),
-          vec3_add_scaled(matrix_origin(&leg->ankle), leg->knee, -1.0f), leg->bend,
-          vec3_add_scaled(goals->ankle, leg->hip, -1.0f) },
+        limb,
+        bone_lengths(limb),
         { goals->normal.x, goals->normal.y, goals->normal.z, goals->near },
         goals->turn,
         soft,
@@ -56,12 +59,11 @@ INLINE Legs bend_leg(const Leg *leg, const FootGoals *goals, Real soft, Real wei
 }
 
 // Returns how far the pelvis has to sink for each leg to reach its goal.
-INLINE Real sinks(Limb limb, Real soft)
+INLINE Real sinks(const Legs *legs)
 {
-    const Real length = square_root(vec3_dot(limb.upper, limb.upper))
-                        + square_root(vec3_dot(limb.lower, limb.lower));
-    const Real reach = length * (1.0f - soft), most = length * MAX_PELVIS_SINK;
-    const Vec3 to = limb.to;
+    const Real length = legs->lengths.upper + legs->lengths.lower;
+    const Real reach = length * (1.0f - legs->soft), most = length * MAX_PELVIS_SINK;
+    const Vec3 to = legs->limb.to;
     const Real needed = -to.y - square_root(reach * reach - to.x * to.x - to.z * to.z);
     return needed > most ? most : needed;
 }
@@ -74,20 +76,25 @@ typedef struct {
 INLINE LegRotations leg_rotations(const Legs *legs)
 {
     const Vec3 no_pole = { 0.0f, 0.0f, 0.0f };
-    LegRotations rotations;
-    limb_rotations(legs->limb, no_pole, 0, legs->soft, &rotations.hip, &rotations.knee);
-    const Choice partly = legs->weight < (Real)(1.0f);
-    rotations.hip = quat_choose(partly, quat_part(rotations.hip, legs->weight), rotations.hip);
-    rotations.knee = quat_choose(partly, quat_part(rotations.knee, legs->weight), rotations.knee);
+    const Real weight = legs->weight;
+    Quat hip, knee;
+    limb_rotations(legs->limb, legs->lengths, no_pole, 0, legs->soft, &hip, &knee);
+    hip = weighted(hip, weight);
+    knee = weighted(knee, weight);
     // The ankle keeps the rotation of its clips and follows the slope: the rotation from straight
     // up to the normal.
-    const Quat follows = legs->follows, tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
-    const Quat slope = quat_normalize_or(tilt, quat_identity());
-    const Quat part = quat_part_as_told(slope, follows.w * legs->weight);
-    const Quat about = { 0.0f, legs->turn * legs->weight, 0.0f, 1.0f };
-    const Quat turn = quat_normalize_or(about, quat_identity());
-    rotations.ankle = quat_mul(quat_mul(part, turn),
-                               quat_conjugate(quat_mul(rotations.knee, rotations.hip)));
+    const Quat about = { 0.0f, legs->turn * weight, 0.0f, 1.0f };
+    Quat ankle = quat_normalize_or(about, quat_identity());
+    const Quat follows = legs->follows;
+    const Choice leans = (follows.x != (Real)(0.0f)) | (follows.z != (Real)(0.0f));
+    if (ANY(leans)) {
+        const Quat tilt = { follows.z, 0.0f, -follows.x, 1.0f + follows.y };
+        const Quat slope = quat_normalize_or(tilt, quat_identity());
+        const Quat sloped = quat_mul(quat_part_as_told(slope, follows.w * weight), ankle);
+        ankle = quat_choose(leans, sloped, ankle);
+    }
+    const LegRotations rotations = { hip, knee,
+                                     quat_mul(ankle, quat_conjugate(quat_mul(knee, hip))) };
     return rotations;
 }
 
@@ -154,7 +161,7 @@ APART_STEP void pelvis(Stop *at)
         if (!feet->at_once) hand_down_goals(at, foot, &goals);
         if (foot == 0) weight = settings.n[13];
         legs[foot] = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
-        const Real own = sinks(legs[foot].limb, legs[foot].soft);
+        const Real own = sinks(&legs[foot]);
         needed = needed < own ? own : needed;
     }
     const Real drop = eased_drop(at, needed * weight);

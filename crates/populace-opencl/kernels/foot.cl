@@ -44,9 +44,9 @@ INLINE Vec3 turned(Turn turn, Vec3 v)
 // Feet as their clips and the members' strides pose them, in model space. `along` leads from heel to
 // ball, as the clips have it. `sole` are its points relative to the ankle, as the clips have them:
 // first the point on the ground beneath the ankle, which stands in for a sole without points. Then
-// the index of the lowest point, and its height.
+// the index of the lowest point, the point, and its height in model space.
 typedef struct {
-    Vec3 ankle, along;
+    Vec3 ankle, along, lowest_point;
     Turn turn;
     Vec3 sole[1 + SOLE_POINTS];
     uint points;
@@ -82,10 +82,12 @@ INLINE void put_points(Stepped *stepped, const Matrix *joint, Vec3 ankle,
 {
     for (uint i = 0; i < count; i++) {
         const Vec3 at = matrix_transform_point(joint, same_in_lanes(points[i]));
+        const Vec3 point = vec3_add_scaled(at, ankle, -1.0f);
         const Choice is_lower = at.y < stepped->clearance;
         stepped->clearance = is_lower ? at.y : stepped->clearance;
         stepped->lowest = is_lower ? (Real)((float)stepped->points) : stepped->lowest;
-        stepped->sole[++stepped->points] = vec3_add_scaled(at, ankle, -1.0f);
+        stepped->lowest_point = vec3_choose(is_lower, point, stepped->lowest_point);
+        stepped->sole[++stepped->points] = point;
     }
 }
 
@@ -108,19 +110,20 @@ INLINE void step_foot(const FootInputs *in, Stepped *stepped)
     stepped->sole[0] = vec3_add_scaled(beneath, at, -1.0f);
     stepped->points = 0;
     stepped->lowest = 0.0f;
+    stepped->lowest_point = stepped->sole[0];
     stepped->clearance = FLT_MAX;
     put_points(stepped, &in->leg->ankle, at, of_ankle, foot->sole_count);
     put_points(stepped, &in->leg->toes, at, soles + foot->toe_first, foot->toe_count);
     if (stepped->points == 0) stepped->clearance = beneath.y;
 }
 
-// Returns where points of the soles of turned feet are, relative to the ankles.
-INLINE Vec3 arm(const Stepped *stepped, Real point, Turn turn)
+// Returns the points of the soles with an index in each lane, relative to the ankles.
+INLINE Vec3 sole_point(const Stepped *stepped, Real index)
 {
-    Vec3 own = stepped->sole[0];
-    for (uint i = 0; i < stepped->points; i++)
-        own = vec3_choose(fabs(point - (float)i) < (Real)(0.5f), stepped->sole[i + 1], own);
-    return turned(turn, own);
+    Vec3 point = stepped->sole[stepped->points];
+    for (uint nth = max(stepped->points, 1u) - 1; nth > 0; nth--)
+        point = vec3_choose(index < (Real)((float)nth - 0.5f), stepped->sole[nth], point);
+    return point;
 }
 
 // Returns a part of the way from 0 to 1 that begins and ends without speed.
@@ -202,7 +205,7 @@ INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *st
     Lock lock;
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
     const Vec3 kept_arm =
-        vec3_choose(state->planted, arm(stepped, state->pivot, turn), none);
+        vec3_choose(state->planted, turned(turn, sole_point(stepped, state->pivot)), none);
     const Vec3 pivot = vec3_to_world(in->stance, vec3_add(stepped->ankle, kept_arm));
     lock.vector = offset(state, pivot, decay, most, &lock.moved_elsewhere);
     const Real relock = FOOT_RELOCK * most;
@@ -215,7 +218,7 @@ INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *st
     const Choice keeps =
         state->planted & (stepped->ankle.y + kept_arm.y <= stepped->clearance + slack);
     lock.pivot = keeps ? state->pivot : stepped->lowest;
-    lock.arm = vec3_choose(keeps, kept_arm, arm(stepped, stepped->lowest, turn));
+    lock.arm = vec3_choose(keeps, kept_arm, turned(turn, stepped->lowest_point));
     return lock;
 }
 

@@ -11,6 +11,20 @@ typedef struct {
     Vec3 upper, lower, bend, to;
 } Limb;
 
+// Lengths of a limb's bones, in metres, and the inverse of the upper one's.
+typedef struct {
+    Real upper, lower, shrinks;
+} BoneLengths;
+
+INLINE BoneLengths bone_lengths(Limb limb)
+{
+    const Real square = vec3_dot(limb.upper, limb.upper);
+    const BoneLengths lengths = { square_root(square),
+                                  square_root(vec3_dot(limb.lower, limb.lower)),
+                                  inverse_sqrt(square) };
+    return lengths;
+}
+
 // Returns how far from the root the end of a chain goes for a target at `distance`. It eases
 // towards full and least extension.
 INLINE Real soft_distance(Real distance, Real length, Real least, Real soft)
@@ -61,19 +75,19 @@ INLINE Quat pole_rotation(Limb limb, Quat first, Vec3 hinge, Vec3 pole)
 // Computes the rotation of the first joint and, after it, of the middle joint that bring the end to
 // its goal. Both are the identity for a limb without length. `pole` is a direction; it counts if
 // `has_pole`.
-INLINE void limb_rotations(Limb limb, Vec3 pole, Choice has_pole, Real soft,
+INLINE void limb_rotations(Limb limb, BoneLengths lengths, Vec3 pole, Choice has_pole, Real soft,
                            Quat *first_rotation, Quat *second_rotation)
 {
     const Vec3 upper = limb.upper, lower = limb.lower;
-    const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower), shrinks = inverse_sqrt(aa);
-    const Real a = square_root(aa), b = square_root(bb),
+    const Real aa = vec3_dot(upper, upper), bb = vec3_dot(lower, lower);
+    const Real a = lengths.upper, b = lengths.lower,
                distance = square_root(vec3_dot(limb.to, limb.to));
     const Real shorter = a < b ? a : b, longer = a < b ? b : a;
     const Real reach = soft_distance(distance, a + b, longer - shorter, soft);
     // Rotate the lower bone about the hinge until both bones together are `reach` long. The part
     // along the hinge stays; the product of both bones is a cosine of the angle. Scaled by nn, the
     // squared length of the hinge, nothing waits for that length.
-    const Vec3 hinge_axis = hinge(limb, shrinks), side = vec3_cross(hinge_axis, lower);
+    const Vec3 hinge_axis = hinge(limb, lengths.shrinks), side = vec3_cross(hinge_axis, lower);
     const Real nn = vec3_dot(hinge_axis, hinge_axis), length = square_root(nn),
                unit = inverse_sqrt(nn), unit2 = unit * unit;
     const Real along = vec3_dot(hinge_axis, lower), still = vec3_dot(hinge_axis, upper) * along;
@@ -108,6 +122,14 @@ INLINE void limb_rotations(Limb limb, Vec3 pole, Choice has_pole, Real soft,
     *second_rotation = quat_choose(stands, second, quat_identity());
 }
 
+// Returns rotations, or parts of them where weights are below 1. Most are whole.
+INLINE Quat weighted(Quat rotation, Real weight)
+{
+    const Choice partly = weight < (Real)(1.0f);
+    if (!ANY(partly)) return rotation;
+    return quat_choose(partly, quat_part(rotation, weight), rotation);
+}
+
 APART_STEP void reach(Stop *at)
 {
     __global const Constraint *constraint = constraint_in(at, 0);
@@ -130,13 +152,11 @@ APART_STEP void reach(Stop *at)
                         matrix_transform_vector(&at->own, vec3_of(&settings, 0)),
                         vec3_add_scaled(target, places[0], -1.0f) };
     Quat first, second;
-    limb_rotations(limb, vec3_of(&settings, 4), settings.n[7] > (Real)(0.0f), settings.n[12],
-                   &first, &second);
-    const Choice aims = weight > (Real)(0.0f), partly = weight < (Real)(1.0f);
-    first = quat_choose(aims, first, quat_identity());
-    second = quat_choose(aims, second, quat_identity());
-    first = quat_choose(partly, quat_part(first, weight), first);
-    second = quat_choose(partly, quat_part(second, weight), second);
+    limb_rotations(limb, bone_lengths(limb), vec3_of(&settings, 4),
+                   settings.n[7] > (Real)(0.0f), settings.n[12], &first, &second);
+    const Choice aims = weight > (Real)(0.0f);
+    first = weighted(quat_choose(aims, first, quat_identity()), weight);
+    second = weighted(quat_choose(aims, second, quat_identity()), weight);
     const Quat undone = quat_conjugate(quat_mul(second, first));
     hand_down(at, 0, second);
     hand_down(at, 1, quat_choose(keeps_end > (Real)(0.0f), undone, quat_identity()));

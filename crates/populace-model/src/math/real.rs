@@ -41,9 +41,12 @@ pub trait Real:
     #[inline(always)]
     #[must_use]
     fn inverse_sqrt(self) -> Self {
-        let half = Self::splat(0.5) * self;
-        let step = |y: Self| y * (Self::splat(1.5) - half * y * y);
-        step(step(step(self.inverse_sqrt_guess())))
+        // Closures are not always inlined, and so not compiled for the caller's registers.
+        let (half, most) = (Self::splat(0.5) * self, Self::splat(1.5));
+        let guess = self.inverse_sqrt_guess();
+        let once = guess * (most - half * guess * guess);
+        let twice = once * (most - half * once * once);
+        twice * (most - half * twice * twice)
     }
 
     /// Returns the absolute value.

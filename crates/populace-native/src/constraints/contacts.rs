@@ -1,20 +1,17 @@
 //! Contacts of feet, mixed from the clips that a member plays on its lowest layer. Twin of
 //! `kernels/contacts.cl`.
 //!
-//! Reads slots, the state of state machines, bound clips, clips and contacts.
+//! Reads what members play, bound clips, clips and contacts.
 
+use populace_device::Tables;
 use populace_device::layout::{
-    CONTACT_WHOLE, Constraint, Contact, FOOT_NEAR_SECS, FOOT_STEPPING, Link, MAX_FEET, NONE,
-    SLOT_LIVE,
+    CONTACT_WHOLE, Constraint, Contact, FOOT_NEAR_SECS, FOOT_STEPPING, Link, MAX_FEET,
 };
-
 use populace_model::math::Real;
 
 use super::programs::{Company, Programs};
-use crate::frame::FrameInputs;
 use crate::lanes::{Members, Simd, lane_of, load, put, store};
-use crate::machines::slot_now;
-use crate::members::member_slots;
+use crate::playback::Play;
 
 const FEET: usize = MAX_FEET as usize;
 
@@ -35,29 +32,19 @@ struct Stepping<'a> {
 }
 
 impl<'a> Stepping<'a> {
-    /// Returns the clip in the `nth` slot of a member; `None` if it does not play there on the
-    /// lowest layer, or knows no contacts.
+    /// Returns the clip in the `nth` of a member's slots that have weight; `None` if it does not
+    /// play there on the lowest layer, or knows no contacts.
     #[inline(always)]
-    fn of_slot(inputs: &'a FrameInputs, member: u32, nth: usize) -> Option<Self> {
-        let (tables, tick) = (inputs.tables, inputs.frame.tick);
-        let slot = &member_slots(tables, member)[nth];
-        if slot.bound_clip == NONE || slot.layer() != 0 {
+    fn in_slot(tables: &'a Tables, play: &Play, nth: usize) -> Option<Self> {
+        let (playing, secs) = play.nth(nth)?;
+        let bound = &tables.bound_clips().as_slice()[playing.bound_clip as usize];
+        if playing.layer != 0 || secs.is_nan() || bound.contact_count == 0 {
             return None;
         }
-        let slot = slot_now(tables, &inputs.history.running, slot, tick);
-        let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
-        if weight <= 0.0 || slot.mode() == SLOT_LIVE {
-            return None;
-        }
-        let bound = &tables.bound_clips().as_slice()[slot.bound_clip as usize];
-        if bound.contact_count == 0 {
-            return None;
-        }
-        let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs;
+        let duration_secs = tables.clips().as_slice()[bound.clip as usize].duration_secs;
         let first = bound.contact_first as usize;
         let contacts = &tables.contacts().as_slice()[first..first + bound.contact_count as usize];
-        Some(Self { weight, secs, duration_secs: clip.duration_secs, contacts })
+        Some(Self { weight: playing.at.weight, secs, duration_secs, contacts })
     }
 
     /// Adds the clip to the mixes of a foot of members that play it, with their weights and times.
@@ -138,10 +125,13 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         feet: &[Constraint],
     ) -> [[Simd<COUNT>; 2]; FEET] {
         let mut mixes = [[Simd([0.0; COUNT]); 3]; FEET];
-        for nth in 0..self.inputs.tables.slots_per_member() {
+        let tables = self.inputs.tables;
+        let counts = self.plays.iter().flatten().map(|play| play.playing().len());
+        let most = counts.max().unwrap_or(0);
+        for nth in 0..most {
             let mut clips = [Stepping::default(); COUNT];
-            for (clip, member) in clips.iter_mut().zip(self.members) {
-                *clip = Stepping::of_slot(self.inputs, *member, nth).unwrap_or_default();
+            for (clip, play) in clips.iter_mut().zip(self.plays.iter().flatten()) {
+                *clip = Stepping::in_slot(tables, play, nth).unwrap_or_default();
             }
             self.mix_clips::<R>(&clips, feet, &mut mixes);
         }

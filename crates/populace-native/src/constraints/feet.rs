@@ -5,7 +5,8 @@
 //! the pelvis' state, and rotations for hips, knees and ankles.
 
 use populace_device::layout::{
-    Constraint, Control, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS, PELVIS_STATE,
+    Constraint, Control, FOOT_STATE, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS,
+    PELVIS_STATE,
 };
 use populace_model::math::{Real, quat, vec3};
 
@@ -13,8 +14,10 @@ use super::contacts::{InContact, ankle_link};
 use super::foot::{FootGoal, FootInputs, Leg};
 use super::foot_state::{FootState, SETTINGS, STANCE, STATE, Settings, Stance};
 use super::foothold::Floor;
-use super::limb::Limb;
+use super::limb::{BoneLengths, Limb, weighted};
 use super::programs::{Company, Programs, Stop};
+use crate::corrections::JointLanes;
+use crate::dispatch::Work;
 use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::matrices::{origin, product, transform_vector};
 
@@ -24,6 +27,7 @@ const FEET: usize = MAX_FEET as usize;
 #[derive(Clone, Copy)]
 struct Bent<R> {
     limb: Limb<R>,
+    lengths: BoneLengths<R>,
     /// Tangent of half the angle about +Y by which the foot turns.
     turn: R,
     /// As [`FootGoal::follows`].
@@ -32,13 +36,14 @@ struct Bent<R> {
     weight: R,
 }
 
-impl<R: Real> Bent<R> {
+impl<R: Members> Bent<R> {
     /// Returns a leg of no length.
     #[inline(always)]
     fn none() -> Self {
         let zero = R::splat(0.0);
         let limb = Limb { upper: [zero; 3], lower: [zero; 3], bend: [zero; 3], to: [zero; 3] };
-        Self { limb, turn: zero, follows: [zero; 4], soft: zero, weight: zero }
+        let lengths = limb.bone_lengths();
+        Self { limb, lengths, turn: zero, follows: [zero; 4], soft: zero, weight: zero }
     }
 
     /// Puts a leg, its goal, and the limits of its constraint together.
@@ -51,13 +56,14 @@ impl<R: Real> Bent<R> {
             bend: leg.bend,
             to: vec3::sub([x, y, z], leg.hip),
         };
-        Self { limb, turn, follows: goal.follows, soft, weight }
+        let lengths = limb.bone_lengths();
+        Self { limb, lengths, turn, follows: goal.follows, soft, weight }
     }
 
     /// Returns the drop of the pelvis, in metres, that the leg needs to reach its goal.
     #[inline(always)]
     fn sinks(&self) -> R {
-        let length = vec3::length(self.limb.upper) + vec3::length(self.limb.lower);
+        let length = self.lengths.upper + self.lengths.lower;
         let one = R::splat(1.0);
         let (reach, most) = (length * (one - self.soft), length * R::splat(MAX_PELVIS_SINK));
         let [x, y, z] = self.limb.to;
@@ -69,19 +75,19 @@ impl<R: Real> Bent<R> {
     #[inline(always)]
     fn leg_rotations(&self) -> [[R; 4]; 3] {
         let (zero, one, weight) = (R::splat(0.0), R::splat(1.0), self.weight);
-        let [hip, knee] = self.limb.limb_rotations(None, self.soft);
-        let partly = weight.less(one);
-        let hip = quat::choose::<R>(partly, vec3::part_of(hip, weight), hip);
-        let knee = quat::choose::<R>(partly, vec3::part_of(knee, weight), knee);
+        let [hip, knee] = self.limb.limb_rotations(self.lengths, None, self.soft);
+        let (hip, knee) = (weighted(hip, weight), weighted(knee, weight));
         // The ankle keeps its rotation from before the constraint, and follows the slope: by the
         // rotation from up to the normal.
+        let mut ankle = quat::normalize_or([zero, self.turn * weight, zero, one], quat::identity());
         let [nx, ny, nz, follows] = self.follows;
-        let slope = quat::normalize_or([nz, zero, -nx, one + ny], quat::identity());
-        let slope = vec3::part_as_told(slope, follows * weight);
-        let turned = quat::normalize_or([zero, self.turn * weight, zero, one], quat::identity());
-        let ankle = quat::mul(slope, turned);
-        let ankle = quat::mul(ankle, quat::conjugate(quat::mul(knee, hip)));
-        [hip, knee, ankle]
+        let leans = R::either(zero.less(nx.abs()), zero.less(nz.abs()));
+        if R::any(leans) {
+            let slope = quat::normalize_or([nz, zero, -nx, one + ny], quat::identity());
+            let sloped = quat::mul(vec3::part_as_told(slope, follows * weight), ankle);
+            ankle = quat::choose::<R>(leans, sloped, ankle);
+        }
+        [hip, knee, quat::mul(ankle, quat::conjugate(quat::mul(knee, hip)))]
     }
 }
 
@@ -99,6 +105,8 @@ struct Collected<const COUNT: usize> {
     pelvis: [Simd<COUNT>; 2],
 }
 
+const _: () = assert!(FOOT_STATE == PELVIS_STATE + 1, "states of feet follow that of the pelvis");
+
 /// Returns the numbers of [`Settings`] of a constraint.
 #[inline(always)]
 fn settings_in(constraint: &Constraint) -> [f32; SETTINGS] {
@@ -114,6 +122,30 @@ fn eased_drop<R: Real>(wanted: R, [before, known]: [R; 2], elapsed_secs: f32) ->
     let part = R::splat(elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS));
     let rises = R::both(wanted.less(before), R::splat(0.5).less(known));
     R::choose(rises, before + (wanted - before) * part, wanted)
+}
+
+/// The next step of members side by side, the pelvis above their feet.
+pub(super) struct PelvisStep<'a, P>(pub(super) &'a mut P);
+
+impl<C: Company<COUNT>, const COUNT: usize> Work for PelvisStep<'_, Programs<'_, C, COUNT>> {
+    const LANES: Option<usize> = Some(COUNT);
+
+    #[inline(always)]
+    fn run<J: JointLanes>(self) {
+        self.0.pelvis::<J::Members>();
+    }
+}
+
+/// The next step of members side by side, a leg that something moved after the pelvis.
+pub(super) struct FootStep<'a, P>(pub(super) &'a mut P);
+
+impl<C: Company<COUNT>, const COUNT: usize> Work for FootStep<'_, Programs<'_, C, COUNT>> {
+    const LANES: Option<usize> = Some(COUNT);
+
+    #[inline(always)]
+    fn run<J: JointLanes>(self) {
+        self.0.foot::<J::Members>();
+    }
 }
 
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
@@ -250,7 +282,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
     /// Finds the goals of all feet, and lowers the pelvises until the legs can reach them. Solves
     /// the legs too, unless something else moves them after the pelvis.
     #[inline(always)]
-    pub(super) fn pelvis<R: Members>(&mut self) {
+    fn pelvis<R: Members>(&mut self) {
         let Some((step, constraint)) = self.first_stop() else { return };
         let count = constraint.target_count as usize;
         let feet = &self.inputs.tables.constraints().as_slice()[step.index as usize..][..count];
@@ -265,17 +297,18 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         for lane in 0..self.members.len() {
             let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
             let epoch = f32::from_bits(solver.control.epoch);
-            solver.keep_state(PELVIS_STATE, Float4([drops.0[lane], 0.0, 0.0, epoch]));
-            for (nth, states) in (0..).zip(&all.states[..count]) {
-                solver.keep_foot_state(nth, &FootState::of_numbers(lane_of(states, lane)));
+            let mut next = [Float4([drops.0[lane], 0.0, 0.0, epoch]); 1 + 2 * FEET];
+            for (next, states) in next[1..].as_chunks_mut().0.iter_mut().zip(&all.states[..count]) {
+                *next = solver.next_state(&FootState::of_numbers(lane_of(states, lane)));
             }
+            solver.keep_states(PELVIS_STATE, &next[..1 + 2 * count]);
         }
     }
 
     /// Solves legs that something else has moved after the pelvis, for the goals that
     /// [`pelvis`](Self::pelvis) found.
     #[inline(always)]
-    pub(super) fn foot<R: Members>(&mut self) {
+    fn foot<R: Members>(&mut self) {
         let Some((step, foot)) = self.first_stop() else { return };
         let (joint, operand) = (step.joint as usize, step.operand as usize);
         let all = self.put_settings(0);

@@ -82,9 +82,10 @@ struct Stepped<R> {
     /// ground beneath the ankle, which stands in for a sole without points.
     sole: [[R; 3]; 1 + POINTS],
     /// Number of points of the sole.
-    points: usize,
-    /// Index of the lowest point of the sole, and its height.
+    points: u8,
+    /// Index of the lowest point of the sole, the point, and its height in model space.
     lowest: R,
+    lowest_point: [R; 3],
     clearance: R,
 }
 
@@ -113,35 +114,36 @@ impl<R: Real> Stepped<R> {
             }
             _ => [zero; 3],
         };
-        let points = of_ankle.len() + of_toes.len();
         let beneath = y - settings.limits[3];
         let mut sole = [[zero; 3]; 1 + POINTS];
         sole[0] = vec3::sub([x, beneath, z], at);
-        let (mut lowest, mut clearance) = (zero, R::splat(f32::MAX));
-        let mut index = 0u8;
-        for (joint, points) in [(&leg.ankle, of_ankle), (&leg.toes, of_toes)] {
-            for point in points {
+        let (mut lowest, mut lowest_point, mut clearance) = (zero, sole[0], R::splat(f32::MAX));
+        let mut points = 0u8;
+        for (joint, of_joint) in [(&leg.ankle, of_ankle), (&leg.toes, of_toes)] {
+            for point in of_joint {
                 let place = transform_point(joint, splat(point.xyz()));
+                let point = vec3::sub(place, at);
                 let is_lower = place[1].less(clearance);
                 clearance = R::choose(is_lower, place[1], clearance);
-                lowest = R::choose(is_lower, R::splat(f32::from(index)), lowest);
-                index += 1;
-                sole[usize::from(index)] = vec3::sub(place, at);
+                lowest = R::choose(is_lower, R::splat(f32::from(points)), lowest);
+                lowest_point = vec3::choose::<R>(is_lower, point, lowest_point);
+                points += 1;
+                sole[usize::from(points)] = point;
             }
         }
         clearance = if points == 0 { beneath } else { clearance };
-        Self { ankle, turn, along, sole, points, lowest, clearance }
+        Self { ankle, turn, along, sole, points, lowest, lowest_point, clearance }
     }
 
-    /// Returns where a point of the sole of a turned foot is, relative to the ankle.
+    /// Returns the point of the sole with an index, relative to the ankle.
     #[inline(always)]
-    fn arm(&self, point: R, turn: Turn<R>) -> [R; 3] {
-        let mut arm = self.sole[0];
-        for (index, own) in (0u8..).zip(&self.sole[1..][..self.points]) {
-            let is_it = (point - R::splat(f32::from(index))).abs().less(R::splat(0.5));
-            arm = vec3::choose::<R>(is_it, *own, arm);
+    fn point(&self, index: R) -> [R; 3] {
+        let mut point = self.sole[usize::from(self.points)];
+        for nth in (1..self.points).rev() {
+            let is_before = index.less(R::splat(f32::from(nth) - 0.5));
+            point = vec3::choose::<R>(is_before, self.sole[usize::from(nth)], point);
         }
-        turn.turned(arm)
+        point
     }
 }
 
@@ -265,7 +267,8 @@ impl<R: Members> FootInputs<'_, R> {
     #[inline(always)]
     fn lock(&self, stepped: &Stepped<R>, stands: R::Choice, turn: Turn<R>, decay: R) -> Lock<R> {
         let (state, most, none) = (&self.state, self.most(), [R::splat(0.0); 3]);
-        let kept_arm = vec3::choose::<R>(state.planted, stepped.arm(state.pivot, turn), none);
+        let kept_arm =
+            vec3::choose::<R>(state.planted, turn.turned(stepped.point(state.pivot)), none);
         let pivot = self.stance.standing.to_world(vec3::add(stepped.ankle, kept_arm));
         let (vector, moved_elsewhere) = offset(state, pivot, decay, most);
         let relock = R::splat(FOOT_RELOCK) * most;
@@ -276,7 +279,7 @@ impl<R: Members> FootInputs<'_, R> {
         let slack = R::splat(FOOT_PIVOT_SLACK) * self.settings.up[3];
         let is_low = (stepped.ankle[1] + kept_arm[1]).at_most(stepped.clearance + slack);
         let kept = R::both(state.planted, is_low);
-        let lowest_arm = stepped.arm(stepped.lowest, turn);
+        let lowest_arm = turn.turned(stepped.lowest_point);
         Lock {
             vector,
             moved_elsewhere,
@@ -330,7 +333,7 @@ impl<R: Members> FootInputs<'_, R> {
         let most = self.most();
         let mut under = floor.ground_under(place);
         if floor.has_heights() {
-            for point in &stepped.sole[1..][..stepped.points] {
+            for point in &stepped.sole[1..][..usize::from(stepped.points)] {
                 let at = standing.to_world(vec3::add(stepped.ankle, turn.turned(*point)));
                 floor.stand_on(&mut under, vec3::add(at, vector), R::splat(FOOT_EDGE) * most);
             }

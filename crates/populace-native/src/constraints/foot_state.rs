@@ -126,9 +126,9 @@ impl Solver<'_> {
         [x, z, along_x, along_z, height, above, climb, pivot, planted, released, known]
     }
 
-    /// Writes the state of the `nth` foot.
+    /// Returns the elements of a foot's state for the next frame.
     #[inline(always)]
-    pub(super) fn keep_foot_state(&mut self, nth: u32, state: &FootState<f32>) {
+    pub(super) fn next_state(&self, state: &FootState<f32>) -> [Float4; 2] {
         let planted = if state.planted { PLANTED } else { 0 };
         let released = if state.released { RELEASED } else { 0 };
         #[expect(
@@ -140,8 +140,6 @@ impl Solver<'_> {
         let bits = self.control.epoch << FOOT_STATE_BITS | released | planted | pivot << 1;
         let ([x, z], [along_x, along_z]) = (state.vector, state.direction);
         let place = Float4([x, state.height, z, f32::from_bits(bits)]);
-        self.keep_state(FOOT_STATE + 2 * nth, place);
-        let turned = Float4([along_x, along_z, state.above, state.climb]);
-        self.keep_state(FOOT_STATE + 2 * nth + 1, turned);
+        [place, Float4([along_x, along_z, state.above, state.climb])]
     }
 }

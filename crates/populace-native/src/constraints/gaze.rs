@@ -13,7 +13,9 @@ use populace_model::math::{Real, angle, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
 use super::targets::WeightedPoint;
-use crate::lanes::{LANES, Members, Simd, any, lane_of, load, put, store};
+use crate::corrections::JointLanes;
+use crate::dispatch::Work;
+use crate::lanes::{LANES, Members, Simd, lane_of, load, put, store};
 use crate::matrices::transform_vector;
 
 /// Front, left and up of the parents that carry chains, in model space.
@@ -125,6 +127,18 @@ struct Seen<R: Real> {
     sight: Sight<R>,
     weight: R,
     counts: R::Choice,
+}
+
+/// The next step of members side by side, a gaze.
+pub(super) struct GazeStep<'a, P>(pub(super) &'a mut P);
+
+impl<C: Company<COUNT>, const COUNT: usize> Work for GazeStep<'_, Programs<'_, C, COUNT>> {
+    const LANES: Option<usize> = Some(COUNT);
+
+    #[inline(always)]
+    fn run<J: JointLanes>(self) {
+        self.0.gaze::<J::Members>();
+    }
 }
 
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
@@ -270,7 +284,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         let ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
         let rotation = gaze.frame.gaze_rotation(start, HalfYaw { side, ahead }, to.level, to.up);
         let mut rotation = quat::choose::<R>(straight, rotation, quat::identity());
-        if any::<R>(by_angles) {
+        if R::any(by_angles) {
             let bent = self.aim_by_angles(gaze, from);
             rotation = quat::choose::<R>(by_angles, bent, rotation);
         }
@@ -312,7 +326,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
 
     /// Turns chains towards their targets.
     #[inline(always)]
-    pub(super) fn gaze<R: Members>(&mut self) {
+    fn gaze<R: Members>(&mut self) {
         let Some((step, constraint)) = self.first_stop() else { return };
         let (joint, operand) = (step.joint as usize, step.operand as usize);
         let links = self.links(constraint);

@@ -8,7 +8,9 @@ use populace_model::math::{Real, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
 use super::targets::WeightedPoint;
-use crate::lanes::{Members, Simd, any, lane_of, load, put, store};
+use crate::corrections::JointLanes;
+use crate::dispatch::Work;
+use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::matrices::{origin, transform_vector};
 
 /// A limb before the constraint, in model space, and its goal.
@@ -22,6 +24,15 @@ pub(super) struct Limb<R> {
     pub(super) bend: [R; 3],
     /// From the first joint to the end's goal.
     pub(super) to: [R; 3],
+}
+
+/// Lengths of a limb's bones, in metres.
+#[derive(Clone, Copy)]
+pub(super) struct BoneLengths<R> {
+    pub(super) upper: R,
+    pub(super) lower: R,
+    /// Inverse of `upper`.
+    shrinks: R,
 }
 
 /// Direction in model space that the middle joint is drawn to, where `counts` is true.
@@ -58,12 +69,21 @@ fn swing_between<R: Real>(from: [R; 3], to: [R; 3], lengths: R, about: [R; 3]) -
 }
 
 impl<R: Real> Limb<R> {
+    /// Returns the lengths of the bones.
+    #[inline(always)]
+    pub(super) fn bone_lengths(&self) -> BoneLengths<R> {
+        let square = vec3::dot(self.upper, self.upper);
+        let (upper, lower) = (vec3::root(square), vec3::length(self.lower));
+        BoneLengths { upper, lower, shrinks: square.inverse_sqrt() }
+    }
+
     /// Returns the axis about which the middle joint bends, of any length: at right angles to the
     /// limb's own bend. The straighter the limb, the more its preferred bend direction counts.
     /// `shrinks` is the inverse of the upper bone's length.
     #[inline(always)]
     fn hinge(&self, shrinks: R) -> [R; 3] {
-        let [x, y] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(|axis: [f32; 3]| axis.map(R::splat));
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let (x, y) = ([one, zero, zero], [zero, one, zero]);
         let upper = vec3::scale(self.upper, shrinks);
         let chain = vec3::add(upper, vec3::scale(self.lower, shrinks));
         let out =
@@ -78,22 +98,28 @@ impl<R: Real> Limb<R> {
     /// joint nearest to a pole.
     #[inline(always)]
     fn pole_rotation(&self, first: [R; 4], hinge: [R; 3], pole: [R; 3]) -> [R; 4] {
-        let ahead = vec3::unit_or(self.to, [1.0, 0.0, 0.0].map(R::splat));
+        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let ahead = vec3::unit_or(self.to, [one, zero, zero]);
         let upper = vec3::rotated(first, self.upper);
         let bend = vec3::cross(ahead, vec3::rotated(first, hinge));
         let out = vec3::unit_or(vec3::across(upper, ahead), bend);
         let drawn = vec3::unit_or(vec3::across(pole, ahead), out);
-        swing_between(out, drawn, R::splat(1.0), ahead)
+        swing_between(out, drawn, one, ahead)
     }
 
     /// Returns the rotations that bring the end to its goal: that of the first joint, and that of
     /// the middle joint after the first one's. Identities for a limb of no length.
     #[inline(always)]
-    pub(super) fn limb_rotations(&self, pole: Option<Pole<R>>, soft: R) -> [[R; 4]; 2] {
+    pub(super) fn limb_rotations(
+        &self,
+        lengths: BoneLengths<R>,
+        pole: Option<Pole<R>>,
+        soft: R,
+    ) -> [[R; 4]; 2] {
         let (upper, lower) = (self.upper, self.lower);
         let (zero, one, half, two) = (R::splat(0.0), R::splat(1.0), R::splat(0.5), R::splat(2.0));
         let (aa, bb) = (vec3::dot(upper, upper), vec3::dot(lower, lower));
-        let (a, b, distance) = (vec3::root(aa), vec3::root(bb), vec3::length(self.to));
+        let (a, b, distance) = (lengths.upper, lengths.lower, vec3::length(self.to));
         let shorter = R::choose(a.less(b), a, b);
         let longer = R::choose(a.less(b), b, a);
         let reach = soft_distance(distance, a + b, longer - shorter, soft);
@@ -101,7 +127,7 @@ impl<R: Real> Limb<R> {
         // part along the hinge stays, and the dot product of both bones is a cosine of the angle.
         // All is scaled by nn, the square of the hinge's length, so that no term has to wait for
         // the root.
-        let hinge = self.hinge(aa.inverse_sqrt());
+        let hinge = self.hinge(lengths.shrinks);
         let side = vec3::cross(hinge, lower);
         let nn = vec3::dot(hinge, hinge);
         let unit = nn.inverse_sqrt();
@@ -141,9 +167,31 @@ impl<R: Real> Limb<R> {
     }
 }
 
+/// Returns rotations, or parts of them where weights are below 1. Most are whole.
+#[inline(always)]
+pub(super) fn weighted<R: Members>(rotation: [R; 4], weight: R) -> [R; 4] {
+    let partly = weight.less(R::splat(1.0));
+    if !R::any(partly) {
+        return rotation;
+    }
+    quat::choose::<R>(partly, vec3::part_of(rotation, weight), rotation)
+}
+
 /// Numbers of a limb's constraint: its axis, its pole and whether it has one, its softness, whether
 /// it keeps its end, and the position and weight of its goal.
 const NUMBERS: usize = 13;
+
+/// The next step of members side by side, a limb.
+pub(super) struct ReachStep<'a, P>(pub(super) &'a mut P);
+
+impl<C: Company<COUNT>, const COUNT: usize> Work for ReachStep<'_, Programs<'_, C, COUNT>> {
+    const LANES: Option<usize> = Some(COUNT);
+
+    #[inline(always)]
+    fn run<J: JointLanes>(self) {
+        self.0.reach::<J::Members>();
+    }
+}
 
 impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
     /// Collects numbers of the members' constraints. `from` are the positions of the first joints.
@@ -166,7 +214,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
 
     /// Brings the ends of limbs to their targets.
     #[inline(always)]
-    pub(super) fn reach<R: Members>(&mut self) {
+    fn reach<R: Members>(&mut self) {
         let Some((step, constraint)) = self.first_stop() else { return };
         let (joint, operand) = (step.joint as usize, step.operand as usize);
         let (links, middle) = (self.links(constraint), constraint.middle as usize);
@@ -175,7 +223,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             store(&origin(&self.joints.models_of::<R>(joint, lane)), &mut from, lane);
         }
         let numbers = self.put_limbs(&from);
-        let (zero, one) = (R::splat(0.0), R::splat(1.0));
+        let zero = R::splat(0.0);
         let mut firsts = quat::identity::<Simd<COUNT>>();
         for lane in (0..self.members.len()).step_by(R::COUNT) {
             let [x, y, z, px, py, pz, has_pole, soft, keeps_end, tx, ty, tz, weight] =
@@ -190,13 +238,12 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 to: vec3::sub([tx, ty, tz], positions[0]),
             };
             let counts = zero.less(has_pole);
-            let pole = any::<R>(counts).then_some(Pole { direction: [px, py, pz], counts });
-            let (aims, partly) = (zero.less(weight), weight.less(one));
-            let mut rotations = limb.limb_rotations(pole, soft);
+            let pole = R::any(counts).then_some(Pole { direction: [px, py, pz], counts });
+            let aims = zero.less(weight);
+            let mut rotations = limb.limb_rotations(limb.bone_lengths(), pole, soft);
             for rotation in &mut rotations {
                 *rotation = quat::choose::<R>(aims, *rotation, quat::identity());
-                let part = vec3::part_of(*rotation, weight);
-                *rotation = quat::choose::<R>(partly, part, *rotation);
+                *rotation = weighted(*rotation, weight);
             }
             let [first, second] = rotations;
             let undone = quat::conjugate(quat::mul(second, first));

@@ -332,10 +332,9 @@ impl Solver<'_> {
         let Last { offset: now, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
-            self.keep_state(MOTION_STATE, Float4([x, y, z, f32::from_bits(epoch)]));
-            self.keep_state(MOTION_STATE + 1, Float4([now.heading[0], now.heading[1], 0.0, 0.0]));
-            self.keep_state(MOTION_STATE + 2, Float4(speed));
-            self.keep_state(MOTION_STATE + 3, Float4(excess));
+            let shift = [x, y, z, f32::from_bits(epoch)];
+            let heading = [now.heading[0], now.heading[1], 0.0, 0.0];
+            self.keep_states(MOTION_STATE, &[shift, heading, speed, excess].map(Float4));
         }
         let ([x, y, z], [s, c]) = (now.shift, now.heading);
         let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };

@@ -11,15 +11,18 @@ use populace_device::layout::{
 };
 use populace_model::Affine;
 
+use super::feet::{FootStep, PelvisStep};
+use super::gaze::GazeStep;
+use super::limb::ReachStep;
 use super::targets::Solver;
-use crate::corrections::JointLanes;
-use crate::dispatch::{Dispatch, Work};
+use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::{Hierarchy, descend_to};
 use crate::history::DeferredWrites;
 use crate::lanes::{LANES, Line, Members, Simd, load, put, vectors};
 use crate::matrices::{MATRIX, origin, product};
 use crate::members::steps_of;
+use crate::playback::Play;
 
 /// Rotations in model space of members side by side, from steps that compute them to steps that
 /// apply them.
@@ -108,6 +111,8 @@ pub(crate) struct Programs<'a, C, const COUNT: usize> {
     pub(crate) registers: Dispatch,
     /// Indices of the members.
     pub(crate) members: &'a [u32],
+    /// What each of them plays now. Steps of feet need it.
+    pub(crate) plays: &'a [Option<Play<'a>>],
     /// The parent of each joint.
     pub(crate) parents: &'a [u32],
     /// Local transforms of joints that the members have not reached, model transforms of others.
@@ -124,26 +129,6 @@ pub(super) struct Stop<'a, H> {
     pub(super) solver: Solver<'a>,
     pub(super) step: &'a Step,
     pub(super) joints: H,
-}
-
-/// The next step of all members, which is of a kind that is computed in lanes.
-struct StepInLanes<'a, P, const KIND: u32>(&'a mut P);
-
-impl<C: Company<COUNT>, const KIND: u32, const COUNT: usize> Work
-    for StepInLanes<'_, Programs<'_, C, COUNT>, KIND>
-{
-    const LANES: Option<usize> = Some(COUNT);
-
-    #[inline(always)]
-    fn run<J: JointLanes>(self) {
-        match KIND {
-            STEP_GAZE => self.0.gaze::<J::Members>(),
-            STEP_REACH => self.0.reach::<J::Members>(),
-            STEP_PELVIS => self.0.pelvis::<J::Members>(),
-            STEP_FOOT => self.0.foot::<J::Members>(),
-            _ => {}
-        }
-    }
 }
 
 impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
@@ -219,10 +204,10 @@ impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
                     self.joints.rotate(step.joint as usize, rotations);
                 }
                 STEP_CHAIN => self.chains(),
-                STEP_GAZE => self.registers.run(StepInLanes::<_, STEP_GAZE>(self)),
-                STEP_REACH => self.registers.run(StepInLanes::<_, STEP_REACH>(self)),
-                STEP_PELVIS => self.registers.run(StepInLanes::<_, STEP_PELVIS>(self)),
-                STEP_FOOT => self.registers.run(StepInLanes::<_, STEP_FOOT>(self)),
+                STEP_GAZE => self.registers.run(GazeStep(self)),
+                STEP_REACH => self.registers.run(ReachStep(self)),
+                STEP_PELVIS => self.registers.run(PelvisStep(self)),
+                STEP_FOOT => self.registers.run(FootStep(self)),
                 _ => self.take_steps(),
             }
         }

@@ -103,9 +103,9 @@ impl<'a> Solver<'a> {
         self.inputs.history.state_before(self.index * STATES_PER_CONTROL + element)
     }
 
-    /// Writes an element of the member's state for the next frame.
-    pub(super) fn keep_state(&mut self, element: u32, value: Float4) {
-        self.writes.states.push((self.index * STATES_PER_CONTROL + element, value));
+    /// Writes elements of the member's state for the next frame, from `first` on.
+    pub(super) fn keep_states(&mut self, first: u32, values: &[Float4]) {
+        self.writes.states.add(self.index * STATES_PER_CONTROL + first, values);
     }
 
     /// Returns where the member stands.
