@@ -11,7 +11,7 @@
 
 use populace_device::layout::{Body, Entry, Float4, NONE, PALETTE_BLOCK};
 use populace_model::Affine;
-use populace_model::math::{Real, components};
+use populace_model::math::components;
 
 use crate::constraints::{Company, Programs, step_rotations};
 use crate::corrections::JointLanes;
@@ -19,7 +19,7 @@ use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes, Members, Simd, lane_of, load, vectors};
+use crate::lanes::{LANES, Lanes, Members, Simd, lane_of, load, store, vectors};
 use crate::matrices::{MATRIX, product, rotated};
 use crate::members::{parents_of, steps_of};
 use crate::playback::Play;
@@ -122,15 +122,24 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
     }
 
     #[inline(always)]
-    fn descend_to(&mut self, parents: &[u32], joint: usize) {
-        if parents[joint] != NONE {
-            self.0[joint] = product(&self.0[parents[joint] as usize], &self.0[joint]);
+    fn descend_to<R: Members>(&mut self, parents: &[u32], joint: usize) {
+        if parents[joint] == NONE {
+            return;
+        }
+        let parent = parents[joint] as usize;
+        for lane in (0..COUNT).step_by(R::COUNT) {
+            let local: [R; MATRIX] = load(&self.0[joint], lane);
+            let model = product(&load(&self.0[parent], lane), &local);
+            store(&model, &mut self.0[joint], lane);
         }
     }
 
     #[inline(always)]
-    fn rotate(&mut self, joint: usize, rotations: [Simd<COUNT>; 4]) {
-        self.0[joint] = rotated(&self.0[joint], rotations);
+    fn rotate<R: Members>(&mut self, joint: usize, rotations: &[Simd<COUNT>; 4]) {
+        for lane in (0..COUNT).step_by(R::COUNT) {
+            let model: [R; MATRIX] = load(&self.0[joint], lane);
+            store(&rotated(&model, load(rotations, lane)), &mut self.0[joint], lane);
+        }
     }
 
     #[inline(always)]
@@ -144,24 +153,33 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
     }
 
     #[inline(always)]
-    fn lower(&mut self, joint: usize, drop: Simd<COUNT>) {
-        self.0[joint][7] = self.0[joint][7] - drop;
+    fn lower(&mut self, joint: usize, drops: &Simd<COUNT>) {
+        for (height, drop) in self.0[joint][7].0.iter_mut().zip(drops.0) {
+            *height -= drop;
+        }
     }
 }
 
 /// Computes the matrices of a block of joints from their local transforms.
 #[inline(always)]
-fn compose<const COUNT: usize>(locals: &[Simd<COUNT>], block: &mut [[Simd<COUNT>; MATRIX]]) {
+fn compose<R: Members, const COUNT: usize>(
+    locals: &[Simd<COUNT>],
+    block: &mut [[Simd<COUNT>; MATRIX]],
+) {
     for (at, matrix) in block.iter_mut().enumerate() {
-        let of = |component: usize| locals[component * LANES + at];
-        *matrix =
-            components([of(0), of(1), of(2)], [of(3), of(4), of(5), of(6)], [of(7), of(8), of(9)]);
+        let mut all = [Simd([0.0; COUNT]); COMPONENTS];
+        for (component, vector) in all.iter_mut().enumerate() {
+            *vector = locals[component * LANES + at];
+        }
+        let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz]: [R; COMPONENTS] = load(&all, 0);
+        let composed = components([tx, ty, tz], [rx, ry, rz, rw], [sx, sy, sz]);
+        store(&composed, matrix, 0);
     }
 }
 
 /// Writes the palettes of a block of entries.
 #[inline(always)]
-fn write_block<const COUNT: usize>(
+fn write_block<R: Members, const COUNT: usize>(
     entries: &[Entry],
     models: &[[Simd<COUNT>; MATRIX]],
     matrices: &mut [Simd<COUNT>],
@@ -174,14 +192,15 @@ fn write_block<const COUNT: usize>(
     let matrices_of = matrices.as_chunks_mut::<MATRIX>().0;
     for (entry, matrix) in entries.iter().zip(matrices_of.iter_mut()) {
         let rows = [entry.row0.0, entry.row1.0, entry.row2.0];
-        let mut bind = [Simd::splat(0.0); MATRIX];
+        let mut bind = [R::splat(0.0); MATRIX];
         for (value, element) in bind.iter_mut().zip(rows.as_flattened()) {
-            *value = Simd::splat(*element);
+            *value = R::splat(*element);
         }
-        *matrix = product(&models[entry.joint as usize], &bind);
+        let model: [R; MATRIX] = load(&models[entry.joint as usize], 0);
+        store(&product(&model, &bind), matrix, 0);
     }
     for padding in matrices_of.iter_mut().skip(entries.len()) {
-        *padding = [Simd::splat(0.0); MATRIX];
+        *padding = [Simd([0.0; COUNT]); MATRIX];
     }
     for (piece, square) in matrices.as_chunks::<COUNT>().0.iter().enumerate() {
         let rows = Square::transposed(square, registers);
@@ -207,9 +226,23 @@ where
 {
     const LANES: Option<usize> = Some(COUNT);
 
-    /// Writes the members' palettes.
     #[inline(always)]
     fn run<J: JointLanes>(self) {
+        if J::Members::COUNT == COUNT {
+            self.write_palettes::<J::Members>();
+        } else {
+            self.write_palettes::<Simd<COUNT>>();
+        }
+    }
+}
+
+impl<const COUNT: usize> Group<'_, '_, COUNT>
+where
+    Simd<COUNT>: Square<COUNT>,
+{
+    /// Writes the members' palettes. `R` holds a number for each member.
+    #[inline(always)]
+    fn write_palettes<R: Members>(self) {
         let Self { inputs, registers, body, seats, scratch } = self;
         let Scratch { desk, rotations, writes, .. } = scratch;
         let rotations = step_rotations(rotations);
@@ -231,11 +264,11 @@ where
                 registers.run(PoseBlock { posing, posed: &mut posed[lane..], stride: COUNT });
             }
             transpose(posed, locals, registers);
-            compose(locals, &mut models[first..end]);
+            compose::<R, COUNT>(locals, &mut models[first..end]);
             if !is_led {
                 let mut joints = SideBySide(&mut *models);
                 for joint in first..end {
-                    joints.descend_to(parents, joint);
+                    joints.descend_to::<R>(parents, joint);
                 }
             }
         }
@@ -258,13 +291,13 @@ where
                 writes,
                 next,
             }
-            .descend();
+            .descend::<R>();
         }
         let first = body.entry_first as usize;
         let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];
         let matrices = vectors::<COUNT>(&mut desk.palettes, BLOCK);
         for (block, entries) in entries.chunks(PALETTE_BLOCK as usize).enumerate() {
-            write_block(entries, models, matrices, registers, block, seats);
+            write_block::<R, COUNT>(entries, models, matrices, registers, block, seats);
         }
     }
 }

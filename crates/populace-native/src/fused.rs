@@ -101,7 +101,7 @@ pub(crate) fn member_models(
     let joints = &mut Alone(&mut InPlace(models));
     let (members, plays, registers, next) = (&[member], &[Some(play)], dispatch, 0);
     Programs { inputs, registers, members, plays, parents, joints, rotations, writes, next }
-        .descend();
+        .descend::<f32>();
 }
 
 /// Writes one member's palette.

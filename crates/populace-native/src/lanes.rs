@@ -98,10 +98,24 @@ impl Width for f32 {
     }
 }
 
-impl Load for Lanes {
+impl<const COUNT: usize> Load for Simd<COUNT> {
     #[inline(always)]
     fn load(from: &[f32]) -> Self {
-        from.first_chunk().map_or(Self([0.0; LANES]), |numbers| Self(*numbers))
+        from.first_chunk().map_or(Self([0.0; COUNT]), |numbers| Self(*numbers))
+    }
+}
+
+impl<const COUNT: usize> Members for Simd<COUNT> {
+    const COUNT: usize = COUNT;
+
+    #[inline(always)]
+    fn store(self, to: &mut [f32]) {
+        to[..COUNT].copy_from_slice(&self.0);
+    }
+
+    #[inline(always)]
+    fn any(which: [bool; COUNT]) -> bool {
+        which.contains(&true)
     }
 }
 

@@ -76,7 +76,7 @@ pub(crate) fn transform(
         let plays = &[has_feet.then(|| Play::play_all(inputs, index))];
         let (members, registers, next) = (&[index], Dispatch::Baseline, 0);
         Programs { inputs, registers, members, plays, parents, joints, rotations, writes, next }
-            .descend();
+            .descend::<f32>();
     };
     split::for_each_member::<BLOCK, 3>(tables.joint_blocks().as_slice(), arrays, &job);
 }

@@ -293,7 +293,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 drop.store(&mut drops.0[first..]);
             }
         }
-        self.joints.lower(step.joint as usize, drops);
+        self.joints.lower(step.joint as usize, &drops);
         for lane in 0..self.members.len() {
             let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
             let epoch = f32::from_bits(solver.control.epoch);
@@ -325,6 +325,6 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 store(rotation, &mut self.rotations[operand + at], first);
             }
         }
-        self.joints.rotate(joint, self.rotations[operand]);
+        self.joints.rotate::<R>(joint, &self.rotations[operand]);
     }
 }

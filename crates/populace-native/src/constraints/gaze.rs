@@ -340,6 +340,6 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 store(rotation, &mut self.rotations[operand + at], lane);
             }
         }
-        self.joints.rotate(joint, firsts);
+        self.joints.rotate::<R>(joint, &firsts);
     }
 }

@@ -252,6 +252,6 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             store(&second, &mut self.rotations[operand], lane);
             store(&undone, &mut self.rotations[operand + 1], lane);
         }
-        self.joints.rotate(joint, firsts);
+        self.joints.rotate::<R>(joint, &firsts);
     }
 }

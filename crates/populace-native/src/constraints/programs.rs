@@ -41,10 +41,10 @@ pub(crate) trait Company<const COUNT: usize> {
     fn member(&mut self, lane: usize) -> impl Hierarchy;
 
     /// Computes the model transforms of a joint. Its parent must have them.
-    fn descend_to(&mut self, parents: &[u32], joint: usize);
+    fn descend_to<R: Members>(&mut self, parents: &[u32], joint: usize);
 
     /// Rotates the model transforms of a joint about their own origins.
-    fn rotate(&mut self, joint: usize, rotations: [Simd<COUNT>; 4]);
+    fn rotate<R: Members>(&mut self, joint: usize, rotations: &[Simd<COUNT>; 4]);
 
     /// Returns the model transforms of a joint that has them, in lanes from `lane` on.
     fn models_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX];
@@ -53,8 +53,8 @@ pub(crate) trait Company<const COUNT: usize> {
     /// `lane` on.
     fn locals_of<R: Members>(&self, joint: usize, lane: usize) -> [R; MATRIX];
 
-    /// Lowers the model transforms of a joint.
-    fn lower(&mut self, joint: usize, drop: Simd<COUNT>);
+    /// Lowers the model transforms of a joint, by metres.
+    fn lower(&mut self, joint: usize, drops: &Simd<COUNT>);
 }
 
 /// Returns the transform of a single member in the first lane.
@@ -77,12 +77,12 @@ impl<H: Hierarchy> Company<1> for Alone<'_, H> {
     }
 
     #[inline(always)]
-    fn descend_to(&mut self, parents: &[u32], joint: usize) {
+    fn descend_to<R: Members>(&mut self, parents: &[u32], joint: usize) {
         descend_to(self.0, parents, joint);
     }
 
     #[inline(always)]
-    fn rotate(&mut self, joint: usize, [x, y, z, w]: [Simd<1>; 4]) {
+    fn rotate<R: Members>(&mut self, joint: usize, [x, y, z, w]: &[Simd<1>; 4]) {
         let rotation = [x.0[0], y.0[0], z.0[0], w.0[0]];
         self.0.keep_model(joint, self.0.model_of(joint).rotated(rotation));
     }
@@ -98,9 +98,9 @@ impl<H: Hierarchy> Company<1> for Alone<'_, H> {
     }
 
     #[inline(always)]
-    fn lower(&mut self, joint: usize, drop: Simd<1>) {
+    fn lower(&mut self, joint: usize, drops: &Simd<1>) {
         let mut rows = self.0.model_of(joint).rows;
-        rows[1][3] -= drop.0[0];
+        rows[1][3] -= drops.0[0];
         self.0.keep_model(joint, Affine { rows });
     }
 }
@@ -188,20 +188,20 @@ impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
     /// Computes the model transforms of all joints, parents first, and runs the members' steps on
     /// the way.
     #[inline(always)]
-    pub(crate) fn descend(&mut self) {
+    pub(crate) fn descend<R: Members>(&mut self) {
         let tables = self.inputs.tables;
         let steps = self.members.first().map_or(&[][..], |member| steps_of(tables, *member));
         let mut joint = 0;
         for (nth, step) in steps.iter().enumerate() {
             while joint <= step.joint as usize {
-                self.joints.descend_to(self.parents, joint);
+                self.joints.descend_to::<R>(self.parents, joint);
                 joint += 1;
             }
             self.next = nth;
             match step.kind {
                 STEP_ROTATION => {
-                    let rotations = self.rotations[step.operand as usize];
-                    self.joints.rotate(step.joint as usize, rotations);
+                    let rotations = &self.rotations[step.operand as usize];
+                    self.joints.rotate::<R>(step.joint as usize, rotations);
                 }
                 STEP_CHAIN => self.chains(),
                 STEP_GAZE => self.registers.run(GazeStep(self)),
@@ -212,7 +212,7 @@ impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
             }
         }
         for joint in joint..self.parents.len() {
-            self.joints.descend_to(self.parents, joint);
+            self.joints.descend_to::<R>(self.parents, joint);
         }
     }
 
