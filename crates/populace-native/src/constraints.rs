@@ -11,6 +11,7 @@
 
 mod chain;
 mod contacts;
+mod descent;
 mod feet;
 mod foot;
 mod foot_state;

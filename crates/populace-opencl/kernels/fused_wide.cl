@@ -10,8 +10,8 @@
 // Writes   palette: each entry of the phase's members in [place_first, place_end) once, and zeros
 //          into padding; is_taken, desks: scratch; states and watched joints of those members
 // Oracle   populace-testkit/src/oracle
-// Twin of populace-native/src/abreast.rs and populace-native/src/fused.rs: same arithmetic, same order
-// of operations.
+// Twin of populace-native/src/abreast.rs, populace-native/src/fused.rs and, for `descend`,
+// populace-native/src/constraints/descent.rs: same arithmetic, same order of operations.
 
 // Collects the member's slots that have weight now, in order.
 INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,

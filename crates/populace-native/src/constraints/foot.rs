@@ -137,7 +137,7 @@ impl<R: Real> Stepped<R> {
 
     /// Returns the point of the sole with an index, relative to the ankle.
     #[inline(always)]
-    fn point(&self, index: R) -> [R; 3] {
+    fn sole_point(&self, index: R) -> [R; 3] {
         let mut point = self.sole[usize::from(self.points)];
         for nth in (1..self.points).rev() {
             let is_before = index.less(R::splat(f32::from(nth) - 0.5));
@@ -268,7 +268,7 @@ impl<R: Members> FootInputs<'_, R> {
     fn lock(&self, stepped: &Stepped<R>, stands: R::Choice, turn: Turn<R>, decay: R) -> Lock<R> {
         let (state, most, none) = (&self.state, self.most(), [R::splat(0.0); 3]);
         let kept_arm =
-            vec3::choose::<R>(state.planted, turn.turned(stepped.point(state.pivot)), none);
+            vec3::choose::<R>(state.planted, turn.turned(stepped.sole_point(state.pivot)), none);
         let pivot = self.stance.standing.to_world(vec3::add(stepped.ankle, kept_arm));
         let (vector, moved_elsewhere) = offset(state, pivot, decay, most);
         let relock = R::splat(FOOT_RELOCK) * most;

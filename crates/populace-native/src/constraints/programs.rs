@@ -1,25 +1,18 @@
 //! Constraint programs of members side by side, each in a lane of its own, on the way down the
 //! hierarchy. A member alone has the only lane.
 //!
-//! Members can stand side by side if their programs have one shape. Gazes, limbs, legs and the
-//! rotations that they hand down are computed in lanes, other steps member by member.
+//! Members can stand side by side if their programs have one shape.
 
 use populace_device::Tables;
-use populace_device::layout::{
-    Constraint, Link, MAX_STEP_ROTATIONS, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_PELVIS,
-    STEP_REACH, STEP_ROTATION, Step,
-};
+use populace_device::layout::{Constraint, Link, MAX_STEP_ROTATIONS, Step};
 use populace_model::Affine;
 
-use super::feet::{FootStep, PelvisStep};
-use super::gaze::GazeStep;
-use super::limb::ReachStep;
 use super::targets::Solver;
 use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::{Hierarchy, descend_to};
 use crate::history::DeferredWrites;
-use crate::lanes::{LANES, Line, Members, Simd, load, put, vectors};
+use crate::lanes::{LANES, Line, Members, Simd, load, vectors};
 use crate::matrices::{MATRIX, origin, product};
 use crate::members::steps_of;
 use crate::playback::Play;
@@ -183,61 +176,5 @@ impl<'a, C: Company<COUNT>, const COUNT: usize> Programs<'a, C, COUNT> {
     #[inline(always)]
     pub(super) fn links(&self, constraint: &Constraint) -> &'a [Link] {
         links_of(self.inputs.tables, constraint)
-    }
-
-    /// Computes the model transforms of all joints, parents first, and runs the members' steps on
-    /// the way.
-    #[inline(always)]
-    pub(crate) fn descend<R: Members>(&mut self) {
-        let tables = self.inputs.tables;
-        let steps = self.members.first().map_or(&[][..], |member| steps_of(tables, *member));
-        let mut joint = 0;
-        for (nth, step) in steps.iter().enumerate() {
-            while joint <= step.joint as usize {
-                self.joints.descend_to::<R>(self.parents, joint);
-                joint += 1;
-            }
-            self.next = nth;
-            match step.kind {
-                STEP_ROTATION => {
-                    let rotations = &self.rotations[step.operand as usize];
-                    self.joints.rotate::<R>(step.joint as usize, rotations);
-                }
-                STEP_CHAIN => self.chains(),
-                STEP_GAZE => self.registers.run(GazeStep(self)),
-                STEP_REACH => self.registers.run(ReachStep(self)),
-                STEP_PELVIS => self.registers.run(PelvisStep(self)),
-                STEP_FOOT => self.registers.run(FootStep(self)),
-                _ => self.take_steps(),
-            }
-        }
-        for joint in joint..self.parents.len() {
-            self.joints.descend_to::<R>(self.parents, joint);
-        }
-    }
-
-    /// Bends the chains of one member after the other.
-    #[inline(always)]
-    fn chains(&mut self) {
-        for lane in 0..self.members.len() {
-            let Some(Stop { solver, step, mut joints }) = self.stop(lane) else { continue };
-            let turned = solver.chain(&mut joints, step);
-            let links = solver.constraint(step).link_count as usize;
-            let first = step.operand as usize;
-            drop(joints);
-            for (all, one) in self.rotations[first..].iter_mut().zip(&turned[1..links]) {
-                put(all, lane, *one);
-            }
-        }
-    }
-
-    /// Takes the next step of one member after the other.
-    #[inline(always)]
-    fn take_steps(&mut self) {
-        for lane in 0..self.members.len() {
-            if let Some(Stop { mut solver, step, mut joints }) = self.stop(lane) {
-                solver.take_step(step, &mut joints);
-            }
-        }
     }
 }
