@@ -83,8 +83,8 @@ pub(crate) trait Work: Sized {
     /// `J` holds the lanes of sixteen joints.
     fn run<J: JointLanes>(self);
 
-    /// Does the work, compiled for AVX2. A method of the work, so that the compiler builds work of
-    /// several modules at the same time.
+    /// Does the work, compiled for AVX2. As a method, it is built with the module of the work, and
+    /// modules are built in parallel.
     ///
     /// # Safety
     ///

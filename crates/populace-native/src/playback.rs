@@ -43,7 +43,7 @@ fn secs_after_start(tables: &Tables, slot: &Slot, tick: u64) -> f32 {
     slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs
 }
 
-/// What a member plays now.
+/// Playing slots of a member, and its layers.
 pub(crate) struct Play<'a> {
     playing: [Playing; MAX_SLOTS],
     /// Seconds after the start of each clip; NaN for live clips.
@@ -79,8 +79,8 @@ impl<'a> Play<'a> {
         &self.playing[..self.count]
     }
 
-    /// Returns what the `nth` of these slots plays, and the seconds after the start of its clip,
-    /// NaN for a live clip; `None` past the last.
+    /// Returns the `nth` slot with weight, and its seconds after the start of the clip (NaN for a
+    /// live clip); `None` past the last.
     #[inline(always)]
     pub(crate) fn nth(&self, nth: usize) -> Option<(&Playing, f32)> {
         self.playing().get(nth).zip(self.secs.get(nth).copied())

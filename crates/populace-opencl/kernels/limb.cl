@@ -122,7 +122,7 @@ INLINE void limb_rotations(Limb limb, BoneLengths lengths, Vec3 pole, Choice has
     *second_rotation = quat_choose(stands, second, quat_identity());
 }
 
-// Returns rotations, or parts of them where weights are below 1. Most are whole.
+// Scales rotations by weights below 1. If all weights are 1, it returns the rotations at once.
 INLINE Quat weighted(Quat rotation, Real weight)
 {
     const Choice partly = weight < (Real)(1.0f);

@@ -1,7 +1,7 @@
 //! Contacts of feet, mixed from the clips that a member plays on its lowest layer. Twin of
 //! `kernels/contacts.cl`.
 //!
-//! Reads what members play, bound clips, clips and contacts.
+//! Reads playing slots, bound clips, clips and contacts.
 
 use populace_device::Tables;
 use populace_device::layout::{
@@ -32,8 +32,8 @@ struct Stepping<'a> {
 }
 
 impl<'a> Stepping<'a> {
-    /// Returns the clip in the `nth` of a member's slots that have weight; `None` if it does not
-    /// play there on the lowest layer, or knows no contacts.
+    /// Returns the clip of the `nth` slot with weight; `None` if the slot is not on the lowest
+    /// layer, or the clip has no contacts.
     #[inline(always)]
     fn in_slot(tables: &'a Tables, play: &Play, nth: usize) -> Option<Self> {
         let (playing, secs) = play.nth(nth)?;

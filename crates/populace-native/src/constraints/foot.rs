@@ -83,9 +83,11 @@ struct Stepped<R> {
     sole: [[R; 3]; 1 + POINTS],
     /// Number of points of the sole.
     points: u8,
-    /// Index of the lowest point of the sole, the point, and its height in model space.
+    /// Index of the lowest point of the sole.
     lowest: R,
+    /// Position of that point relative to the ankle.
     lowest_point: [R; 3],
+    /// Height of that point in model space.
     clearance: R,
 }
 

@@ -167,7 +167,7 @@ impl<R: Real> Limb<R> {
     }
 }
 
-/// Returns rotations, or parts of them where weights are below 1. Most are whole.
+/// Scales rotations by weights below 1. If all weights are 1, it returns the rotations at once.
 #[inline(always)]
 pub(super) fn weighted<R: Members>(rotation: [R; 4], weight: R) -> [R; 4] {
     let partly = weight.less(R::splat(1.0));

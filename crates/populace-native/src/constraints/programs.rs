@@ -104,7 +104,7 @@ pub(crate) struct Programs<'a, C, const COUNT: usize> {
     pub(crate) registers: Dispatch,
     /// Indices of the members.
     pub(crate) members: &'a [u32],
-    /// What each of them plays now. Steps of feet need it.
+    /// Playing slots of each member. `None` where no step of feet reads them.
     pub(crate) plays: &'a [Option<Play<'a>>],
     /// The parent of each joint.
     pub(crate) parents: &'a [u32],
