@@ -13,6 +13,8 @@ use crate::slot::sample_of;
 /// Evaluates the slots of all members.
 pub(crate) fn evaluate(tables: &Tables, running: &[Float4], tick: u64, samples: &mut [SlotSample]) {
     samples.par_iter_mut().zip(tables.slots().as_slice()).with_min_len(4096).for_each(
-        |(sample, slot)| *sample = sample_of(tables, &slot_now(tables, running, slot, tick), tick),
+        |(sample, slot)| {
+            *sample = sample_of(tables, &slot_now(tables, running, slot, tick), tick).0
+        },
     );
 }

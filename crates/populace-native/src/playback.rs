@@ -1,6 +1,6 @@
 //! Slots of a member that play now, and those that inertialize. Twin of `kernels/playback.cl`.
 
-use populace_device::layout::{Layer, SLOT_LIVE, Slot, SlotSample};
+use populace_device::layout::{Layer, Slot, SlotSample};
 use populace_device::{MAX_SLOTS, Tables};
 
 use crate::frame::FrameInputs;
@@ -32,17 +32,6 @@ pub(crate) fn inertialization_of(tables: &Tables, member: u32, tick: u64) -> Ine
     Inertialization { slots: if any { slots } else { &[] }, tick }
 }
 
-/// Returns the time of a slot after the start of its clip; NaN for live clips.
-#[inline(always)]
-fn secs_after_start(tables: &Tables, slot: &Slot, tick: u64) -> f32 {
-    if slot.mode() == SLOT_LIVE {
-        return f32::NAN;
-    }
-    let bound = &tables.bound_clips().as_slice()[slot.bound_clip as usize];
-    let clip = &tables.clips().as_slice()[bound.clip as usize];
-    slot.time_at(tick, clip.start_secs, clip.duration_secs) - clip.start_secs
-}
-
 /// Playing slots of a member, and its layers.
 pub(crate) struct Play<'a> {
     playing: [Playing; MAX_SLOTS],
@@ -62,10 +51,10 @@ impl<'a> Play<'a> {
         let mut count = 0;
         for slot in member_slots(tables, member) {
             let slot = slot_now(tables, &history.running, slot, frame.tick);
-            let at = sample_of(tables, &slot, frame.tick);
+            let (at, after_start) = sample_of(tables, &slot, frame.tick);
             if at.weight > 0.0 {
                 playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
-                secs[count] = secs_after_start(tables, &slot, frame.tick);
+                secs[count] = after_start;
                 count += 1;
             }
         }

@@ -57,7 +57,7 @@ impl Reading {
     fn evaluate(&mut self, inputs: &FrameInputs, dispatch: Dispatch, member: u32) {
         let (tables, tick) = (inputs.tables, inputs.frame.tick);
         let running = &inputs.history.running;
-        let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick);
+        let sample = |slot| sample_of(tables, &slot_now(tables, running, slot, tick), tick).0;
         let Self { samples, locals, scratch, .. } = self;
         samples.clear();
         samples.extend(member_slots(tables, member).iter().map(sample));

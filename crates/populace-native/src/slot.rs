@@ -45,22 +45,24 @@ fn find_live_row(clip: &ClipRows, slot: &Slot, tick: u64) -> Between {
     }
 }
 
-/// Samples a slot that is not a state machine's.
-pub(crate) fn sample_of(tables: &Tables, slot: &Slot, tick: u64) -> SlotSample {
+/// Samples a slot that is not a state machine's. Also returns its time in seconds after the start of
+/// its clip: NaN for live clips and for slots without weight.
+pub(crate) fn sample_of(tables: &Tables, slot: &Slot, tick: u64) -> (SlotSample, f32) {
     let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {
         let bound = tables.bound_clips().as_slice()[slot.bound_clip as usize];
         let clip = &tables.clips().as_slice()[bound.clip as usize];
-        let Between { row, next, between } = if slot.mode() == SLOT_LIVE {
-            find_live_row(clip, slot, tick)
+        let (Between { row, next, between }, after_start) = if slot.mode() == SLOT_LIVE {
+            (find_live_row(clip, slot, tick), f32::NAN)
         } else {
             let secs = slot.time_at(tick, clip.start_secs, clip.duration_secs);
             let (row, between) = tables.find_row(clip, secs);
-            Between { row, next: if between > 0.0 { row + 1 } else { row }, between }
+            let next = if between > 0.0 { row + 1 } else { row };
+            (Between { row, next, between }, secs - clip.start_secs)
         };
         let offset = |row: u32| clip.row_first + row * clip.row_stride;
-        SlotSample { row0: offset(row), row1: offset(next), between, weight }
+        (SlotSample { row0: offset(row), row1: offset(next), between, weight }, after_start)
     } else {
-        SlotSample::default()
+        (SlotSample::default(), f32::NAN)
     }
 }
