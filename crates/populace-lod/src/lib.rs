@@ -4,13 +4,16 @@
 //! (edge collapse by quadric error with attributes: M. Garland and P. S. Heckbert, "Simplifying
 //! surfaces with color and texture using quadric error metrics", IEEE Visualization 1998). Normals,
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
-//! stay. Vertices are a subset of the character's: palettes, textures and materials stay as they
-//! are.
+//! stay. What sticks out farther than the error, such as the brim of a hat, stays too.
+//!
+//! Vertices are a subset of the character's, with normals and colours that stand for the surface
+//! around them: palettes, textures and materials stay as they are.
 //!
 //! Each level evaluates only the first joints, in level order, up to the last one that moves vertices
 //! farther away from it than four times the level's error. The other joints, such as those of
 //! fingers, hang from the first as at rest.
 
+mod bound;
 mod groups;
 mod mesh;
 
@@ -21,8 +24,16 @@ use crate::mesh::Simplifier;
 
 /// Errors of the levels, as fractions of the character's height, and the most influences of a
 /// vertex.
-const LEVELS: [(f32, usize); 7] =
-    [(0.001, 4), (0.0018, 4), (0.0032, 4), (0.0056, 2), (0.01, 2), (0.018, 1), (0.032, 1)];
+const LEVELS: [(f32, usize); 8] = [
+    (0.001, 4),
+    (0.0018, 4),
+    (0.0032, 4),
+    (0.0056, 2),
+    (0.01, 2),
+    (0.018, 1),
+    (0.032, 1),
+    (0.056, 1),
+];
 /// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
 /// than the one before.
 const FIRST_REDUCTION: f32 = 0.0001;
@@ -49,16 +60,13 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
     let groups = JointGroups::of(character);
     let mut simplifiers: Vec<Simplifier> =
         (0..character.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
-    let count = |simplifiers: &[Simplifier]| -> usize {
-        simplifiers.iter().map(Simplifier::triangle_count).sum()
-    };
+    let count =
+        |simplifiers: &[Simplifier]| -> usize { simplifiers.iter().map(triangles_of).sum() };
     let mut levels: Vec<Level> = Vec::new();
     let mut shown = count(&simplifiers);
     for (fraction, influences) in LEVELS {
         let error_m = fraction * character.height_m();
-        for simplifier in &mut simplifiers {
-            simplifier.simplify(error_m);
-        }
+        bound::simplify(&mut simplifiers, error_m, |_| true);
         let left = count(&simplifiers);
         if left == 0 {
             break;
@@ -72,6 +80,10 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
         levels.push(Level { error_m, meshes, joint_count });
     }
     levels
+}
+
+fn triangles_of(simplifier: &Simplifier<'_>) -> usize {
+    simplifier.surface().triangles().len()
 }
 
 /// Returns the character with its meshes simplified as little as needed to have at most `triangles`
@@ -88,11 +100,8 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
         (0..source.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
     let small = triangles / SMALL_PART;
     let mut next_m = FIRST_REDUCTION * character.height_m();
-    while next_m <= error_m
-        && simplifiers.iter().map(Simplifier::triangle_count).sum::<usize>() > triangles
-    {
-        let large = simplifiers.iter_mut().filter(|s| s.triangle_count() > small);
-        large.for_each(|s| s.simplify(next_m));
+    while next_m <= error_m && simplifiers.iter().map(triangles_of).sum::<usize>() > triangles {
+        bound::simplify(&mut simplifiers, next_m, |s| triangles_of(s) > small);
         next_m *= REDUCTION_STEP;
     }
     for (part, simplifier) in source.parts.iter_mut().zip(&simplifiers) {

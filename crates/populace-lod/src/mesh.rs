@@ -2,7 +2,8 @@
 
 use std::collections::HashMap;
 
-use meshopt::{SimplifyOptions, optimize_vertex_cache, simplify_with_attributes_and_locks_decoder};
+use glam::Vec3;
+use meshopt::{SimplifyOptions, SimplifyVertex, optimize_vertex_cache, simplify_with_update};
 use populace_character::{Character, Influences, Mesh};
 use populace_model::convert::{single, u32_from};
 
@@ -11,9 +12,9 @@ use crate::groups::JointGroups;
 /// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
 const NORMAL: f32 = 0.01;
 /// The same between linear colours.
-const COLOR: f32 = 0.03;
+const COLOR: f32 = 0.045;
 /// The same between the weights of two groups of joints.
-const WEIGHT: f32 = 0.01;
+const WEIGHT: f32 = 0.04;
 /// Part of the distance on the surface that a shift of the texture counts as.
 const TEXTURE: f32 = 0.15;
 /// Weights below this part of a vertex's greatest are dropped where influences are limited.
@@ -22,12 +23,37 @@ const LEAST_WEIGHT: f32 = 0.02;
 /// A part that becomes coarser step by step.
 pub(crate) struct Simplifier<'a> {
     source: &'a Mesh,
-    /// At rest, in metres.
-    positions: Vec<[f32; 3]>,
-    /// The attributes of each vertex, and how much each counts.
-    attributes: Vec<f32>,
+    /// How much each attribute counts.
     weights: Vec<f32>,
+    now: Surface,
+    /// What the present surface is simplified from.
+    before: Surface,
+    /// Vertices that stay.
+    locked: Vec<SimplifyVertex>,
+}
+
+/// A simplified surface. Its vertices are numbered as those of the source.
+#[derive(Clone, Default)]
+pub(crate) struct Surface {
+    /// At rest, in metres.
+    pub(crate) positions: Vec<[f32; 3]>,
+    /// For each vertex its normal, texture coordinates, colour and weights of groups of joints.
+    attributes: Vec<f32>,
     indices: Vec<u32>,
+}
+
+impl Surface {
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
+        self.indices.as_chunks().0
+    }
+
+    /// Returns the vertices of the triangles, in order.
+    pub(crate) fn vertices(&self) -> Vec<usize> {
+        let mut vertices: Vec<usize> = self.indices.iter().map(|index| *index as usize).collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        vertices
+    }
 }
 
 impl<'a> Simplifier<'a> {
@@ -49,40 +75,70 @@ impl<'a> Simplifier<'a> {
             attributes.resize(first + groups.count, 0.0);
             groups.add_weights(&source.influences, vertex, &mut attributes[first..]);
         }
+        let locked = vec![SimplifyVertex::None; positions.len()];
         let indices = welded(source, &positions);
-        Self { source, positions, attributes, weights, indices }
+        let now = Surface { positions, attributes, indices };
+        Self { source, weights, now, before: Surface::default(), locked }
     }
 
-    pub(crate) fn triangle_count(&self) -> usize {
-        self.indices.len() / 3
+    pub(crate) fn surface(&self) -> &Surface {
+        &self.now
     }
 
-    /// Collapses edges until the surface is `error_m` off.
-    pub(crate) fn simplify(&mut self, error_m: f32) {
-        if self.indices.is_empty() {
+    /// Returns the surface at the last call of [`Self::begin`].
+    pub(crate) fn before(&self) -> &Surface {
+        &self.before
+    }
+
+    /// Starts to simplify the present surface. No vertex is locked.
+    pub(crate) fn begin(&mut self) {
+        self.before.clone_from(&self.now);
+        self.locked.fill(SimplifyVertex::None);
+    }
+
+    /// Keeps a vertex until the next call of [`Self::begin`], with the largest of its triangles: a
+    /// vertex alone vanishes where its neighbours merge.
+    pub(crate) fn lock(&mut self, vertex: usize) {
+        let of_vertex = |triangle: &&[u32; 3]| triangle.iter().any(|i| *i as usize == vertex);
+        let area = |triangle: &&[u32; 3]| {
+            let [a, b, c] = triangle.map(|i| Vec3::from(self.before.positions[i as usize]));
+            (b - a).cross(c - a).length_squared()
+        };
+        let triangles = self.before.triangles().iter().filter(of_vertex);
+        for index in triangles.max_by(|s, t| area(s).total_cmp(&area(t))).into_iter().flatten() {
+            self.locked[*index as usize] = SimplifyVertex::Lock;
+        }
+    }
+
+    /// Simplifies the surface of the last call of [`Self::begin`] until it is `error_m` off.
+    pub(crate) fn collapse(&mut self, error_m: f32) {
+        self.now.clone_from(&self.before);
+        if self.now.indices.is_empty() {
             return;
         }
-        // The library reads a flag for every vertex, also where none is locked.
-        let unlocked = vec![false; self.positions.len()];
         let options =
             SimplifyOptions::ErrorAbsolute | SimplifyOptions::Prune | SimplifyOptions::Permissive;
-        self.indices = simplify_with_attributes_and_locks_decoder(
-            &self.indices,
-            &self.positions,
-            &self.attributes,
+        let count = simplify_with_update(
+            &mut self.now.indices,
+            &mut self.now.positions,
+            &mut self.now.attributes,
             &self.weights,
             self.weights.len() * size_of::<f32>(),
-            &unlocked,
+            Some(&self.locked),
             0,
             error_m,
             options,
             None,
         );
+        self.now.indices.truncate(count);
+        // Vertices that slide along the surface would take their joints with them.
+        self.now.positions.clone_from(&self.before.positions);
     }
 
     /// Returns the present mesh, with at most `influences` joints for each vertex.
     pub(crate) fn mesh(&self, influences: usize) -> Mesh {
-        let indices = optimize_vertex_cache(&self.indices, self.positions.len());
+        let (source, now) = (self.source, &self.now);
+        let indices = optimize_vertex_cache(&now.indices, now.positions.len());
         let mut new_of_old = HashMap::new();
         let mut kept: Vec<usize> = Vec::new();
         let indices = indices
@@ -94,21 +150,28 @@ impl<'a> Simplifier<'a> {
                 })
             })
             .collect();
-        let source = self.source;
+        let attributes = |vertex: usize| &now.attributes[vertex * self.weights.len()..];
+        let normal = |vertex: &usize| {
+            let [x, y, z, ..] = attributes(*vertex) else { return source.normals[*vertex] };
+            let normal = Vec3::new(*x, *y, *z).try_normalize();
+            normal.map_or(source.normals[*vertex], |n| n.to_array())
+        };
+        let color = |vertex: &usize| match (source.colors.get(*vertex), attributes(*vertex)) {
+            (Some([.., alpha]), [_, _, _, _, _, r, g, b, ..]) => {
+                let [r, g, b] = [r, g, b].map(|x| x.max(0.0));
+                Some([r, g, b, *alpha])
+            }
+            (color, _) => color.copied(),
+        };
         Mesh {
-            positions: chosen(&source.positions, &kept),
-            normals: chosen(&source.normals, &kept),
-            uvs: chosen(&source.uvs, &kept),
-            colors: chosen(&source.colors, &kept),
+            positions: kept.iter().map(|vertex| source.positions[*vertex]).collect(),
+            normals: kept.iter().map(normal).collect(),
+            uvs: kept.iter().filter_map(|vertex| source.uvs.get(*vertex).copied()).collect(),
+            colors: kept.iter().filter_map(color).collect(),
             influences: fewer_influences(&source.influences, &kept, influences),
             indices,
         }
     }
-}
-
-/// Returns the values of some vertices; empty if no vertex has one.
-fn chosen<T: Copy>(values: &[T], kept: &[usize]) -> Vec<T> {
-    kept.iter().filter_map(|vertex| values.get(*vertex).copied()).collect()
 }
 
 /// Returns the strongest influences of some vertices. Weights keep their sum.

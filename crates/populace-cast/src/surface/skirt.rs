@@ -10,8 +10,14 @@ use crate::anatomy::{Body, Limb, PELVIS, Side};
 
 /// Points around a skirt: point 0 is in front, and the left follows.
 const AROUND: usize = 16;
-/// Rows of the trunk that the skirt follows, with its distance as a fraction of the height.
-const UPPER: [(usize, f64); 3] = [(3, 0.002), (2, 0.006), (0, 0.012)];
+/// Rows of the trunk that the skirt follows, with its distance as a fraction of the height. It comes
+/// out under the hem of the top.
+const UPPER: [(usize, f64); 3] = [(3, -0.006), (2, 0.006), (0, 0.012)];
+/// Position between hips and hem of the top of the inner side, and its breadth as a fraction of the
+/// outer side's. Far from the outer side, so that coarse levels of detail do not mix both.
+const INSIDE: [f64; 2] = [0.55, 0.35];
+/// Breadth of the body under a skirt, which must not show through coarse levels of detail.
+const DRAWN_IN: f64 = 0.8;
 /// Rows below the hips: position between hips (0) and hem (1).
 const LOWER: [f64; 3] = [0.34, 0.68, 1.0];
 /// Half breadth of the hem, and its depth behind and in front, as fractions of the height. In front
@@ -25,6 +31,7 @@ pub(super) fn build(surface: &mut Surface, body: &Body) {
         Bottom::Dress => Region::Top,
         Bottom::Trousers | Bottom::Shorts => return,
     };
+    draw_in(surface, body);
     let mut rings: Vec<Vec<usize>> = UPPER
         .iter()
         .map(|&(row, off)| {
@@ -40,9 +47,24 @@ pub(super) fn build(surface: &mut Surface, body: &Body) {
     // The inner side, which is seen from below.
     surface.brush = [0.45; 3];
     rings.push(lower(surface, body, 1.0, 0.955, 0.004));
-    rings.push(lower(surface, body, 0.5, 0.93, 0.0));
+    rings.push(lower(surface, body, INSIDE[0], INSIDE[1], 0.0));
     surface.brush = super::PLAIN;
     surface.tube(&rings, region);
+}
+
+/// Narrows the hips and thighs of a dressed body, from below the hem of the top to above the knees.
+fn draw_in(surface: &mut Surface, body: &Body) {
+    let (knee, hem) = (body.joint(Limb::Shin, Side::Left).y, trunk::position(body, 3, 0).y);
+    let hidden = [PELVIS, Limb::Thigh.of(Side::Left), Limb::Thigh.of(Side::Right)];
+    for (point, weights) in surface.points.iter_mut().zip(&surface.weights) {
+        let of_hidden: f64 =
+            weights.iter().filter(|(s, _)| hidden.contains(s)).map(|(_, weight)| weight).sum();
+        let between = point.y > knee + 0.02 * body.height && point.y < hem - 0.02 * body.height;
+        if of_hidden > 0.5 && between {
+            point.x *= DRAWN_IN;
+            point.z *= DRAWN_IN;
+        }
+    }
 }
 
 /// Returns the point of a row of the trunk at point `j` of a skirt's ring.

@@ -2,6 +2,10 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
+mod geometry;
+mod walls;
+
+use geometry::{Point, distance_to_triangle, dot, normal};
 use populace_character::{Character, Mesh};
 use populace_lod::{levels_of, with_levels};
 use populace_model::JointIndex;
@@ -12,52 +16,6 @@ fn man() -> Character {
 
 fn triangles(meshes: &[Mesh]) -> usize {
     meshes.iter().map(|mesh| mesh.indices.len() / 3).sum()
-}
-
-type Point = [f64; 3];
-
-fn difference(a: Point, b: Point) -> Point {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-fn dot(a: Point, b: Point) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Returns the distance from a point to a triangle (C. Ericson, Real-Time Collision Detection
-/// (2005), 5.1.5).
-fn distance_to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
-    let (ab, ac, ap) = (difference(b, a), difference(c, a), difference(p, a));
-    let (d1, d2) = (dot(ab, ap), dot(ac, ap));
-    let far = |q: Point| dot(difference(p, q), difference(p, q)).sqrt();
-    let along = |from: Point, by: Point, k: f64| [0, 1, 2].map(|i: usize| from[i] + by[i] * k);
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return far(a);
-    }
-    let bp = difference(p, b);
-    let (d3, d4) = (dot(ab, bp), dot(ac, bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return far(b);
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return far(along(a, ab, d1 / (d1 - d3)));
-    }
-    let cp = difference(p, c);
-    let (d5, d6) = (dot(ab, cp), dot(ac, cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return far(c);
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return far(along(a, ac, d2 / (d2 - d6)));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-        return far(along(b, difference(c, b), (d4 - d3) / ((d4 - d3) + (d5 - d6))));
-    }
-    let k = 1.0 / (va + vb + vc);
-    far(along(along(a, ab, vb * k), ac, vc * k))
 }
 
 #[test]
@@ -108,6 +66,36 @@ fn weights_keep_their_sum_and_far_levels_have_one_joint_per_vertex() {
     let last = levels.last().unwrap();
     let single = |weights: &[f32]| weights[1..].iter().all(|weight| *weight == 0.0);
     assert!(last.meshes.iter().all(|m| m.influences.weights.chunks(4).all(single)));
+}
+
+/// Returns the mean of the red of a mesh's colours over its surface.
+fn mean_red(mesh: &Mesh) -> f64 {
+    let (mut sum, mut surface) = (0.0, 0.0);
+    for triangle in mesh.indices.as_chunks::<3>().0 {
+        let out = normal(triangle.map(|index| mesh.positions[index as usize].map(f64::from)));
+        let area = dot(out, out).sqrt();
+        let red =
+            triangle.map(|index| f64::from(mesh.colors[index as usize][0])).iter().sum::<f64>();
+        sum += area * red / 3.0;
+        surface += area;
+    }
+    sum / surface
+}
+
+#[test]
+fn colours_of_levels_stand_for_the_surface_around_them() {
+    let man = man();
+    // The soles are painted in another colour.
+    let shoes = man.parts.iter().position(|p| man.materials[p.material.unwrap()].name == "Shoes");
+    let shoes = shoes.unwrap();
+    let own = mean_red(&man.parts[shoes].mesh);
+    for level in levels_of(&man) {
+        let mesh = &level.meshes[shoes];
+        let unit = |n: &[f32; 3]| (n.iter().map(|x| x * x).sum::<f32>() - 1.0).abs() < 1e-4;
+        assert!(mesh.normals.iter().all(unit));
+        let red = mean_red(mesh);
+        assert!((red - own).abs() < 0.1 * own, "{red} instead of {own} at {} m", level.error_m);
+    }
 }
 
 #[test]

@@ -1,0 +1,67 @@
+//! A bound on how far simplified surfaces are off.
+//!
+//! Quadrics average distances over the area. The brim of a hat weighs little beside the rest of its
+//! surface, so an error that is small on average can cost all of it. Vertices that end up far from
+//! what is left are therefore locked, and the parts are simplified again.
+
+use parry3d::math::Vector;
+use parry3d::query::PointQuery;
+use parry3d::shape::TriMesh;
+use populace_model::convert::u32_from;
+
+use crate::mesh::Simplifier;
+
+/// Most distance of vertices from the simplified surface, in errors of the level.
+const MOST_ERRORS: f32 = 1.5;
+/// Vertices are locked at least this far from each other, in the same unit: the surface between them
+/// follows.
+const APART_ERRORS: f32 = 8.0;
+/// How often parts are simplified for one level. Few vertices are still far off after the last time.
+const ROUNDS: usize = 4;
+
+/// Simplifies the parts that are `wanted` until the surface is `error_m` off, and no vertex of what
+/// they had before by much more.
+pub(crate) fn simplify(
+    parts: &mut [Simplifier<'_>],
+    error_m: f32,
+    wanted: impl Fn(&Simplifier<'_>) -> bool,
+) {
+    let mut again: Vec<usize> = (0..parts.len()).filter(|part| wanted(&parts[*part])).collect();
+    again.iter().for_each(|part| parts[*part].begin());
+    for _ in 0..ROUNDS {
+        if again.is_empty() {
+            return;
+        }
+        again.iter().for_each(|part| parts[*part].collapse(error_m));
+        let Some(surface) = surface(parts) else { return };
+        again.retain(|part| lock_far(&mut parts[*part], &surface, error_m));
+    }
+}
+
+/// Returns the surface of all parts; `None` if nothing is left.
+fn surface(parts: &[Simplifier<'_>]) -> Option<TriMesh> {
+    let mut places = Vec::new();
+    let mut triangles = Vec::new();
+    for part in parts {
+        let first = u32_from(places.len());
+        let surface = part.surface();
+        places.extend(surface.positions.iter().map(|p| Vector::from_array(*p)));
+        triangles.extend(surface.triangles().iter().map(|t| t.map(|index| first + index)));
+    }
+    TriMesh::new(places, triangles).ok()
+}
+
+/// Locks some of a part's vertices that are far from the surface. Returns true if there are any.
+fn lock_far(part: &mut Simplifier<'_>, surface: &TriMesh, error_m: f32) -> bool {
+    let (most_m, apart_m) = (MOST_ERRORS * error_m, APART_ERRORS * error_m);
+    let mut locked: Vec<Vector> = Vec::new();
+    for vertex in part.before().vertices() {
+        let place = Vector::from_array(part.before().positions[vertex]);
+        let is_far = surface.project_local_point_with_max_dist(place, false, most_m).is_none();
+        if is_far && locked.iter().all(|other| other.distance(place) > apart_m) {
+            locked.push(place);
+            part.lock(vertex);
+        }
+    }
+    !locked.is_empty()
+}
