@@ -27,6 +27,9 @@ pub(crate) enum Levels {
     Cached,
 }
 
+/// Counts the ways in which levels have been made: a cache of an earlier way is made again.
+const REVISION: u32 = 2;
+
 /// The end of the names of caches.
 const ENDING: &str = "levels.glb";
 
@@ -93,7 +96,8 @@ fn generator(files: &[PathBuf]) -> Result<String, Failure> {
         hash.update(&bytes);
     }
     let digest: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(format!("populace {}, levels of {digest}", env!("CARGO_PKG_VERSION")))
+    let version = env!("CARGO_PKG_VERSION");
+    Ok(format!("populace {version}, levels of way {REVISION} of {digest}"))
 }
 
 /// Returns the levels of a cached character for its source, whose palette may be in another order.

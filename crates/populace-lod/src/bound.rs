@@ -1,4 +1,4 @@
-//! A bound on how far simplified surfaces are off.
+//! What sticks out of a surface, and stays when the surface is simplified.
 //!
 //! Quadrics average distances over the area. The brim of a hat weighs little beside the rest of its
 //! surface, so an error that is small on average can cost all of it. Vertices that end up far from
@@ -11,16 +11,16 @@ use populace_model::convert::u32_from;
 
 use crate::mesh::Simplifier;
 
-/// Most distance of vertices from the simplified surface, in errors of the level.
+/// Distance from the simplified surface, in errors of the level, from which a vertex is locked.
 const MOST_ERRORS: f32 = 1.5;
-/// Vertices are locked at least this far from each other, in the same unit: the surface between them
-/// follows.
+/// Distance between vertices that are locked at the same time, at least, in the same unit. The
+/// surface between them follows.
 const APART_ERRORS: f32 = 8.0;
-/// How often parts are simplified for one level. Few vertices are still far off after the last time.
+/// How often a part is simplified for one level, at most.
 const ROUNDS: usize = 4;
 
-/// Simplifies the parts that are `wanted` until the surface is `error_m` off, and no vertex of what
-/// they had before by much more.
+/// Simplifies the parts that are `wanted` until their surface is `error_m` off, and again with far
+/// vertices locked while there are any. Separate pieces smaller than the error vanish whole.
 pub(crate) fn simplify(
     parts: &mut [Simplifier<'_>],
     error_m: f32,

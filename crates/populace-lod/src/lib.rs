@@ -4,10 +4,10 @@
 //! (edge collapse by quadric error with attributes: M. Garland and P. S. Heckbert, "Simplifying
 //! surfaces with color and texture using quadric error metrics", IEEE Visualization 1998). Normals,
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
-//! stay. What sticks out farther than the error, such as the brim of a hat, stays too.
+//! stay. What sticks out much farther than the error, such as the brim of a hat, stays too.
 //!
-//! Vertices are a subset of the character's, with normals and colours that stand for the surface
-//! around them: palettes, textures and materials stay as they are.
+//! Palettes, textures and materials stay as they are. Vertices are a subset of the character's, with
+//! normals and colours that stand for the surface around them.
 //!
 //! Each level evaluates only the first joints, in level order, up to the last one that moves vertices
 //! farther away from it than four times the level's error. The other joints, such as those of

@@ -10,13 +10,14 @@ use crate::anatomy::{Body, Limb, PELVIS, Side};
 
 /// Points around a skirt: point 0 is in front, and the left follows.
 const AROUND: usize = 16;
-/// Rows of the trunk that the skirt follows, with its distance as a fraction of the height. It comes
-/// out under the hem of the top.
+/// Rows of the trunk that the skirt follows, with its distance as a fraction of the height. The first
+/// lies inside the body, so that the skirt comes out below the blouse.
 const UPPER: [(usize, f64); 3] = [(3, -0.006), (2, 0.006), (0, 0.012)];
-/// Position between hips and hem of the top of the inner side, and its breadth as a fraction of the
-/// outer side's. Far from the outer side, so that coarse levels of detail do not mix both.
+/// Upper end of the inner side: its height between hips (0) and hem (1), and its breadth as a fraction
+/// of the outer side's. It is far from the outer side, so that coarse levels of detail mix neither.
 const INSIDE: [f64; 2] = [0.55, 0.35];
-/// Breadth of the body under a skirt, which must not show through coarse levels of detail.
+/// Breadth and depth of the body under a skirt, as fractions of its own. Coarse levels of detail must
+/// not show it.
 const DRAWN_IN: f64 = 0.8;
 /// Rows below the hips: position between hips (0) and hem (1).
 const LOWER: [f64; 3] = [0.34, 0.68, 1.0];
@@ -52,7 +53,8 @@ pub(super) fn build(surface: &mut Surface, body: &Body) {
     surface.tube(&rings, region);
 }
 
-/// Narrows the hips and thighs of a dressed body, from below the hem of the top to above the knees.
+/// Narrows hips and thighs of a dressed body towards its middle, from below the blouse to above the
+/// knees.
 fn draw_in(surface: &mut Surface, body: &Body) {
     let (knee, hem) = (body.joint(Limb::Shin, Side::Left).y, trunk::position(body, 3, 0).y);
     let hidden = [PELVIS, Limb::Thigh.of(Side::Left), Limb::Thigh.of(Side::Right)];

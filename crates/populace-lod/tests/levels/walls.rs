@@ -22,7 +22,7 @@ fn brims_stay_as_broad_as_the_error_allows() {
     let own = breadth(&girl.parts[hat].mesh);
     for Level { error_m, meshes, .. } in levels_of(&girl) {
         let left = breadth(&meshes[hat]);
-        assert!(left >= own - 5.0 * error_m, "{left} of {own} m with an error of {error_m} m");
+        assert!(left >= own - 4.0 * error_m, "{left} of {own} m with an error of {error_m} m");
     }
 }
 
@@ -57,7 +57,7 @@ fn seen(triangles: &[Triangle], from: Point, along: Point) -> Option<&Triangle> 
 }
 
 #[test]
-fn skirts_hide_their_inside_and_the_legs_at_every_level() {
+fn skirts_at_rest_hide_their_inside_and_the_legs_at_every_level() {
     let look = Look::girl();
     assert_eq!(look.bottom, Bottom::Dress);
     let girl = person(&look).unwrap();
