@@ -61,7 +61,7 @@ fn draw_in(surface: &mut Surface, body: &Body) {
     for (point, weights) in surface.points.iter_mut().zip(&surface.weights) {
         let of_hidden: f64 =
             weights.iter().filter(|(s, _)| hidden.contains(s)).map(|(_, weight)| weight).sum();
-        let between = point.y > knee + 0.02 * body.height && point.y < hem - 0.02 * body.height;
+        let between = point.y > knee + 0.05 * body.height && point.y < hem - 0.02 * body.height;
         if of_hidden > 0.5 && between {
             point.x *= DRAWN_IN;
             point.z *= DRAWN_IN;

@@ -151,18 +151,21 @@ fn images_beside_a_picture_agree_with_it() {
     let alpha = open("f_0003.alpha.png");
     let alpha = alpha.as_luma8().expect("8 bits");
     let id = open("f_0003.id.png").to_rgb8();
-    let mut seen = [0; 6];
+    let (mut seen, mut uncovered) = ([0; 6], 0);
     for (x, y, pixel) in id.enumerate_pixels() {
         let [0, 0, number] = pixel.0 else { panic!("{pixel:?} is the number of nobody") };
         seen[usize::from(number)] += 1;
         let (covered, units) = (alpha.get_pixel(x, y).0[0], depth.get_pixel(x, y).0[0]);
         if number > 0 {
-            assert!(covered > 0 && (200..3000).contains(&units), "{covered}, {units} cm");
+            assert!((200..3000).contains(&units), "{covered}, {units} cm");
+            uncovered += usize::from(covered == 0);
         } else if y == 0 {
             assert_eq!((covered, units), (0, 0), "the sky");
         }
     }
     assert!(seen[1..].iter().filter(|count| **count > 10).count() >= 2, "{seen:?}");
+    // Slivers cross the middle of a pixel between the samples of the picture.
+    assert!(uncovered < 5, "{uncovered} pixels of people are not covered");
     // The ground at the bottom of the picture, below a camera at 1.6 m.
     let ground = depth.get_pixel(0, 53).0[0];
     assert!((100..800).contains(&ground), "{ground} cm");
