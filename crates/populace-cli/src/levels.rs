@@ -27,7 +27,7 @@ pub(crate) enum Levels {
     Cached,
 }
 
-/// Counts the ways in which levels have been made: a cache of an earlier way is made again.
+/// Revision of the simplification. Caches of earlier revisions are made again.
 const REVISION: u32 = 2;
 
 /// The end of the names of caches.
@@ -97,7 +97,7 @@ fn generator(files: &[PathBuf]) -> Result<String, Failure> {
     }
     let digest: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
     let version = env!("CARGO_PKG_VERSION");
-    Ok(format!("populace {version}, levels of way {REVISION} of {digest}"))
+    Ok(format!("populace {version}, levels, revision {REVISION}, of {digest}"))
 }
 
 /// Returns the levels of a cached character for its source, whose palette may be in another order.

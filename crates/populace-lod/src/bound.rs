@@ -1,8 +1,8 @@
-//! What sticks out of a surface, and stays when the surface is simplified.
+//! Simplification that keeps thin pieces which stick out, such as brims of hats.
 //!
 //! Quadrics average distances over the area. The brim of a hat weighs little beside the rest of its
 //! surface, so an error that is small on average can cost all of it. Vertices that end up far from
-//! what is left are therefore locked, and the parts are simplified again.
+//! the simplified surface are therefore locked, and the parts are simplified again.
 
 use parry3d::math::Vector;
 use parry3d::query::PointQuery;
@@ -13,14 +13,13 @@ use crate::mesh::Simplifier;
 
 /// Distance from the simplified surface, in errors of the level, from which a vertex is locked.
 const MOST_ERRORS: f32 = 1.5;
-/// Distance between vertices that are locked at the same time, at least, in the same unit. The
-/// surface between them follows.
+/// Least distance between vertices that one round locks, in errors of the level.
 const APART_ERRORS: f32 = 8.0;
 /// How often a part is simplified for one level, at most.
 const ROUNDS: usize = 4;
 
-/// Simplifies the parts that are `wanted` until their surface is `error_m` off, and again with far
-/// vertices locked while there are any. Separate pieces smaller than the error vanish whole.
+/// Simplifies the `wanted` parts until their surface is `error_m` off. Locks vertices that end up far
+/// off and simplifies their parts again, up to `ROUNDS` times in all. Separate pieces smaller than the error vanish whole.
 pub(crate) fn simplify(
     parts: &mut [Simplifier<'_>],
     error_m: f32,

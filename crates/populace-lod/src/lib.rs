@@ -4,7 +4,7 @@
 //! (edge collapse by quadric error with attributes: M. Garland and P. S. Heckbert, "Simplifying
 //! surfaces with color and texture using quadric error metrics", IEEE Visualization 1998). Normals,
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
-//! stay. What sticks out much farther than the error, such as the brim of a hat, stays too.
+//! stay. Pieces that stick out much farther than the error, such as the brim of a hat, stay too.
 //!
 //! Palettes, textures and materials stay as they are. Vertices are a subset of the character's, with
 //! normals and colours that stand for the surface around them.

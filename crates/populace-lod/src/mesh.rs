@@ -25,8 +25,9 @@ pub(crate) struct Simplifier<'a> {
     source: &'a Mesh,
     /// How much each attribute counts.
     weights: Vec<f32>,
+    /// The simplified surface.
     now: Surface,
-    /// What the present surface is simplified from.
+    /// The surface of the level before, from which `now` is simplified.
     before: Surface,
     /// Vertices that stay.
     locked: Vec<SimplifyVertex>,

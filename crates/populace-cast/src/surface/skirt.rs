@@ -14,7 +14,7 @@ const AROUND: usize = 16;
 /// lies inside the body, so that the skirt comes out below the blouse.
 const UPPER: [(usize, f64); 3] = [(3, -0.006), (2, 0.006), (0, 0.012)];
 /// Upper end of the inner side: its height between hips (0) and hem (1), and its breadth as a fraction
-/// of the outer side's. It is far from the outer side, so that coarse levels of detail mix neither.
+/// of the outer side's. It is far from the outer side, so that coarse levels keep both apart.
 const INSIDE: [f64; 2] = [0.55, 0.35];
 /// Breadth and depth of the body under a skirt, as fractions of its own. Coarse levels of detail must
 /// not show it.
