@@ -28,7 +28,7 @@ pub(crate) enum Levels {
 }
 
 /// Revision of the simplification. Caches of earlier revisions are made again.
-const REVISION: u32 = 2;
+const REVISION: u32 = 3;
 
 /// The end of the names of caches.
 const ENDING: &str = "levels.glb";

@@ -27,13 +27,11 @@ pub(crate) fn simplify(
 ) {
     let mut again: Vec<usize> = (0..parts.len()).filter(|part| wanted(&parts[*part])).collect();
     again.iter().for_each(|part| parts[*part].begin());
-    for _ in 0..ROUNDS {
-        if again.is_empty() {
-            return;
-        }
+    again.iter().for_each(|part| parts[*part].collapse(error_m));
+    for _ in 1..ROUNDS {
+        let surface = surface(parts);
+        again.retain(|part| lock_far(&mut parts[*part], surface.as_ref(), error_m));
         again.iter().for_each(|part| parts[*part].collapse(error_m));
-        let Some(surface) = surface(parts) else { return };
-        again.retain(|part| lock_far(&mut parts[*part], &surface, error_m));
     }
 }
 
@@ -50,14 +48,19 @@ fn surface(parts: &[Simplifier<'_>]) -> Option<TriMesh> {
     TriMesh::new(places, triangles).ok()
 }
 
-/// Locks some of a part's vertices that are far from the surface. Returns true if there are any.
-fn lock_far(part: &mut Simplifier<'_>, surface: &TriMesh, error_m: f32) -> bool {
+/// Locks some of a part's vertices that are far from the surface; without one, all are. Returns true
+/// if there are any.
+fn lock_far(part: &mut Simplifier<'_>, surface: Option<&TriMesh>, error_m: f32) -> bool {
     let (most_m, apart_m) = (MOST_ERRORS * error_m, APART_ERRORS * error_m);
     let mut locked: Vec<Vector> = Vec::new();
     for vertex in part.before().vertices() {
         let place = Vector::from_array(part.before().positions[vertex]);
-        let is_far = surface.project_local_point_with_max_dist(place, false, most_m).is_none();
-        if is_far && locked.iter().all(|other| other.distance(place) > apart_m) {
+        let is_near = |surface: &TriMesh| {
+            surface.project_local_point_with_max_dist(place, false, most_m).is_some()
+        };
+        if !surface.is_some_and(is_near)
+            && locked.iter().all(|other| other.distance(place) > apart_m)
+        {
             locked.push(place);
             part.lock(vertex);
         }

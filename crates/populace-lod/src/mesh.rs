@@ -1,8 +1,9 @@
 //! Simplification of one part.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use meshopt::{SimplifyOptions, SimplifyVertex, optimize_vertex_cache, simplify_with_update};
 use populace_character::{Character, Influences, Mesh};
 use populace_model::convert::{single, u32_from};
@@ -17,6 +18,12 @@ const COLOR: f32 = 0.045;
 const WEIGHT: f32 = 0.04;
 /// Part of the distance on the surface that a shift of the texture counts as.
 const TEXTURE: f32 = 0.15;
+/// The normal in a vertex's attributes.
+const NORMALS: Range<usize> = 0..3;
+/// The texture coordinates.
+const UVS: Range<usize> = 3..5;
+/// The colour. Weights of groups of joints follow.
+const COLORS: Range<usize> = 5..8;
 /// Weights below this part of a vertex's greatest are dropped where influences are limited.
 const LEAST_WEIGHT: f32 = 0.02;
 
@@ -132,8 +139,14 @@ impl<'a> Simplifier<'a> {
             None,
         );
         self.now.indices.truncate(count);
-        // Vertices that slide along the surface would take their joints with them.
+        // Vertices that slide along the surface would take their joints with them, and the texture
+        // would slide.
         self.now.positions.clone_from(&self.before.positions);
+        let stride = self.weights.len();
+        let vertices = self.now.attributes.chunks_exact_mut(stride);
+        for (now, before) in vertices.zip(self.before.attributes.chunks_exact(stride)) {
+            now[UVS].copy_from_slice(&before[UVS]);
+        }
     }
 
     /// Returns the present mesh, with at most `influences` joints for each vertex.
@@ -153,16 +166,14 @@ impl<'a> Simplifier<'a> {
             .collect();
         let attributes = |vertex: usize| &now.attributes[vertex * self.weights.len()..];
         let normal = |vertex: &usize| {
-            let [x, y, z, ..] = attributes(*vertex) else { return source.normals[*vertex] };
-            let normal = Vec3::new(*x, *y, *z).try_normalize();
+            let normal = Vec3::from_slice(&attributes(*vertex)[NORMALS]).try_normalize();
             normal.map_or(source.normals[*vertex], |n| n.to_array())
         };
-        let color = |vertex: &usize| match (source.colors.get(*vertex), attributes(*vertex)) {
-            (Some([.., alpha]), [_, _, _, _, _, r, g, b, ..]) => {
-                let [r, g, b] = [r, g, b].map(|x| x.max(0.0));
-                Some([r, g, b, *alpha])
-            }
-            (color, _) => color.copied(),
+        let [least, most] = color_range(source);
+        let color = |vertex: &usize| {
+            let [.., alpha] = *source.colors.get(*vertex)?;
+            let color = Vec3::from_slice(&attributes(*vertex)[COLORS]).clamp(least, most);
+            Some(color.extend(alpha).to_array())
         };
         Mesh {
             positions: kept.iter().map(|vertex| source.positions[*vertex]).collect(),
@@ -173,6 +184,14 @@ impl<'a> Simplifier<'a> {
             indices,
         }
     }
+}
+
+/// Returns the least and the most of red, green and blue that a mesh's vertices have.
+fn color_range(mesh: &Mesh) -> [Vec3; 2] {
+    let colors = mesh.colors.iter().map(|color| Vec4::from(*color).truncate());
+    colors.fold([Vec3::INFINITY, Vec3::NEG_INFINITY], |[least, most], color| {
+        [least.min(color), most.max(color)]
+    })
 }
 
 /// Returns the strongest influences of some vertices. Weights keep their sum.

@@ -14,11 +14,11 @@ const THROWS: f32 = 0.5;
 /// Counts of a drawn picture, by pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Drawn {
-    /// Members in the picture, and their contact shadows on floors that are members.
+    /// Members in the picture.
     pub members: PassCounts,
-    /// Members in the shadow map.
+    /// Members in the shadow map, and contact shadows.
     pub shadow: PassCounts,
-    /// Sky, ground, and the contact shadows on it.
+    /// Sky and ground.
     pub surroundings: PassCounts,
 }
 

@@ -11,7 +11,7 @@ use populace_device::{
 };
 
 use crate::Error;
-use crate::gl::{Buffer, BufferUse, Fence, Gl, Page};
+use crate::gl::{Buffer, BufferUse, Fence, Gl, Page, Vectors};
 
 /// Elements of 16 bytes in each palette entry.
 const ENTRY_ELEMENTS: usize = 3;
@@ -54,7 +54,7 @@ pub(crate) struct Palettes {
 
 /// Origin of one page.
 enum PageSource {
-    Copied(Buffer<Float4>),
+    Copied(Buffer<Float4>, Vectors),
     Written { set: Rc<PageSet>, page: usize, entries: usize },
 }
 
@@ -77,17 +77,17 @@ impl Palettes {
     /// Returns the number of palette entries of a page, 0 for a missing page.
     pub(crate) fn entries(&self, page: usize) -> usize {
         match self.pages[..self.used].get(page) {
-            Some(PageSource::Copied(buffer)) => buffer.len() / ENTRY_ELEMENTS,
+            Some(PageSource::Copied(buffer, _)) => buffer.len() / ENTRY_ELEMENTS,
             Some(PageSource::Written { entries, .. }) => *entries,
             None => 0,
         }
     }
 
-    /// Binds a page in use to a storage buffer binding point.
-    pub(crate) fn bind(&self, page: usize, binding: u32) {
+    /// Binds a page in use to a texture unit.
+    pub(crate) fn bind(&self, page: usize, unit: u32) {
         match &self.pages[page] {
-            PageSource::Copied(buffer) => buffer.bind_storage(binding),
-            PageSource::Written { set, page, .. } => set.pages[*page].bind_storage(binding),
+            PageSource::Copied(_, vectors) => vectors.bind(unit),
+            PageSource::Written { set, page, .. } => set.pages[*page].vectors().bind(unit),
         }
     }
 
@@ -104,18 +104,19 @@ impl Palettes {
     fn copy(&mut self, gl: &Rc<Gl>, page: usize, palette: &[Float4]) -> Result<(), Error> {
         let page_bytes = u64::from(PAGE_ENTRIES) * (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
         let (size, limit) =
-            (size_of_val(palette) as u64, page_bytes.min(gl.limits().storage_bytes));
+            (size_of_val(palette) as u64, page_bytes.min(gl.limits().vectors_bytes));
         if size > limit {
             return Err(Error::TooLarge { what: "the size of a page in bytes", size, limit });
         }
         if !palette.len().is_multiple_of(ENTRY_ELEMENTS) {
             return Err(Error::PartialMatrix { len: palette.len() });
         }
-        if let Some(PageSource::Copied(buffer)) = self.pages.get_mut(page) {
+        if let Some(PageSource::Copied(buffer, _)) = self.pages.get_mut(page) {
             return buffer.fill(palette, COPY_PAGE);
         }
         let buffer = Buffer::with(gl, BufferUse::Stream, palette, COPY_PAGE)?;
-        self.put(page, PageSource::Copied(buffer));
+        let vectors = buffer.vectors()?;
+        self.put(page, PageSource::Copied(buffer, vectors));
         Ok(())
     }
 
@@ -178,7 +179,7 @@ impl Palettes {
     /// Drops all shared pages. Buffers of copied pages stay for the next crowd.
     pub(crate) fn clear(&mut self) {
         self.pages.truncate(self.used);
-        self.pages.retain(|page| matches!(page, PageSource::Copied(_)));
+        self.pages.retain(|page| matches!(page, PageSource::Copied(..)));
         self.used = 0;
         self.acquired.clear();
     }
@@ -259,7 +260,7 @@ impl Palettes {
 /// Returns the capacity in elements of a page for `entries` palette entries: a quarter more, to
 /// leave room for growth, and at least [`MIN_PAGE_ENTRIES`], as far as the driver's limit allows.
 fn page_elements(gl: &Gl, entries: usize) -> usize {
-    let limit = gl.limits().storage_bytes / (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
+    let limit = gl.limits().vectors_bytes / (ENTRY_ELEMENTS * size_of::<Float4>()) as u64;
     let most = usize::try_from(limit).unwrap_or(usize::MAX).min(PAGE_ENTRIES as usize);
     entries.max((entries + entries / 4).max(MIN_PAGE_ENTRIES).min(most)) * ENTRY_ELEMENTS
 }

@@ -23,6 +23,8 @@ pub(crate) struct MemberKind {
     pub(crate) two_sided: bool,
     /// Members are drawn in part.
     pub(crate) faded: bool,
+    /// Contact shadows lie on what is at y = 0.
+    pub(crate) contacts: bool,
     pub(crate) maps: Maps,
 }
 
@@ -36,8 +38,8 @@ pub(crate) enum Kind {
     /// Depth and number of members.
     Marks { influences: u32, alpha: Alpha, textured: bool },
     /// The ground plane.
-    Ground,
-    /// Contact shadows of members on the ground.
+    Ground { contacts: bool },
+    /// Contact shadows of members, for the contact map.
     Contact,
     /// The background.
     Sky,
@@ -66,13 +68,16 @@ fn sources(kind: Kind) -> [String; 2] {
             skinned(influences, &[include_str!("shaders/marks.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/marks.frag")]),
         ],
-        Kind::Ground => [
+        Kind::Ground { contacts } => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
-            with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/ground.frag")]),
+            with_blocks(
+                Alpha::Opaque,
+                &[contacts_define(contacts), LIGHT, include_str!("shaders/ground.frag")],
+            ),
         ],
         Kind::Contact => [
-            contact(&[LIGHT, include_str!("shaders/contact.vert")]),
-            with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/contact.frag")]),
+            contact(&[include_str!("shaders/contact.vert")]),
+            with_blocks(Alpha::Opaque, &[include_str!("shaders/contact.frag")]),
         ],
         Kind::Sky => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
@@ -96,19 +101,27 @@ fn sources(kind: Kind) -> [String; 2] {
 }
 
 fn member_sources(kind: MemberKind) -> [String; 2] {
-    let MemberKind { influences, alpha, textured, vertex_lit, two_sided, faded, maps } = kind;
+    let MemberKind { influences, alpha, textured, vertex_lit, two_sided, faded, contacts, maps } =
+        kind;
     let (light, shading) = match (vertex_lit, two_sided) {
         (false, _) => ("", SHADING),
         (true, false) => ("#define VERTEX_LIT\n", ""),
         (true, true) => ("#define VERTEX_LIT\n#define TWO_SIDED\n", ""),
     };
     let texture = texture_define(textured);
+    let sampled = if textured || maps.is_sampled() { "#define SAMPLED\n" } else { "" };
     let fade = if faded { "#define FADED\n" } else { "" };
+    let defines = [&maps.defines(), texture, sampled, light, fade].concat();
     let member = include_str!("shaders/member.frag");
     [
-        skinned(influences, &[light, fade, LIGHT, include_str!("shaders/member.vert")]),
-        with_blocks(alpha, &[texture, &maps.defines(), light, fade, LIGHT, shading, member]),
+        skinned(influences, &[&defines, LIGHT, include_str!("shaders/member.vert")]),
+        with_blocks(alpha, &[&defines, contacts_define(contacts), LIGHT, shading, member]),
     ]
+}
+
+/// Returns the text that reads contact shadows, if any.
+fn contacts_define(contacts: bool) -> &'static str {
+    if contacts { concat!("#define CONTACTS\n", include_str!("shaders/contact.glsl")) } else { "" }
 }
 
 fn texture_define(textured: bool) -> &'static str {
@@ -185,6 +198,7 @@ mod tests {
             vertex_lit: false,
             two_sided: false,
             faded: false,
+            contacts: false,
             maps,
         });
         let program = programs.get(kind).unwrap();

@@ -16,8 +16,8 @@ use self::constants::{bounding_sphere, frame};
 use self::interface::Interface;
 use crate::batch::{Batches, Drawn, ModelInfo, Run};
 use crate::gl::{
-    Buffer, BufferUse, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers, VertexArray,
-    WindowTarget,
+    Buffer, BufferUse, ContactTarget, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers,
+    VertexArray, WindowTarget,
 };
 use crate::layout::{Frame, Influences4, Influences8, InstanceData};
 use crate::models::Models;
@@ -40,6 +40,7 @@ pub struct Renderer {
     size: [u32; 2],
     picture: PictureTarget,
     shadow: Option<ShadowTarget>,
+    contact_map: Option<ContactTarget>,
     programs: Programs,
     skin4: VertexArray,
     skin8: VertexArray,
@@ -89,6 +90,7 @@ impl Renderer {
             size,
             picture: PictureTarget::new(&gl, size)?,
             shadow: None,
+            contact_map: None,
             programs: Programs::new(&gl),
             skin4: VertexArray::skinned::<Influences4>(&gl)?,
             skin8: VertexArray::skinned::<Influences8>(&gl)?,
@@ -115,7 +117,7 @@ impl Renderer {
     pub fn resize(&mut self, size: [u32; 2]) -> Result<(), Error> {
         self.gl.make_current()?;
         self.picture = PictureTarget::new(&self.gl, size)?;
-        (self.size, self.marks) = (size, None);
+        (self.size, self.marks, self.contact_map) = (size, None, None);
         if self.shadow.as_ref().is_some_and(|map| u32::from(map.size()) != shadow_size(size)) {
             self.shadow = None;
         }

@@ -64,7 +64,7 @@ fn assert_scene_unchanged(name: &str, text: &str, fewer: &[(&str, &str)], camera
     }
     std::fs::write(&scene, text).expect("a file");
     let camera = format!("--camera={camera}");
-    let args = ["render", &scene, "--size", "240x135", &camera];
+    let args = ["render", &scene, "--size", "192x108", &camera];
     assert_unchanged(name, Limits::surfaces(), &args);
 }
 

@@ -4,8 +4,9 @@ use std::marker::PhantomData;
 use std::rc::Rc;
 
 use glow::HasContext as _;
+use populace_device::layout::Float4;
 
-use super::Gl;
+use super::{Gl, Vectors};
 use crate::Error;
 use crate::layout::UniformBlock;
 
@@ -86,18 +87,12 @@ impl<T: bytemuck::Pod> Buffer<T> {
     pub(super) fn raw(&self) -> glow::Buffer {
         self.raw
     }
+}
 
-    /// Binds the whole buffer to a storage buffer binding point.
-    pub(crate) fn bind_storage(&self, binding: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and this crate
-        // uses lower numbers only.
-        unsafe {
-            self.gl.functions.bind_buffer_base(
-                glow::SHADER_STORAGE_BUFFER,
-                binding,
-                Some(self.raw),
-            );
-        }
+impl Buffer<Float4> {
+    /// Returns a view of the buffer, which must have been filled once.
+    pub(crate) fn vectors(&self) -> Result<Vectors, Error> {
+        Vectors::of(&self.gl, self.raw)
     }
 }
 

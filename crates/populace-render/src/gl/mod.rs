@@ -16,6 +16,7 @@ mod program;
 mod target;
 mod texture;
 mod timer;
+mod vectors;
 mod vertex_array;
 mod window;
 
@@ -32,9 +33,10 @@ pub(crate) use buffer::{Buffer, BufferUse};
 pub(crate) use interface::{InterfaceTexture, Triangles, WindowPicture};
 pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
-pub(crate) use target::{MarkTarget, PictureTarget, ShadowTarget};
+pub(crate) use target::{ContactTarget, MarkTarget, PictureTarget, ShadowTarget};
 pub(crate) use texture::{Coding, Sampling, Texture};
 pub(crate) use timer::Timers;
+pub(crate) use vectors::Vectors;
 pub(crate) use vertex_array::{DrawRange, VertexArray};
 pub use window::WindowTarget;
 
@@ -45,8 +47,8 @@ pub(crate) struct Limits {
     pub(crate) texture_size: u32,
     /// Largest side of a picture in pixels.
     pub(crate) picture_size: u32,
-    /// Largest size of a storage block in bytes.
-    pub(crate) storage_bytes: u64,
+    /// Largest size of [`Vectors`] in bytes.
+    pub(crate) vectors_bytes: u64,
     /// True if buffers can stay mapped while they are drawn from.
     pub(crate) maps_buffers: bool,
     /// Largest anisotropy of texture filters, 1 if unsupported or too slow.
@@ -80,8 +82,6 @@ pub(crate) enum Cull {
 pub(crate) struct DrawState {
     pub(crate) cull: Cull,
     pub(crate) blend: bool,
-    /// True if blending leaves the alpha that is there, and so changes nothing where that is 0.
-    pub(crate) keep_alpha: bool,
     pub(crate) depth_write: bool,
     /// Depth offset away from the eye: factor of the slope, and constant in units of the depth
     /// buffer's precision.
@@ -94,7 +94,6 @@ impl DrawState {
     pub(crate) const OPAQUE: Self = Self {
         cull: Cull::Back,
         blend: false,
-        keep_alpha: false,
         depth_write: true,
         depth_offset: [0.0; 2],
         depth_clamp: false,
@@ -221,8 +220,8 @@ impl Gl {
             gl.blend_func_separate(
                 glow::SRC_ALPHA,
                 glow::ONE_MINUS_SRC_ALPHA,
-                if state.keep_alpha { glow::ZERO } else { glow::ONE },
-                if state.keep_alpha { glow::ONE } else { glow::ONE_MINUS_SRC_ALPHA },
+                glow::ONE,
+                glow::ONE_MINUS_SRC_ALPHA,
             );
         }
     }
@@ -258,12 +257,6 @@ impl Limits {
         // SAFETY: the context is current. Each parameter below is one integer of OpenGL 4.3, which
         // `egl::Context::headless` requires.
         let get = |name| u32::try_from(unsafe { functions.get_parameter_i32(name) }).unwrap_or(0);
-        if get(glow::MAX_VERTEX_SHADER_STORAGE_BLOCKS) == 0 {
-            return Err(Error::NoGl {
-                tried: "vertex shaders cannot read storage buffers".into(),
-                remedy: "use a driver with GL_MAX_VERTEX_SHADER_STORAGE_BLOCKS of 1 or more",
-            });
-        }
         let mut viewport = [0; 2];
         // SAFETY: the context is current; this parameter is two integers, the length of `viewport`.
         unsafe { functions.get_parameter_i32_slice(glow::MAX_VIEWPORT_DIMS, &mut viewport) }
@@ -289,7 +282,7 @@ impl Limits {
                 .min(get(glow::MAX_TEXTURE_SIZE))
                 .min(viewport[0])
                 .min(viewport[1]),
-            storage_bytes: u64::from(get(glow::MAX_SHADER_STORAGE_BLOCK_SIZE)),
+            vectors_bytes: 16 * u64::from(get(glow::MAX_TEXTURE_BUFFER_SIZE)),
             maps_buffers: functions.version().major > 4
                 || (functions.version().major == 4 && functions.version().minor >= 4)
                 || functions.supported_extensions().contains("GL_ARB_buffer_storage"),

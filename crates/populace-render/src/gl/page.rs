@@ -9,7 +9,7 @@ use glow::HasContext as _;
 use populace_device::layout::Float4;
 use populace_device::{EglHandles, GlContext as _, MappedPage, SharedPage};
 
-use super::{Gl, egl};
+use super::{Gl, Vectors, egl};
 use crate::Error;
 
 /// Access of mapped pages. It includes reads, since a crowd also reads its palettes back from here.
@@ -20,6 +20,7 @@ const MAPPED: u32 =
 pub(crate) struct Page {
     gl: Rc<Gl>,
     raw: glow::Buffer,
+    vectors: Vectors,
     /// Cloned by the device's side; unique again once that is dropped.
     in_use: Arc<()>,
 }
@@ -94,7 +95,7 @@ impl Page {
     /// of `elements` in bytes.
     fn new(gl: &Rc<Gl>, elements: usize) -> Result<(Self, i32), Error> {
         let size = (elements * size_of::<Float4>()) as u64;
-        let limit = gl.limits().storage_bytes.min(i32::MAX as u64);
+        let limit = gl.limits().vectors_bytes.min(i32::MAX as u64);
         let bytes = i32::try_from(size).ok().filter(|_| size <= limit);
         let bytes =
             bytes.ok_or(Error::TooLarge { what: "the size of a page in bytes", size, limit })?;
@@ -103,24 +104,17 @@ impl Page {
             .map_err(|code| Error::GlError { operation: "create a buffer".into(), code })?;
         // SAFETY: the context is current, and the object exists.
         unsafe { gl.functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(raw)) };
-        Ok((Self { gl: Rc::clone(gl), raw, in_use: Arc::default() }, bytes))
+        let vectors = Vectors::of(gl, raw)?;
+        Ok((Self { gl: Rc::clone(gl), raw, vectors, in_use: Arc::default() }, bytes))
     }
 
     fn page_ref(&self, len: usize) -> PageRef {
         PageRef { len, _in_use: Arc::clone(&self.in_use), context: Arc::clone(&self.gl.context) }
     }
 
-    /// Binds the whole page to a storage buffer binding point.
-    pub(crate) fn bind_storage(&self, binding: u32) {
-        // SAFETY: the context is current; OpenGL 4.3 has at least 8 binding points, and this crate
-        // uses lower numbers only.
-        unsafe {
-            self.gl.functions.bind_buffer_base(
-                glow::SHADER_STORAGE_BUFFER,
-                binding,
-                Some(self.raw),
-            );
-        }
+    /// Returns the page as shaders read it.
+    pub(crate) fn vectors(&self) -> &Vectors {
+        &self.vectors
     }
 }
 
@@ -144,7 +138,7 @@ unsafe impl Send for DeviceMapping {}
 // SAFETY: address and length are those of one mapping, made by `Page::mapped`, which returns the
 // only handle to it. The mapping lasts until the buffer is deleted, which `Page` does not do while
 // `page` exists, or until the context is destroyed, which `page` keeps alive. OpenGL only reads the
-// memory, as a read-only block of a shader.
+// memory, as a texture.
 unsafe impl MappedPage for DeviceMapping {
     fn elements(&mut self) -> &mut [Float4] {
         // SAFETY: as above. The mutable borrow of `self` makes the access exclusive. The memory was

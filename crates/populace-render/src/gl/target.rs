@@ -1,5 +1,6 @@
-//! Framebuffers: the picture and the shadow map.
+//! Framebuffers: the picture, the shadow map, and others.
 
+mod contacts;
 mod marks;
 
 use std::rc::Rc;
@@ -9,6 +10,7 @@ use populace_character::Image;
 
 use super::Gl;
 use crate::Error;
+pub(crate) use contacts::ContactTarget;
 pub(crate) use marks::MarkTarget;
 
 /// Samples per pixel, if the driver supports them.
@@ -100,6 +102,39 @@ impl Target {
             );
         }
         self.gl.check("allocate a multisampled texture")
+    }
+
+    /// Attaches a texture without mip levels. `complete` reports a size that the driver rejects.
+    fn attach_texture(
+        &mut self,
+        attachment: u32,
+        format: u32,
+        [width, height]: [i32; 2],
+        parameters: &[(u32, u32)],
+    ) -> Result<(), Error> {
+        let functions = &self.gl.functions;
+        self.bind(glow::FRAMEBUFFER);
+        // SAFETY: the context is current.
+        let texture = unsafe { functions.create_texture() }
+            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
+        self.texture = Some(texture);
+        self.bind_texture(glow::TEXTURE_2D, 0);
+        // SAFETY: the context is current, and framebuffer and texture bound; enumerants are below
+        // 2^31.
+        unsafe {
+            functions.tex_storage_2d(glow::TEXTURE_2D, 1, format, width, height);
+            for &(name, value) in parameters {
+                functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
+            }
+            functions.framebuffer_texture_2d(
+                glow::FRAMEBUFFER,
+                attachment,
+                glow::TEXTURE_2D,
+                Some(texture),
+                0,
+            );
+        }
+        Ok(())
     }
 
     /// Binds the texture to a texture unit.
@@ -293,11 +328,6 @@ impl ShadowTarget {
     pub(crate) fn new(gl: &Rc<Gl>, size: u32) -> Result<Self, Error> {
         let size = size.min(gl.limits().texture_size).cast_signed();
         let mut target = Target::new(gl)?;
-        let functions = &gl.functions;
-        // SAFETY: the context is current.
-        let texture = unsafe { functions.create_texture() }
-            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
-        target.texture = Some(texture);
         let parameters = [
             (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
             (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
@@ -306,25 +336,13 @@ impl ShadowTarget {
             (glow::TEXTURE_COMPARE_MODE, glow::COMPARE_REF_TO_TEXTURE),
             (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
         ];
-        target.bind(glow::FRAMEBUFFER);
-        // SAFETY: the context is current and the framebuffer bound. `complete` reports a size that
-        // the driver rejects. Without colour attachments, drawing to no buffer is valid.
+        let format = glow::DEPTH_COMPONENT24;
+        target.attach_texture(glow::DEPTH_ATTACHMENT, format, [size; 2], &parameters)?;
+        // SAFETY: the context is current and the framebuffer bound. Without colour attachments,
+        // drawing to no buffer is valid.
         unsafe {
-            functions.active_texture(glow::TEXTURE0);
-            functions.bind_texture(glow::TEXTURE_2D, Some(texture));
-            functions.tex_storage_2d(glow::TEXTURE_2D, 1, glow::DEPTH_COMPONENT24, size, size);
-            for (name, value) in parameters {
-                functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
-            }
-            functions.framebuffer_texture_2d(
-                glow::FRAMEBUFFER,
-                glow::DEPTH_ATTACHMENT,
-                glow::TEXTURE_2D,
-                Some(texture),
-                0,
-            );
-            functions.draw_buffer(glow::NONE);
-            functions.read_buffer(glow::NONE);
+            gl.functions.draw_buffer(glow::NONE);
+            gl.functions.read_buffer(glow::NONE);
         }
         target.complete("create a shadow map")?;
         Ok(Self { target, size })

@@ -25,6 +25,11 @@ const EMISSIVE: usize = 3;
 pub(crate) type MapTextures = [Option<Rc<Texture>>; MAPS];
 
 impl Maps {
+    /// Returns true if a shader samples any of the textures.
+    pub(crate) fn is_sampled(self) -> bool {
+        self.sampled.contains(&true)
+    }
+
     /// Returns the defines of the shader.
     pub(crate) fn defines(self) -> String {
         let sampled = DEFINES.iter().zip(self.sampled).filter(|(_, sampled)| *sampled);

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::Renderer;
-use super::passes::{MEMBER_UNIT, PALETTE_BINDING, TEXTURE_UNIT, range};
+use super::passes::{MEMBER_UNIT, PALETTE_UNIT, TEXTURE_UNIT, range};
 use crate::gl::{Cull, DrawState, MarkTarget};
 use crate::model::Skin;
 use crate::programs::Kind;
@@ -67,7 +67,7 @@ impl Renderer {
         target.begin();
         self.frame.bind_uniform();
         for run in &self.runs {
-            self.palettes.bind(run.page, PALETTE_BINDING);
+            self.palettes.bind(run.page, PALETTE_UNIT);
             let Some(model) = self.models.as_slice().get(run.model) else { continue };
             for part in &model.levels[run.level as usize].parts {
                 let (alpha, influences) = (part.alpha, part.influences);

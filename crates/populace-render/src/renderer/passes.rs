@@ -2,24 +2,25 @@
 
 use super::Renderer;
 use crate::batch::{Batches, Drawn, PassCounts, Run};
-use crate::gl::{Buffer, Cull, DrawRange, DrawState, ShadowTarget};
+use crate::gl::{Buffer, ContactTarget, Cull, DrawRange, DrawState, ShadowTarget};
 use crate::layout::InstanceData;
 use crate::model::{Alpha, ModelPart, Skin};
 use crate::programs::{Kind, MemberKind};
 use crate::{Error, Scene};
 
-pub(super) const PALETTE_BINDING: u32 = 0;
 pub(super) const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
 pub(super) const MEMBER_UNIT: u32 = 2;
+pub(super) const PALETTE_UNIT: u32 = 7;
+const CONTACT_UNIT: u32 = 8;
 
 /// Milliseconds that the graphics device took for the passes of a picture, by its own timers.
 ///
-/// llvmpipe draws into a target once the target is no longer bound, so it counts the shadow pass
-/// with the members.
+/// llvmpipe draws into a target once the target is no longer bound, so it counts the last map of
+/// shadows with the members.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PassTimes {
-    /// Members in the shadow map; 0 without shadows.
+    /// Members in the shadow map, and contact shadows; 0 without either.
     pub shadow_ms: f64,
     /// Members in the picture.
     pub members_ms: f64,
@@ -40,7 +41,10 @@ const HANDED_OVER: usize = 60_000;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Pass {
     Shadow,
-    Opaque,
+    Opaque {
+        /// Contact shadows lie on members.
+        on_members: bool,
+    },
     Blended,
 }
 
@@ -61,8 +65,8 @@ impl Renderer {
         })
     }
 
-    /// Draws the members into the shadow map, if there are shadows, and into the picture, and then
-    /// what surrounds them.
+    /// Draws shadows, if there are any, then the members into the picture, and then what surrounds
+    /// them.
     pub(super) fn draw_passes(
         &mut self,
         batches: &Batches,
@@ -71,23 +75,28 @@ impl Renderer {
         drawn: &mut Drawn,
     ) -> Result<(), Error> {
         self.timers.clear();
-        if shadows {
-            self.shadow.iter().for_each(ShadowTarget::begin);
-            self.timed(SHADOW_PASS, |renderer| {
-                renderer.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn.shadow)
-            })?;
-        }
+        let contacts = Contacts::of(scene);
+        self.timed(SHADOW_PASS, |renderer| {
+            if shadows {
+                renderer.shadow.iter().for_each(ShadowTarget::begin);
+                renderer.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn.shadow)?;
+            }
+            if contacts == Contacts::None {
+                return Ok(());
+            }
+            renderer.draw_contacts(&batches.opaque, &mut drawn.shadow)
+        })?;
         if let Some(shadow) = &self.shadow {
             shadow.bind_texture(SHADOW_UNIT);
         }
         self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
-            renderer.draw_runs(&batches.opaque, Pass::Opaque, &mut drawn.members)?;
-            renderer.draw_contacts_on_floors(&batches.opaque, scene, &mut drawn.members)?;
+            let on_members = contacts == Contacts::OnMembers;
+            renderer.draw_runs(&batches.opaque, Pass::Opaque { on_members }, &mut drawn.members)?;
             renderer.draw_runs(&batches.blended, Pass::Blended, &mut drawn.members)
         })?;
         self.timed(SURROUNDINGS_PASS, |renderer| {
-            renderer.draw_surroundings(&batches.opaque, scene, &mut drawn.surroundings)
+            renderer.draw_surroundings(scene, contacts, &mut drawn.surroundings)
         })?;
         let instances = |runs: &[Run]| runs.iter().map(|run| run.count as usize).sum();
         drawn.members.instances = instances(&batches.opaque);
@@ -116,7 +125,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         let mut waiting = 0;
         for run in runs {
-            self.palettes.bind(run.page, PALETTE_BINDING);
+            self.palettes.bind(run.page, PALETTE_UNIT);
             let level = &self.models.as_slice()[run.model].levels[run.level as usize];
             for part in &level.parts {
                 let (alpha, influences) = (part.alpha, part.influences);
@@ -128,13 +137,14 @@ impl Renderer {
                 }
                 let kind = match pass {
                     Pass::Shadow => Kind::Shadow { influences, alpha, textured },
-                    Pass::Opaque | Pass::Blended => Kind::Member(MemberKind {
+                    Pass::Opaque { .. } | Pass::Blended => Kind::Member(MemberKind {
                         influences,
                         alpha,
                         textured,
                         vertex_lit,
                         two_sided: vertex_lit && part.double_sided,
                         faded: run.faded,
+                        contacts: !vertex_lit && pass == (Pass::Opaque { on_members: true }),
                         maps,
                     }),
                 };
@@ -172,8 +182,8 @@ impl Renderer {
     /// several samples per pixel would smooth, and one sample takes a fraction of the time.
     fn draw_surroundings(
         &mut self,
-        runs: &[Run],
         scene: &Scene,
+        contacts: Contacts,
         counts: &mut PassCounts,
     ) -> Result<(), Error> {
         let surroundings =
@@ -184,13 +194,11 @@ impl Renderer {
         // The sky, and the members that are blended over it.
         counts.draw_calls += 2;
         if scene.ground.is_some() {
-            self.gl.draw_strip(self.programs.get(Kind::Ground)?, &self.no_attributes, 4);
+            let ground = Kind::Ground { contacts: contacts == Contacts::OnGround };
+            self.gl.draw_strip(self.programs.get(ground)?, &self.no_attributes, 4);
             counts.draw_calls += 1;
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
-        if is_at_zero(scene) && scene.contact_shadows > 0.0 {
-            self.draw_contacts(runs, counts)?;
-        }
         let resolve = Kind::Resolve { samples: self.picture.samples() };
         self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
         Ok(())
@@ -198,34 +206,18 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws contact shadows on what members have at y = 0, if the ground is elsewhere. Members are
-    /// not darkened by their own: those lie under their soles.
-    fn draw_contacts_on_floors(
-        &mut self,
-        runs: &[Run],
-        scene: &Scene,
-        counts: &mut PassCounts,
-    ) -> Result<(), Error> {
-        if scene.ground.is_none() || is_at_zero(scene) || scene.contact_shadows == 0.0 {
-            return Ok(());
-        }
-        // Towards the eye, since a floor lies in the same plane.
-        self.gl.set_state(DrawState {
-            cull: Cull::Nothing,
-            blend: true,
-            keep_alpha: true,
-            depth_write: false,
-            depth_offset: [-1.0, -2.0],
-            ..DrawState::OPAQUE
-        });
-        self.draw_contacts(runs, counts)
-    }
-
-    /// Draws the contact shadows of instances on the plane y = 0.
+    /// Draws the contact map: the contact shadows of instances on the plane y = 0.
     fn draw_contacts(&mut self, runs: &[Run], counts: &mut PassCounts) -> Result<(), Error> {
+        let map = match &mut self.contact_map {
+            Some(map) => map,
+            empty => empty.insert(ContactTarget::new(&self.gl, self.picture.size())?),
+        };
+        map.begin();
+        let state = DrawState { cull: Cull::Nothing, blend: true, ..DrawState::OPAQUE };
+        self.gl.set_state(DrawState { depth_write: false, ..state });
         self.programs.get(Kind::Contact)?.bind();
         for run in runs {
-            self.palettes.bind(run.page, PALETTE_BINDING);
+            self.palettes.bind(run.page, PALETTE_UNIT);
             let model = &self.models.as_slice()[run.model];
             let contacts = &model.contacts;
             let index_count = contacts.index_count(model.levels[run.level as usize].is_coarse);
@@ -236,13 +228,32 @@ impl Renderer {
                 counts.draw_calls += 1;
             }
         }
+        if let Some(map) = &self.contact_map {
+            map.bind_texture(CONTACT_UNIT);
+        }
         Ok(())
     }
 }
 
-/// Returns true if contact shadows lie on the ground.
-fn is_at_zero(scene: &Scene) -> bool {
-    scene.ground.is_some_and(|ground| ground.height_m == 0.0)
+/// What contact shadows lie on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Contacts {
+    None,
+    /// The ground is at y = 0.
+    OnGround,
+    /// The ground is elsewhere.
+    OnMembers,
+}
+
+impl Contacts {
+    fn of(scene: &Scene) -> Self {
+        match scene.ground {
+            Some(_) if scene.contact_shadows == 0.0 => Self::None,
+            Some(ground) if ground.height_m == 0.0 => Self::OnGround,
+            Some(_) => Self::OnMembers,
+            None => Self::None,
+        }
+    }
 }
 
 pub(super) fn range<'a, I>(
@@ -266,7 +277,7 @@ fn state(pass: Pass, cull: Cull) -> DrawState {
         Pass::Shadow => {
             DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
         }
-        Pass::Opaque => DrawState { cull, ..DrawState::OPAQUE },
+        Pass::Opaque { .. } => DrawState { cull, ..DrawState::OPAQUE },
         Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
     }
 }

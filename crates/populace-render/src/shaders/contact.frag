@@ -4,21 +4,18 @@
 // distance and a the angle between the axis and the line of sight. Over the length of the axis,
 // this has a closed form. A sphere hides (h / d) (r / d)^2; it stands for the capsule's nearer end.
 // Reads   outputs of contact.vert
-// Writes  black, with the fraction of the ground's light that is taken away as alpha
+// Writes  0, with the fraction of the sky's light that is taken away as alpha
 
 flat in vec4 low_end;
 flat in vec4 high_end;
 in vec2 ground_position;
-in vec3 shadow_position;
-in float clearness;
+flat in float opacity;
 
 out vec4 color;
 
 // Factor by choice. Eyes expect more than the sky's share: what the ground would reflect to the body
 // and back is missing too.
 const float EMPHASIS = 2.0;
-// Fraction of the light up to which nobody sees that it is missing.
-const float UNSEEN = 0.004;
 
 // Integral from 0 to `s` of the height over the fourth power of the distance. The axis is `p` away
 // at s = 0, where its height is `height`, and rises by `slope`.
@@ -48,11 +45,5 @@ void main() {
     // Fades towards the edge of the rectangle, in which the whole shadow does not fit.
     float inside = max(1.0 - dot(to_sphere.xz, to_sphere.xz) / (high_end.w * high_end.w), 0.0);
     float hidden = clamp(EMPHASIS * max(line, ball), 0.0, 1.0) * inside * inside;
-    // Only the sky's light is hidden, not the sun's.
-    vec3 up = vec3(0.0, 1.0, 0.0);
-    float sky = sky_light_on(up, to_sun.y).g;
-    // Where hardly any light is hidden, it does not matter how much there is.
-    float sun = sunlit(shadow_position, min(to_sun.y, hidden - UNSEEN));
-    sun *= max(to_sun.y, 0.0) * sun_color.g;
-    color = vec4(vec3(0.0), ambient_base.w * clearness * hidden * sky / max(sky + sun, 1e-6));
+    color = vec4(vec3(0.0), ambient_base.w * opacity * hidden);
 }

@@ -1,13 +1,12 @@
 // contact.vert - a rectangle on the ground around the contact shadow of a capsule of a member.
 // Reads   Contact per vertex, InstanceData per instance, palette of the bound page
 // Writes  ends of the capsule in world space, with its radius and the shadow's reach; position on the
-//         ground, position in the shadow map, and the fraction that haze and fading leave of a contrast
+//         ground, and the part of the member that is drawn
 
 flat out vec4 low_end;
 flat out vec4 high_end;
 out vec2 ground_position;
-out vec3 shadow_position;
-out float clearness;
+flat out float opacity;
 
 // Capsules that hide less of the sky than this are not drawn.
 const float FAINTEST = 0.04;
@@ -39,8 +38,7 @@ void main() {
     vec2 end = corner.x < 0.0 ? low.xz : high.xz;
     ground_position = end + reach * (corner.x * unit + corner.y * across);
     vec3 at = vec3(ground_position.x, 0.0, ground_position.y);
-    shadow_position = (shadow_from_world * vec4(at, 1.0)).xyz * 0.5 + 0.5;
-    clearness = (1.0 - haze_at(at).a) * (1.0 - faded_out());
+    opacity = 1.0 - faded_out();
     bool is_faint = radius * radius < FAINTEST * height * height;
     gl_Position = is_faint ? vec4(2.0, 2.0, 2.0, 1.0) : clip_from_world * vec4(at, 1.0);
     gl_ClipDistance[0] = 1.0;

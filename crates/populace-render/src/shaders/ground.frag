@@ -1,5 +1,6 @@
-// ground.frag - paving that gives scale: a line every metre, a wider one every five metres.
-// Reads   world position, shadow map position
+// ground.frag - paving that gives scale: a line every metre, a wider one every five metres. With
+//               CONTACTS, bodies near it darken it.
+// Reads   world position, shadow map position; contact map
 // Writes  linear colour, which the framebuffer stores as sRGB
 
 in vec3 world_position;
@@ -26,6 +27,10 @@ void main() {
     float coverage = max(0.6 * lines(at, 0.03), lines(at / 5.0, 0.016));
     vec3 base = mix(ground_color.rgb, line_color.rgb, coverage);
     vec3 sun = sunlight_on(to_sun.y, vec3(0.0), shadow_position);
-    vec3 lit = base * (sky_light_on(vec3(0.0, 1.0, 0.0), to_sun.y) + sun);
+    vec3 sky = sky_light_on(vec3(0.0, 1.0, 0.0), to_sun.y);
+#ifdef CONTACTS
+    sky *= clear_sky();
+#endif
+    vec3 lit = base * (sky + sun);
     color = vec4(tone_mapped(hazed(lit, haze_at(world_position))), 1.0);
 }

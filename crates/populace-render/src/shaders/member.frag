@@ -1,9 +1,10 @@
 // member.frag - colours a member. Variants: MASKED discards fragments, BLENDED writes alpha, and
 //               without either the surface is opaque. VERTEX_LIT takes light and haze from the
-//               vertices, and with TWO_SIDED the light on the side which is seen.
+//               vertices, with TWO_SIDED those of the side which is seen, and without SAMPLED
+//               the whole colour.
 //               TEXTURED samples the base colour; SUBSTANCE_MAP, NORMAL_MAP, OCCLUSION_MAP and
 //               EMISSIVE_MAP sample their textures, and EMISSIVE adds light. FADED leaves out a
-//               part of the pixels.
+//               part of the pixels. With CONTACTS, bodies near a floor darken it.
 // Reads   outputs of member.vert; textures
 // Writes  linear colour, which the framebuffer stores as sRGB
 
@@ -24,19 +25,24 @@ layout(binding = 6) uniform sampler2D emissive_texture;
 #endif
 
 #ifdef VERTEX_LIT
-in vec3 light;
-in vec4 haze;
+in vec4 factor;
 #ifdef TWO_SIDED
-in vec3 back_light;
+in vec3 back_factor;
+#endif
+#ifdef SAMPLED
+in vec3 added;
+#endif
+#ifdef EMISSIVE_MAP
+in float clearness;
 #endif
 #else
 in vec3 world_position;
 in vec3 world_normal;
 in vec3 shadow_position;
 in vec3 substance;
+in vec4 surface_color;
 #endif
 in vec2 texture_uv;
-in vec4 surface_color;
 
 out vec4 color;
 
@@ -69,7 +75,47 @@ vec3 mapped_normal(vec3 normal) {
 }
 #endif
 
-#ifndef VERTEX_LIT
+// Colour of the base colour texture; white without one.
+vec4 sampled_color() {
+#ifdef TEXTURED
+    return texture(base_color_texture, texture_uv);
+#else
+    return vec4(1.0);
+#endif
+}
+
+#ifdef EMISSIVE
+vec3 emitted() {
+#ifdef EMISSIVE_MAP
+    return emissive.rgb * texture(emissive_texture, texture_uv).rgb;
+#else
+    return emissive.rgb;
+#endif
+}
+#endif
+
+#ifdef VERTEX_LIT
+vec4 surface() {
+    vec4 side = factor;
+#ifdef TWO_SIDED
+    if (!gl_FrontFacing) side.rgb = back_factor;
+#endif
+#ifdef SAMPLED
+    side *= sampled_color();
+    side.rgb += added;
+#ifdef EMISSIVE_MAP
+    side.rgb += clearness * emitted();
+#endif
+    side.rgb = tone_mapped(side.rgb);
+#endif
+    return side;
+}
+#else
+#ifdef CONTACTS
+// Height in metres up to which a surface counts as the plane y = 0.
+const float FLOOR_M = 0.02;
+#endif
+
 vec3 lit_surface(vec3 base) {
     float squared = dot(world_normal, world_normal);
     vec3 normal = squared > 0.0 ? world_normal * inversesqrt(squared) : vec3(0.0, 1.0, 0.0);
@@ -79,6 +125,9 @@ vec3 lit_surface(vec3 base) {
     normal = mapped_normal(normal);
 #endif
     float occlusion = above_ground(world_position.y, normal.y);
+#ifdef CONTACTS
+    if (abs(world_position.y) < FLOOR_M && normal.y > 0.5) occlusion *= clear_sky();
+#endif
 #ifdef OCCLUSION_MAP
     occlusion *= 1.0 + occlusion_strength * (texture(occlusion_texture, texture_uv).r - 1.0);
 #endif
@@ -90,43 +139,27 @@ vec3 lit_surface(vec3 base) {
                        substance.z);
     return shaded(at, normalize(eye.xyz - world_position), shadow_position);
 }
+
+vec4 surface() {
+    vec4 base = surface_color * sampled_color();
+    vec3 lit = lit_surface(base.rgb);
+#ifdef EMISSIVE
+    lit += emitted();
+#endif
+    // Triangles of a ground are so large that haze does not vary evenly over them.
+    return vec4(tone_mapped(hazed(lit, haze_at(world_position))), base.a);
+}
 #endif
 
 void main() {
 #ifdef FADED
     if (threshold(gl_FragCoord.xy) < faded) discard;
 #endif
-    vec4 base = surface_color;
-#ifdef TEXTURED
-    base *= texture(base_color_texture, texture_uv);
-#endif
+    color = surface();
 #ifdef MASKED
-    if (base.a < alpha_cutoff) discard;
+    if (color.a < alpha_cutoff) discard;
 #endif
-#ifdef VERTEX_LIT
-#ifdef TWO_SIDED
-    vec3 lit = base.rgb * (gl_FrontFacing ? light : back_light);
-#else
-    vec3 lit = base.rgb * light;
-#endif
-    // What the surface reflects of the sky, as for a rough and upright one that is no metal.
-    lit += 0.05 * ambient_slope.w * (1.0 - base.rgb) * ambient_base.rgb;
-#else
-    vec3 lit = lit_surface(base.rgb);
-    // Triangles of a ground are so large that haze does not vary evenly over them.
-    vec4 haze = haze_at(world_position);
-#endif
-#ifdef EMISSIVE
-    vec3 emitted = emissive.rgb;
-#ifdef EMISSIVE_MAP
-    emitted *= texture(emissive_texture, texture_uv).rgb;
-#endif
-    lit += emitted;
-#endif
-    lit = tone_mapped(hazed(lit, haze));
-#ifdef BLENDED
-    color = vec4(lit, base.a);
-#else
-    color = vec4(lit, 1.0);
+#ifndef BLENDED
+    color.a = 1.0;
 #endif
 }

@@ -2,24 +2,30 @@
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
 // Writes  texture coordinates, product of vertex colour and the region's tint, and what light and
 //         haze need: position and normal in world space, the position in the shadow map and the
-//         surface's substance (metallic, roughness, skin). With VERTEX_LIT, light and haze
-//         themselves, and with TWO_SIDED also the light on the back.
+//         surface's substance (metallic, roughness, skin). With VERTEX_LIT, the factor of the
+//         texture's colour and what is added to it instead, and with TWO_SIDED also the back's
+//         factor; without a texture, the colours that are seen.
 //         With FADED, the part that is not drawn
 
 #ifdef VERTEX_LIT
-out vec3 light;
-out vec4 haze;
+out vec4 factor;
 #ifdef TWO_SIDED
-out vec3 back_light;
+out vec3 back_factor;
+#endif
+#ifdef SAMPLED
+out vec3 added;
+#endif
+#ifdef EMISSIVE_MAP
+out float clearness;
 #endif
 #else
 out vec3 world_position;
 out vec3 world_normal;
 out vec3 shadow_position;
 out vec3 substance;
+out vec4 surface_color;
 #endif
 out vec2 texture_uv;
-out vec4 surface_color;
 #ifdef FADED
 flat out float faded;
 #endif
@@ -36,20 +42,43 @@ void main() {
     vec3 offset_position = world_position + world_normal * (1.5 * to_sun.w);
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
     substance = vec3(vec2(marks.zw) * (1.0 / 255.0), marks.x == 0u ? 1.0 : 0.0);
+    vec4 tinted = color * vec4(region_tint(), 1.0);
 #ifdef VERTEX_LIT
     float facing = dot(world_normal, to_sun.xyz);
     vec3 wrap = substance.z * SKIN_WRAP;
-    light = above_ground(world_position.y, world_normal.y) * sky_light_on(world_normal, facing)
-          + sunlight_on(facing, wrap, shadow_position);
-#ifdef TWO_SIDED
-    back_light = above_ground(world_position.y, -world_normal.y)
-               * sky_light_on(-world_normal, -facing)
-               + sunlight_on(-facing, wrap, shadow_position);
+    vec3 light = above_ground(world_position.y, world_normal.y) * sky_light_on(world_normal, facing)
+               + sunlight_on(facing, wrap, shadow_position);
+    // Reflection of the sky: that of a rough and upright surface that is no metal.
+    vec3 reflected = 0.05 * ambient_slope.w * ambient_base.rgb;
+    vec4 haze = haze_at(world_position);
+    vec3 clear = tinted.rgb * (1.0 - haze.a);
+    vec3 constant = reflected;
+#if defined(EMISSIVE) && !defined(EMISSIVE_MAP)
+    constant += emissive.rgb;
 #endif
-    haze = haze_at(world_position);
+    constant = hazed(constant, haze);
+    factor = vec4(clear * (light - reflected), tinted.a);
+#ifdef TWO_SIDED
+    vec3 back_light = above_ground(world_position.y, -world_normal.y)
+                    * sky_light_on(-world_normal, -facing)
+                    + sunlight_on(-facing, wrap, shadow_position);
+    back_factor = clear * (back_light - reflected);
+#endif
+#ifdef SAMPLED
+    added = constant;
+#ifdef EMISSIVE_MAP
+    clearness = 1.0 - haze.a;
+#endif
+#else
+    factor.rgb = tone_mapped(factor.rgb + constant);
+#ifdef TWO_SIDED
+    back_factor = tone_mapped(back_factor + constant);
+#endif
+#endif
+#else
+    surface_color = tinted;
 #endif
     texture_uv = uv;
-    surface_color = color * vec4(region_tint(), 1.0);
     gl_Position = clip_from_world * vec4(world_position, 1.0);
     // The ground, which is drawn without depth, hides what lies beyond it. Soles on it stay
     // visible: members may sink into the ground by the size of a pixel.

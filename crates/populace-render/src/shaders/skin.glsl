@@ -1,16 +1,17 @@
 // skin.glsl - linear blend skinning from the matrix palette that a device wrote.
-// Reads    palette: three vec4 (rows of model_from_bind) for each entry of the bound page
+// Reads    palette: three vectors (rows of model_from_bind) for each entry of the bound page
 // Defines  model_from_bind(): blended matrix of this vertex
 //          world_from_model(): matrix of this instance
 //          transform_normal(): image of a normal under a matrix
 // The columns of a mat3x4 are the three rows of an affine transform: `vec4(p, 1) * m` transforms
 // the point p.
 
-layout(std430, binding = 0) readonly buffer Palette { vec4 palette[]; };
+layout(binding = 7) uniform samplerBuffer palette;
 
 mat3x4 palette_entry(uint entry) {
-    uint row = (palette_first + entry) * 3u;
-    return mat3x4(palette[row], palette[row + 1u], palette[row + 2u]);
+    int row = int((palette_first + entry) * 3u);
+    return mat3x4(texelFetch(palette, row), texelFetch(palette, row + 1),
+                  texelFetch(palette, row + 2));
 }
 
 mat3x4 blend(uvec4 entries, vec4 weights) {

@@ -1,0 +1,7 @@
+// contact.glsl - contact shadows on the plane y = 0.
+// Reads    contact map of the picture
+// Defines  clear_sky(): part of the sky's light that bodies leave to the plane at this pixel
+
+layout(binding = 8) uniform sampler2D contact_map;
+
+float clear_sky() { return texelFetch(contact_map, ivec2(gl_FragCoord.xy), 0).r; }
