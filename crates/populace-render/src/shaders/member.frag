@@ -112,7 +112,8 @@ vec4 surface() {
 }
 #else
 #ifdef CONTACTS
-// Height in metres up to which a surface counts as the plane y = 0.
+// Greatest height in metres of floors. Lower ones, such as a road beside a pavement at y = 0, have
+// the shadows on the plane y = 0 too.
 const float FLOOR_M = 0.02;
 #endif
 
@@ -126,7 +127,7 @@ vec3 lit_surface(vec3 base) {
 #endif
     float occlusion = above_ground(world_position.y, normal.y);
 #ifdef CONTACTS
-    if (abs(world_position.y) < FLOOR_M && normal.y > 0.5) occlusion *= clear_sky();
+    if (world_position.y < FLOOR_M && normal.y > 0.5) occlusion *= clear_sky();
 #endif
 #ifdef OCCLUSION_MAP
     occlusion *= 1.0 + occlusion_strength * (texture(occlusion_texture, texture_uv).r - 1.0);
