@@ -7,13 +7,16 @@
 //! stay. Pieces that stick out much farther than the error, such as the brim of a hat, stay too.
 //!
 //! Palettes, textures and materials stay as they are. Vertices are a subset of the character's, with
-//! normals and colours that stand for the surface around them.
+//! normals and colours that stand for the surface around them. Those that lie beneath another surface
+//! by less than two errors, such as a scalp beneath hair, are drawn in by one, so that they stay
+//! hidden.
 //!
 //! Each level evaluates only the first joints, in level order, up to the last one that moves vertices
 //! farther away from it than four times the level's error. The other joints, such as those of
 //! fingers, hang from the first as at rest.
 
 mod bound;
+mod cover;
 mod groups;
 mod mesh;
 
@@ -60,6 +63,8 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
     let groups = JointGroups::of(character);
     let mut simplifiers: Vec<Simplifier> =
         (0..character.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let most_m = LEVELS.map(|(fraction, _)| fraction).into_iter().fold(0.0, f32::max);
+    let beneath = cover::beneath(character, most_m * character.height_m());
     let count =
         |simplifiers: &[Simplifier]| -> usize { simplifiers.iter().map(triangles_of).sum() };
     let mut levels: Vec<Level> = Vec::new();
@@ -75,7 +80,11 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
             continue;
         }
         shown = left;
-        let meshes: Vec<Mesh> = simplifiers.iter().map(|s| s.mesh(influences)).collect();
+        let meshes = simplifiers.iter().zip(&beneath).map(|(simplifier, beneath)| {
+            let offset = |vertex: usize| beneath[vertex].map(|b| b.offset(error_m));
+            simplifier.mesh(influences, &offset)
+        });
+        let meshes: Vec<Mesh> = meshes.collect();
         let joint_count = joints_needed(&character.skeleton, error_m);
         levels.push(Level { error_m, meshes, joint_count });
     }
@@ -105,7 +114,7 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
         next_m *= REDUCTION_STEP;
     }
     for (part, simplifier) in source.parts.iter_mut().zip(&simplifiers) {
-        part.mesh = simplifier.mesh(part.mesh.influences.per_vertex);
+        part.mesh = simplifier.mesh(part.mesh.influences.per_vertex, &|_| None);
     }
     Character::new(source)
 }

@@ -149,8 +149,13 @@ impl<'a> Simplifier<'a> {
         }
     }
 
-    /// Returns the present mesh, with at most `influences` joints for each vertex.
-    pub(crate) fn mesh(&self, influences: usize) -> Mesh {
+    /// Returns the present mesh, with at most `influences` joints for each vertex. `offset` is what
+    /// moves a vertex in bind space, if anything does.
+    pub(crate) fn mesh(
+        &self,
+        influences: usize,
+        offset: &dyn Fn(usize) -> Option<[f32; 3]>,
+    ) -> Mesh {
         let (source, now) = (self.source, &self.now);
         let indices = optimize_vertex_cache(&now.indices, now.positions.len());
         let mut new_of_old = HashMap::new();
@@ -169,6 +174,10 @@ impl<'a> Simplifier<'a> {
             let normal = Vec3::from_slice(&attributes(*vertex)[NORMALS]).try_normalize();
             normal.map_or(source.normals[*vertex], |n| n.to_array())
         };
+        let position = |vertex: &usize| {
+            let (place, offset) = (source.positions[*vertex], offset(*vertex).unwrap_or_default());
+            [0, 1, 2].map(|i| place[i] + offset[i])
+        };
         let [least, most] = color_range(source);
         let color = |vertex: &usize| {
             let [.., alpha] = *source.colors.get(*vertex)?;
@@ -176,7 +185,7 @@ impl<'a> Simplifier<'a> {
             Some(color.extend(alpha).to_array())
         };
         Mesh {
-            positions: kept.iter().map(|vertex| source.positions[*vertex]).collect(),
+            positions: kept.iter().map(position).collect(),
             normals: kept.iter().map(normal).collect(),
             uvs: kept.iter().filter_map(|vertex| source.uvs.get(*vertex).copied()).collect(),
             colors: kept.iter().filter_map(color).collect(),

@@ -1,9 +1,9 @@
-//! Thin surfaces at every level: the brim of a hat and the skirt of a dress.
+//! Thin surfaces at every level: the brim of a hat, the skirt of a dress, and hair.
 
 use std::f64::consts::TAU;
 
-use populace_cast::{Bottom, Hat, Look, person};
-use populace_character::{Level, Mesh};
+use populace_cast::{Bottom, Hair, Hat, Look, person};
+use populace_character::{Character, Level, Mesh};
 use populace_lod::levels_of;
 
 use super::geometry::{Point, crossing, dot, normal};
@@ -74,6 +74,42 @@ fn skirts_at_rest_hide_their_inside_and_the_legs_at_every_level() {
             let Triangle { part, red, .. } = first.unwrap_or_else(|| panic!("{place}: nothing"));
             assert_eq!(girl.parts[*part].material, Some(dress), "{place}");
             assert!(*red > 0.6, "{place}: the inner side is seen, of red {red}");
+        }
+    }
+}
+
+/// Returns the names of the materials that rays from around and above a head meet first.
+fn seen_above(girl: &Character, meshes: &[Mesh]) -> Vec<String> {
+    let triangles = triangles(meshes);
+    let middle = [0.0, 0.93 * f64::from(girl.height_m()), 0.0];
+    let directions = (0..24).flat_map(|around| [0.3, 0.5, 0.7, 0.9].map(|up| (around, up)));
+    let name = |(around, up): (i32, f64)| {
+        let angle = TAU * (f64::from(around) + 0.4) / 24.0;
+        let level = (1.0 - up * up).sqrt();
+        let from = [level * angle.sin(), up, level * angle.cos()];
+        let seen = seen(&triangles, [0, 1, 2].map(|i| middle[i] + from[i]), from.map(|c| -c));
+        let material = seen.and_then(|t| girl.parts[t.part].material);
+        material.map_or_else(String::new, |m| girl.materials[m].name.clone())
+    };
+    directions.map(name).collect()
+}
+
+#[test]
+fn hair_hides_the_scalp_at_all_levels_but_the_last() {
+    for hair in [Hair::Bun, Hair::SidePart, Hair::Long] {
+        let girl = person(&Look { hair, hat: None, ..Look::girl() }).unwrap();
+        let own: Vec<Mesh> = girl.parts.iter().map(|part| part.mesh.clone()).collect();
+        let whole = seen_above(&girl, &own);
+        let haired = whole.iter().filter(|name| name.starts_with("Hair")).count();
+        assert!(haired > 40, "{hair:?}: {whole:?}");
+        // The head is less than four errors high in the last level.
+        let levels = levels_of(&girl);
+        let height = girl.height_m();
+        for Level { error_m, meshes, .. } in levels.iter().filter(|l| l.error_m < 0.04 * height) {
+            let level = seen_above(&girl, meshes);
+            let bare = whole.iter().zip(&level);
+            let bare = bare.filter(|(w, l)| w.starts_with("Hair") && *l == "Skin").count();
+            assert!(bare * 12 <= haired, "{hair:?}, {error_m} m off: {bare} of {haired} bare");
         }
     }
 }

@@ -1,0 +1,146 @@
+//! Surfaces beneath others, such as a scalp beneath hair.
+//!
+//! Two surfaces that lie close together cross once each is off by more than the distance between
+//! them. Levels therefore draw in the vertices that lie beneath, which nobody sees.
+
+use std::collections::HashMap;
+
+use glam::DMat3;
+use parry3d::math::Vector;
+use parry3d::query::{Ray, RayCast};
+use parry3d::shape::TriMesh;
+use populace_character::{Character, Influences, Mesh};
+use populace_model::convert::u32_from;
+use populace_model::f64math;
+
+/// Greatest depth of a vertex that is drawn in, in errors of the level.
+const DEEPEST_ERRORS: f32 = 2.0;
+/// Greatest distance by which a vertex is drawn in, as a fraction of the character's height.
+const FARTHEST: f32 = 0.03;
+/// Least thickness beneath a vertex that is drawn in, as a fraction of the height. Shafts and fingers
+/// stay as they are, also where a hand or a blade surrounds them.
+const THINNEST: f32 = 0.04;
+/// Start of a ray before its vertex, which lies on its own surface, as a fraction of the height.
+const CLEAR: f32 = 1e-4;
+
+/// A vertex beneath another surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Beneath {
+    /// Distance in metres to the surface above, along the normal.
+    depth_m: f32,
+    /// Greatest distance in metres by which the vertex is drawn in.
+    farthest_m: f32,
+    /// Offset in bind space that moves the vertex at rest by a metre against its normal.
+    inwards: [f32; 3],
+}
+
+impl Beneath {
+    /// Returns the offset in bind space at a level.
+    pub(crate) fn offset(&self, error_m: f32) -> [f32; 3] {
+        let is_close = self.depth_m <= DEEPEST_ERRORS * error_m;
+        let by_m = if is_close { error_m.min(self.farthest_m) } else { 0.0 };
+        self.inwards.map(|component| by_m * component)
+    }
+}
+
+/// Returns each vertex of each part as far as it lies beneath the outer side of another surface, at
+/// rest, by no more than levels of `most_m` metres draw in. Parts that are options have none, since
+/// members who wear them do not wear the other options above.
+pub(crate) fn beneath(character: &Character, most_m: f32) -> Vec<Vec<Option<Beneath>>> {
+    let parts = 0..character.parts.len();
+    let places: Vec<Vec<[f32; 3]>> = parts.map(|part| character.rest_positions(part)).collect();
+    let Some(surface) = surface(character, &places) else {
+        return places.iter().map(|places| vec![None; places.len()]).collect();
+    };
+    let normals = normals(&surface);
+    let models = character.skeleton.rest_models();
+    let binds: Vec<DMat3> = character
+        .palette
+        .iter()
+        .map(|e| (models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind)).matrix3)
+        .collect();
+    let height = character.height_m();
+    let of_vertex = |mesh: &Mesh, vertex: usize, place: [f32; 3]| {
+        let normal = normals.get(&key(place))?.try_normalize()?;
+        let depth_m = depth_m(&surface, place, normal, CLEAR * height, DEEPEST_ERRORS * most_m)?;
+        let into = Ray::new(Vector::from_array(place) - CLEAR * height * normal, -normal);
+        if surface.cast_local_ray(&into, THINNEST * height, false).is_some() {
+            return None;
+        }
+        let rest_from_bind = rest_from_bind(mesh, vertex, &binds);
+        let inwards = -(rest_from_bind.inverse() * f64math::vec3(normal.to_array()));
+        let (farthest_m, inwards) = (FARTHEST * height, f64math::to_f32(inwards.to_array()));
+        inwards.iter().all(|c| c.is_finite()).then_some(Beneath { depth_m, farthest_m, inwards })
+    };
+    character
+        .parts
+        .iter()
+        .zip(&places)
+        .enumerate()
+        .map(|(part, (of_part, places))| {
+            let is_option = character.option_of(part).is_some();
+            let vertices = places.iter().enumerate();
+            vertices
+                .map(
+                    |(vertex, place)| {
+                        if is_option { None } else { of_vertex(&of_part.mesh, vertex, *place) }
+                    },
+                )
+                .collect()
+        })
+        .collect()
+}
+
+/// Returns the blended matrix of a vertex at rest. `binds` holds that of each palette entry.
+fn rest_from_bind(mesh: &Mesh, vertex: usize, binds: &[DMat3]) -> DMat3 {
+    let Influences { per_vertex, entries, weights } = &mesh.influences;
+    let of_vertex = vertex * per_vertex..(vertex + 1) * per_vertex;
+    let influences = entries[of_vertex.clone()].iter().zip(&weights[of_vertex]);
+    influences.fold(DMat3::ZERO, |sum, (e, w)| sum + binds[usize::from(*e)] * f64::from(*w))
+}
+
+/// Returns the surface of all parts; `None` without triangles.
+fn surface(character: &Character, places: &[Vec<[f32; 3]>]) -> Option<TriMesh> {
+    let (mut all, mut triangles) = (Vec::new(), Vec::new());
+    for (part, places) in character.parts.iter().zip(places) {
+        let first = u32_from(all.len());
+        all.extend(places.iter().map(|place| Vector::from_array(*place)));
+        let corners = part.mesh.indices.as_chunks::<3>().0;
+        triangles.extend(corners.iter().map(|t| t.map(|index| first + index)));
+    }
+    TriMesh::new(all, triangles).ok()
+}
+
+/// Returns the sum of the normals of the triangles around each place, by their area. Vertices at
+/// one place have one normal, so that they stay together.
+fn normals(surface: &TriMesh) -> HashMap<[u32; 3], Vector> {
+    let mut normals = HashMap::new();
+    for triangle in surface.triangles() {
+        let [a, b, c] = [triangle.a, triangle.b, triangle.c];
+        let normal = (b - a).cross(c - a);
+        for corner in [a, b, c] {
+            *normals.entry(key(corner.to_array())).or_insert(Vector::ZERO) += normal;
+        }
+    }
+    normals
+}
+
+fn key(place: [f32; 3]) -> [u32; 3] {
+    place.map(|component| (component + 0.0).to_bits())
+}
+
+/// Returns the distance along `normal` to the inner side of a surface; `None` if there is none
+/// within `most_m`, or if an outer side is nearer.
+fn depth_m(
+    surface: &TriMesh,
+    place: [f32; 3],
+    normal: Vector,
+    clear_m: f32,
+    most_m: f32,
+) -> Option<f32> {
+    let ray = Ray::new(Vector::from_array(place) + clear_m * normal, normal);
+    let hit = surface.cast_local_ray_and_get_normal(&ray, most_m, false)?;
+    let above = surface.triangle(hit.subshape);
+    let outwards = (above.b - above.a).cross(above.c - above.a);
+    (outwards.dot(normal) > 0.0).then_some(clear_m + hit.time_of_impact)
+}
