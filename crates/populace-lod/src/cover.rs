@@ -144,3 +144,56 @@ fn depth_m(
     let outwards = (above.b - above.a).cross(above.c - above.a);
     (outwards.dot(normal) > 0.0).then_some(clear_m + hit.time_of_impact)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use populace_cast::{Look, person};
+    use populace_character::CharacterSource;
+
+    use super::*;
+
+    const MIDDLE: Vec3 = Vec3::new(3.0, 0.5, 0.0);
+
+    /// Returns a cube beside the body that palette entry 0 moves.
+    fn cube(half_m: f32) -> Mesh {
+        let sides = [-half_m, half_m];
+        let corner = |i: usize| MIDDLE + Vec3::new(sides[i & 1], sides[i >> 1 & 1], sides[i >> 2]);
+        let faces =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let positions: Vec<[f32; 3]> = (0..8).map(|i| corner(i).to_array()).collect();
+        Mesh {
+            normals: vec![[0.0, 1.0, 0.0]; positions.len()],
+            uvs: Vec::new(),
+            colors: Vec::new(),
+            influences: Influences {
+                per_vertex: 4,
+                entries: vec![0; 4 * positions.len()],
+                weights: [1.0, 0.0, 0.0, 0.0].repeat(positions.len()),
+            },
+            indices: faces.iter().flat_map(|[a, b, c, d]| [a, b, c, a, c, d]).copied().collect(),
+            positions,
+        }
+    }
+
+    /// Returns the vertices of a cube around which another one is 5 mm larger.
+    fn beneath_larger(half_m: f32) -> Vec<Option<Beneath>> {
+        let mut source = CharacterSource::clone(&person(&Look::girl()).unwrap());
+        source.parts.iter_mut().for_each(|part| part.node_name = "body".into());
+        source.parts[0].mesh = cube(half_m);
+        source.parts[1].mesh = cube(half_m + 0.005);
+        beneath(&Character::new(source).unwrap(), 0.05).swap_remove(0)
+    }
+
+    #[test]
+    fn thick_things_beneath_others_are_drawn_in_and_thin_ones_are_not() {
+        let thick = beneath_larger(0.1);
+        for (place, vertex) in cube(0.1).positions.into_iter().zip(&thick) {
+            let offset = Vec3::from(vertex.unwrap().offset(0.01));
+            assert!((offset.length() - 0.01).abs() < 1e-5, "{offset}");
+            assert!(offset.dot(Vec3::from(place) - MIDDLE) < 0.0, "{offset}");
+            assert_eq!(vertex.unwrap().offset(0.003), [0.0; 3], "8.7 mm beneath the other");
+        }
+        assert!(beneath_larger(0.01).iter().all(Option::is_none));
+    }
+}
