@@ -19,7 +19,8 @@ const APART_ERRORS: f32 = 8.0;
 const ROUNDS: usize = 4;
 
 /// Simplifies the `wanted` parts until their surface is `error_m` off. Locks vertices that end up far
-/// off and simplifies their parts again, up to `ROUNDS` times in all. Separate pieces smaller than the error vanish whole.
+/// off and simplifies their parts again, up to `ROUNDS` times in all. Separate pieces smaller than
+/// the error vanish whole.
 pub(crate) fn simplify(
     parts: &mut [Simplifier<'_>],
     error_m: f32,
@@ -29,6 +30,9 @@ pub(crate) fn simplify(
     again.iter().for_each(|part| parts[*part].begin());
     again.iter().for_each(|part| parts[*part].collapse(error_m));
     for _ in 1..ROUNDS {
+        if again.is_empty() {
+            return;
+        }
         let surface = surface(parts);
         again.retain(|part| lock_far(&mut parts[*part], surface.as_ref(), error_m));
         again.iter().for_each(|part| parts[*part].collapse(error_m));
@@ -36,7 +40,7 @@ pub(crate) fn simplify(
 }
 
 /// Returns the surface of all parts; `None` if nothing is left.
-fn surface(parts: &[Simplifier<'_>]) -> Option<TriMesh> {
+pub(crate) fn surface(parts: &[Simplifier<'_>]) -> Option<TriMesh> {
     let mut places = Vec::new();
     let mut triangles = Vec::new();
     for part in parts {

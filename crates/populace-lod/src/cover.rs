@@ -10,8 +10,10 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 use populace_character::{Character, Influences, Mesh};
-use populace_model::convert::u32_from;
 use populace_model::f64math;
+
+use crate::bound;
+use crate::mesh::Simplifier;
 
 /// Greatest depth of a vertex that is drawn in, in errors of the level.
 const DEEPEST_ERRORS: f32 = 2.0;
@@ -43,15 +45,17 @@ impl Beneath {
     }
 }
 
-/// Returns each vertex of each part as far as it lies beneath the outer side of another surface, at
-/// rest, by no more than levels of `most_m` metres draw in. Parts that are options have none, since
-/// members who wear them do not wear the other options above.
-pub(crate) fn beneath(character: &Character, most_m: f32) -> Vec<Vec<Option<Beneath>>> {
-    let parts = 0..character.parts.len();
-    let places: Vec<Vec<[f32; 3]>> = parts.map(|part| character.rest_positions(part)).collect();
-    let Some(surface) = surface(character, &places) else {
-        return places.iter().map(|places| vec![None; places.len()]).collect();
-    };
+/// Returns for each vertex of each part how it lies beneath the outer side of another surface, if
+/// levels of up to `most_m` metres draw it in. `parts` are those of the character, not yet
+/// simplified. Parts that are options have no such vertices: members who wear them do not wear the
+/// other options above.
+pub(crate) fn beneath(
+    character: &Character,
+    parts: &[Simplifier<'_>],
+    most_m: f32,
+) -> Vec<Vec<Option<Beneath>>> {
+    let nothing = |part: &Simplifier<'_>| vec![None; part.surface().positions.len()];
+    let Some(surface) = bound::surface(parts) else { return parts.iter().map(nothing).collect() };
     let normals = normals(&surface);
     let models = character.skeleton.rest_models();
     let binds: Vec<DMat3> = character
@@ -72,23 +76,15 @@ pub(crate) fn beneath(character: &Character, most_m: f32) -> Vec<Vec<Option<Bene
         let (farthest_m, inwards) = (FARTHEST * height, f64math::to_f32(inwards.to_array()));
         inwards.iter().all(|c| c.is_finite()).then_some(Beneath { depth_m, farthest_m, inwards })
     };
-    character
-        .parts
-        .iter()
-        .zip(&places)
-        .enumerate()
-        .map(|(part, (of_part, places))| {
-            let is_option = character.option_of(part).is_some();
-            let vertices = places.iter().enumerate();
-            vertices
-                .map(
-                    |(vertex, place)| {
-                        if is_option { None } else { of_vertex(&of_part.mesh, vertex, *place) }
-                    },
-                )
-                .collect()
-        })
-        .collect()
+    let of_part = |(index, part): (usize, &Simplifier<'_>)| {
+        if character.option_of(index).is_some() {
+            return nothing(part);
+        }
+        let mesh = &character.parts[index].mesh;
+        let places = part.surface().positions.iter().enumerate();
+        places.map(|(vertex, place)| of_vertex(mesh, vertex, *place)).collect()
+    };
+    parts.iter().enumerate().map(of_part).collect()
 }
 
 /// Returns the blended matrix of a vertex at rest. `binds` holds that of each palette entry.
@@ -97,18 +93,6 @@ fn rest_from_bind(mesh: &Mesh, vertex: usize, binds: &[DMat3]) -> DMat3 {
     let of_vertex = vertex * per_vertex..(vertex + 1) * per_vertex;
     let influences = entries[of_vertex.clone()].iter().zip(&weights[of_vertex]);
     influences.fold(DMat3::ZERO, |sum, (e, w)| sum + binds[usize::from(*e)] * f64::from(*w))
-}
-
-/// Returns the surface of all parts; `None` without triangles.
-fn surface(character: &Character, places: &[Vec<[f32; 3]>]) -> Option<TriMesh> {
-    let (mut all, mut triangles) = (Vec::new(), Vec::new());
-    for (part, places) in character.parts.iter().zip(places) {
-        let first = u32_from(all.len());
-        all.extend(places.iter().map(|place| Vector::from_array(*place)));
-        let corners = part.mesh.indices.as_chunks::<3>().0;
-        triangles.extend(corners.iter().map(|t| t.map(|index| first + index)));
-    }
-    TriMesh::new(all, triangles).ok()
 }
 
 /// Returns the sum of the normals of the triangles around each place, by their area. Vertices at
@@ -182,7 +166,8 @@ mod tests {
         source.parts.iter_mut().for_each(|part| part.node_name = "body".into());
         source.parts[0].mesh = cube(half_m);
         source.parts[1].mesh = cube(half_m + 0.005);
-        beneath(&Character::new(source).unwrap(), 0.05).swap_remove(0)
+        let character = Character::new(source).unwrap();
+        beneath(&character, &crate::simplifiers(&character), 0.05).swap_remove(0)
     }
 
     #[test]

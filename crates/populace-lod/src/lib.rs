@@ -60,11 +60,9 @@ pub fn with_levels(character: Character) -> Result<Character, Error> {
 /// Returns levels of detail for a character, finest first.
 #[must_use]
 pub fn levels_of(character: &Character) -> Vec<Level> {
-    let groups = JointGroups::of(character);
-    let mut simplifiers: Vec<Simplifier> =
-        (0..character.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let mut simplifiers = simplifiers(character);
     let most_m = LEVELS.map(|(fraction, _)| fraction).into_iter().fold(0.0, f32::max);
-    let beneath = cover::beneath(character, most_m * character.height_m());
+    let beneath = cover::beneath(character, &simplifiers, most_m * character.height_m());
     let count =
         |simplifiers: &[Simplifier]| -> usize { simplifiers.iter().map(triangles_of).sum() };
     let mut levels: Vec<Level> = Vec::new();
@@ -91,6 +89,13 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
     levels
 }
 
+/// Returns the character's parts, not yet simplified.
+fn simplifiers(character: &Character) -> Vec<Simplifier<'_>> {
+    let groups = JointGroups::of(character);
+    let parts = 0..character.parts.len();
+    parts.map(|part| Simplifier::new(character, part, &groups)).collect()
+}
+
 fn triangles_of(simplifier: &Simplifier<'_>) -> usize {
     simplifier.surface().triangles().len()
 }
@@ -103,10 +108,8 @@ fn triangles_of(simplifier: &Simplifier<'_>) -> usize {
 ///
 /// [`Error::BadCharacter`] if the character is invalid, which no character gives rise to.
 pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<Character, Error> {
-    let groups = JointGroups::of(character);
     let mut source = CharacterSource::clone(character);
-    let mut simplifiers: Vec<Simplifier> =
-        (0..source.parts.len()).map(|part| Simplifier::new(character, part, &groups)).collect();
+    let mut simplifiers = simplifiers(character);
     let small = triangles / SMALL_PART;
     let mut next_m = FIRST_REDUCTION * character.height_m();
     while next_m <= error_m && simplifiers.iter().map(triangles_of).sum::<usize>() > triangles {

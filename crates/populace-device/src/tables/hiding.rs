@@ -12,18 +12,18 @@ const fn is_own(kind: u32) -> bool {
 }
 
 impl Tables {
-    /// Returns a test for members whose clips tell how far they reach from their place. Those of
-    /// members with overrides, user stages, proportions or live clips, and of attached ones, do
-    /// not. The test panics if there is no such member.
-    pub fn bounded_members(&self) -> impl Fn(u32) -> bool {
+    /// Returns whether a member's clips tell how far it reaches from its place. Those of members
+    /// with overrides, user stages, proportions or live clips, and of attached ones, do not.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member.
+    #[must_use]
+    pub fn is_bounded(&self, member_index: u32) -> bool {
         let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
-        // Slots take more memory than all else that this test reads.
-        let any_live = self.all.clips.as_slice().iter().any(|clip| clip.ring_rows > 0);
+        let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
         let is_live = |slot: &Slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE;
-        move |member_index| {
-            let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
-            self.takes_only(member_index, bounded) && !(any_live && slots.iter().any(is_live))
-        }
+        self.takes_only(member_index, bounded) && !slots.iter().any(is_live)
     }
 
     /// Returns whether a member can be [hidden](Self::set_hidden): nobody else needs its pose, and

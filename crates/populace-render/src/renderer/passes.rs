@@ -235,7 +235,7 @@ impl Renderer {
     }
 }
 
-/// What contact shadows lie on.
+/// The surface on which contact shadows lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Contacts {
     None,

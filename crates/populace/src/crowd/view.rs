@@ -26,7 +26,7 @@ impl Crowd {
     ///
     /// Each member gets the coarsest level of its character's [`levels`] of which the error is less
     /// than [`View::error_px`], and is [hidden](Visibility::Hidden) if it cannot be seen. Hidden
-    /// members keep their time, placement, level and what they play, but are not posed: their
+    /// members keep their time, their placement and what they play, but are not posed: their
     /// palettes stay as they were. Members with root motion, and those that are watched or carry
     /// others, are posed all the same. Members with overrides, proportions, user stages or live
     /// clips, and attached ones, are never hidden.
@@ -110,9 +110,7 @@ impl State {
         }
         let Self { base, motion, attachments, .. } = self;
         let Base { tables, assets, members, view, .. } = base;
-        let is_bounded = tables.bounded_members();
-        let choice =
-            Choice { view: view.as_ref(), tables, is_bounded, assets, motion, attachments };
+        let choice = Choice { view: view.as_ref(), tables, assets, motion, attachments };
         let shares = members.all.par_chunks_mut(SHARE).enumerate();
         let changes: Vec<Vec<_>> = shares
             .map(|(share, members)| {
@@ -120,7 +118,6 @@ impl State {
                 members.filter_map(|(index, member)| choice.update(index, member)).collect()
             })
             .collect();
-        drop(choice);
         for Change { member, is_hidden, reduced } in changes.into_iter().flatten() {
             tables.set_hidden(member, is_hidden);
             tables.set_reduced(member, reduced);
@@ -149,11 +146,9 @@ impl Assets {
 }
 
 /// What the choice for a member depends on, besides its state.
-struct Choice<'a, F> {
+struct Choice<'a> {
     view: Option<&'a View>,
     tables: &'a Tables,
-    /// See [`Tables::bounded_members`].
-    is_bounded: F,
     assets: &'a Assets,
     motion: &'a RootMotion,
     attachments: &'a Attachments,
@@ -168,7 +163,7 @@ struct Change {
     reduced: u32,
 }
 
-impl<F: Fn(u32) -> bool> Choice<'_, F> {
+impl Choice<'_> {
     /// Chooses a member's visibility and level, and returns the change of the tables, if any.
     fn update(&self, index: u32, member: &mut MemberState) -> Option<Change> {
         let state = self.assets.character(member)?;
@@ -186,13 +181,9 @@ impl<F: Fn(u32) -> bool> Choice<'_, F> {
         let (center, radius) = sphere(&member.placement, offset, state.reach);
         let visibility = match view.visibility(center, radius) {
             Visibility::InView => Visibility::InView,
-            _ if !(self.is_bounded)(index) => Visibility::InView,
+            _ if !self.tables.is_bounded(index) => Visibility::InView,
             beyond => beyond,
         };
-        let mut level = member.seen.level;
-        if visibility == Visibility::Hidden && self.tables.can_hide(index) {
-            return Seen { visibility, level };
-        }
         let px = view.pixels_per_metre_at(center, radius) * member.placement.scale();
         let levels = state.character.levels();
         let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
@@ -201,6 +192,7 @@ impl<F: Fn(u32) -> bool> Choice<'_, F> {
                 levels.get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
             }
         };
+        let mut level = member.seen.level;
         while !fits(level, view.error_px) {
             level -= 1;
         }
