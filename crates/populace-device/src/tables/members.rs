@@ -72,9 +72,7 @@ impl Tables {
 
     /// Tells the list of a member's page that the member has changed its kind.
     pub(super) fn mix_page(&mut self, member: &Member) {
-        if self.all.bodies.as_slice()[member.body as usize].entry_count > 0 {
-            self.page_lists.mix((member.palette_first / PAGE_ENTRIES) as usize);
-        }
+        self.page_lists.mix((member.palette_first / PAGE_ENTRIES) as usize);
     }
 
     /// Adds a member of `body` without any clip and returns its index.
@@ -110,9 +108,7 @@ impl Tables {
             },
         );
         self.phase_members[0] += 1;
-        if entry_count > 0 {
-            self.page_lists.add(page_of(palette_block), member_index);
-        }
+        self.page_lists.add(page_of(palette_block), member_index);
         Ok(member_index)
     }
 
@@ -165,9 +161,7 @@ impl Tables {
         self.phase_members[member.phase() as usize] -= 1;
         self.joint_space.release(joints);
         self.palette_space.release(palette);
-        if entry_count > 0 {
-            self.page_lists.remove(page_of(palette), member_index);
-        }
+        self.page_lists.remove(page_of(palette), member_index);
         self.reset_playback(member_index);
         self.all.members.set(member_index as usize, FREE_MEMBER);
         self.free_members.push(Reverse(member_index));
@@ -339,8 +333,10 @@ fn page_of((palette_block, _): (usize, usize)) -> usize {
     palette_block / (PAGE_ENTRIES / PALETTE_BLOCK) as usize
 }
 
+/// Returns the blocks of a palette, at least one: the fused schedules go through the owners of blocks
+/// and the members of pages, and members without entries have states and watched joints too.
 fn palette_block_count(entry_count: u32) -> usize {
-    entry_count.div_ceil(PALETTE_BLOCK) as usize
+    entry_count.div_ceil(PALETTE_BLOCK).max(1) as usize
 }
 
 fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), member_index: u32) {
@@ -382,11 +378,9 @@ mod tests {
             let (first, count) =
                 (member.joint_first / JOINT_BLOCK, body.padded_count / JOINT_BLOCK);
             joint_blocks[first as usize..][..count as usize].fill(member_index);
-            if body.entry_count > 0 {
-                pages[(member.palette_first / PAGE_ENTRIES) as usize].insert(member_index);
-                let first = (member.palette_first / PALETTE_BLOCK) as usize;
-                palette_blocks[first..][..palette_block_count(body.entry_count)].fill(member_index);
-            }
+            pages[(member.palette_first / PAGE_ENTRIES) as usize].insert(member_index);
+            let first = (member.palette_first / PALETTE_BLOCK) as usize;
+            palette_blocks[first..][..palette_block_count(body.entry_count)].fill(member_index);
         }
         for (page, wanted) in pages.iter().enumerate() {
             let list = tables.page_members(page).as_slice();

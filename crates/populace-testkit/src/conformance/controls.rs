@@ -14,18 +14,18 @@ use populace_model::JointIndex;
 
 use crate::compare::{Judge, joint_name, row_major};
 use crate::oracle::{
-    Bounded, Local, Noise, OracleBody, OracleFrame, OracleMember, OracleMover, OraclePlace,
-    OracleStage, bounded, palettes_with, root_move,
+    Bounded, Local, Noise, OracleBody, OracleChange, OracleFrame, OracleMember, OracleMover,
+    OraclePlace, OracleRetarget, OracleStage, OracleTravel, bounded, palettes_with,
 };
 use crate::scenes::Scene;
 use crate::tolerance::MODEL_CAP;
-use crate::{LayerPlan, MemberPlan, MemberReading, Play, Rng, TestCrowd};
+use crate::{Inertialization, LayerPlan, MemberPlan, MemberReading, Play, Rng, TestCrowd};
 
 pub(super) use plans::transform as random_transform;
 
 pub use checks::{
-    check_attachments, check_chains, check_gaze, check_limbs, check_overrides, check_root_motion,
-    check_user_stages,
+    check_attachments, check_chains, check_gaze, check_limbs, check_motion_of_others,
+    check_motion_transitions, check_overrides, check_root_motion, check_user_stages,
 };
 
 /// The clock at the first frame.
@@ -42,6 +42,8 @@ struct Controlled {
     place: Place,
     /// The controlled member (by its place in the list) and joint that it is attached to.
     parent: Option<(usize, usize)>,
+    /// The member's plan in each frame so far.
+    played: Vec<MemberPlan>,
 }
 
 /// Controlled members and their twins.
@@ -84,7 +86,11 @@ pub(super) fn numbers_found(found: &MemberReading) -> Vec<f32> {
 
 impl<'a> ControlScene<'a> {
     fn new(name: &'static str, scene: &'a Scene) -> Self {
-        Self { name, crowd: TestCrowd::new(scene, 4), all: Vec::new(), stages: Vec::new() }
+        Self::with_slots(name, scene, 4)
+    }
+
+    fn with_slots(name: &'static str, scene: &'a Scene, slots: usize) -> Self {
+        Self { name, crowd: TestCrowd::new(scene, slots), all: Vec::new(), stages: Vec::new() }
     }
 
     /// Adds a member with controls, and its twin. Returns its place in the list.
@@ -98,7 +104,8 @@ impl<'a> ControlScene<'a> {
         let twin = self.crowd.add(plan.clone());
         let member = self.crowd.add(plan);
         let place = plans::place(rng);
-        self.all.push(Controlled { member, twin, controls, place, parent: None });
+        let (parent, played) = (None, Vec::new());
+        self.all.push(Controlled { member, twin, controls, place, parent, played });
         self.set(self.all.len() - 1);
         self.all.len() - 1
     }
@@ -122,10 +129,27 @@ impl<'a> ControlScene<'a> {
 
     /// Runs three frames, and compares all members in each.
     fn judge(&mut self, backend: &mut dyn Backend) {
+        self.judge_frames(backend, 3, |_, _| {});
+    }
+
+    /// Runs frames, and compares all members in each. `change` gets the ticks before and at each
+    /// frame after the first, before that runs.
+    fn judge_frames(
+        &mut self,
+        backend: &mut dyn Backend,
+        frames: u64,
+        mut change: impl FnMut(&mut Self, [u64; 2]),
+    ) {
         let mut judge = Judge::new(self.name);
         let mut watched = HashMap::new();
-        for nth in 0..3 {
+        for nth in 0..frames {
             let tick = ticks_from_secs(START_SECS) + nth * ELAPSED;
+            if nth > 0 {
+                change(self, [tick - ELAPSED, tick]);
+            }
+            for of in &mut self.all {
+                of.played.push(self.crowd.plan(of.member).clone());
+            }
             self.run(backend, tick);
             let read = |crowd: &TestCrowd<'_>, member| crowd.read(&mut *backend, member);
             let mut read = read;
@@ -147,17 +171,34 @@ impl<'a> ControlScene<'a> {
     }
 
     /// Returns how far clips have moved a member since before the first frame.
-    fn moved(&self, of: &Controlled, tick: u64, noise: &mut Noise) -> DAffine3 {
-        let plan = self.crowd.plan(of.member);
+    fn moved(&self, of: &Controlled, noise: &mut Noise) -> DAffine3 {
+        let mut travel = OracleTravel::default();
+        let mut end = ticks_from_secs(START_SECS);
+        for plan in &of.played {
+            self.advance(&mut travel, plan, [end - ELAPSED, end], noise);
+            end += ELAPSED;
+        }
+        travel.offset
+    }
+
+    /// Moves a member on by a frame in which it plays as planned.
+    fn advance(
+        &self,
+        travel: &mut OracleTravel,
+        plan: &MemberPlan,
+        span: [u64; 2],
+        noise: &mut Noise,
+    ) {
+        let scene = self.crowd.scene;
         let mover = |play: &Play| OracleMover {
-            clip: &self.crowd.scene.clips[play.clip].clip,
+            clip: &scene.clips[play.clip].clip,
             timing: play.timing,
             weighting: play.weighting,
             layer: play.layer as usize,
-            scale: 1.0,
+            scale: scene.retargets.get(&(play.clip, plan.body)).map_or(1.0, OracleRetarget::scale),
         };
         let movers: Vec<_> = plan.plays.iter().map(mover).collect();
-        let skeleton = &self.crowd.scene.bodies[plan.body].skeleton;
+        let skeleton = &scene.bodies[plan.body].skeleton;
         let root = skeleton.source_from_joint(JointIndex(0));
         let at_root = |layer: &LayerPlan| match layer.mode {
             LayerMode::Additive => 0.0,
@@ -166,12 +207,13 @@ impl<'a> ControlScene<'a> {
             }
         };
         let layers: Vec<_> = plan.layers.iter().map(at_root).collect();
-        let first = ticks_from_secs(START_SECS);
-        let ends = (first..=tick).step_by(usize::try_from(ELAPSED).expect("a short frame"));
-        ends.fold(DAffine3::IDENTITY, |offset, end| {
-            let step = root_move(&movers, &layers, [end - ELAPSED, end], noise);
-            noise.product(&offset, &step)
-        })
+        let change = |of: &Inertialization| OracleChange {
+            start_tick: of.tick,
+            ticks: of.ticks,
+            layer: of.outgoing.layer as usize,
+        };
+        let changes: Vec<_> = plan.inertialization.iter().map(change).collect();
+        travel.advance(&movers, &layers, &changes, span, noise);
     }
 
     /// Returns the world transforms of watched joints.
@@ -204,7 +246,7 @@ impl<'a> ControlScene<'a> {
             stages: &self.stages,
         };
         let wanted = bounded(|noise| {
-            let motion = of.controls.motion.map(|_| self.moved(of, frame.tick, noise));
+            let motion = of.controls.motion.map(|_| self.moved(of, noise));
             let frame = OracleFrame { motion, ..frame.clone() };
             let (locals, models) = member.posed(clips, &frame, noise);
             let rotation = |found: [f32; 4], wanted: DQuat| {

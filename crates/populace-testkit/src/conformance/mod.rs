@@ -24,8 +24,8 @@ pub use agreement::{check_agreement, check_same_frames};
 pub use blend::{check_blends, check_slot_order, check_small_totals, check_zero_weights};
 pub use clock::{check_clock, check_weights};
 pub use controls::{
-    check_attachments, check_chains, check_gaze, check_limbs, check_overrides, check_root_motion,
-    check_user_stages,
+    check_attachments, check_chains, check_gaze, check_limbs, check_motion_of_others,
+    check_motion_transitions, check_overrides, check_root_motion, check_user_stages,
 };
 pub use feet::check_feet;
 pub use inertialize::check_inertialization;
@@ -88,6 +88,8 @@ macro_rules! fused_conformance {
             scene check_user_stages user_stages_hold;
             scene check_attachments attachments_hold;
             scene check_root_motion root_motion_holds;
+            scene check_motion_transitions motion_transitions_hold;
+            scene check_motion_of_others motion_of_others_holds;
             scene check_machines machines_hold;
             scene check_feet feet_hold;
             scene check_live_clips live_clips_hold;

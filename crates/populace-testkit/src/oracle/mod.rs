@@ -35,7 +35,7 @@ pub use ground::OracleGround;
 pub use inertialize::{OracleInertialization, OracleSampledState};
 pub use local::{Gain, Local};
 pub use machine::{OracleCourse, OracleEntry};
-pub use motion::{OracleMover, root_move};
+pub use motion::{OracleChange, OracleMover, OracleTravel};
 pub use noise::{Bounded, Noise, bounded};
 pub use retarget::OracleRetarget;
 pub use sample::{slerp, track_value};

@@ -3,6 +3,10 @@
 //! A clip's body is at `m(t)`, a heading about +Y and a shift. From `a` to `b`, with `n` whole cycles
 //! `c` in between, it moves by `inverse(m(a)) c^n m(b)`. The moves of a layer are mixed by the
 //! clips' mean weights, those of layers as poses are.
+//!
+//! An inertialized transition keeps a member's velocity: at its start, the difference between the
+//! velocity of the frame before and that of the new clips begins to decay by the quintic of poses,
+//! `1 - 10 s^3 + 15 s^4 - 6 s^5`. A member moves by the integral of what is left of it.
 
 use glam::{DAffine3, DMat3, DVec3};
 use populace_clip::{Clip, TICKS_PER_SEC};
@@ -58,6 +62,9 @@ impl Step {
     }
 }
 
+/// A velocity: metres, and the sine of a heading, per tick.
+type Velocity = [f64; 4];
+
 fn secs(ticks: u64) -> f64 {
     ticks as f64 / TICKS_PER_SEC as f64
 }
@@ -102,6 +109,14 @@ impl OracleMover<'_> {
         }
     }
 
+    /// Returns the tick after which the clip does not play, if its weight falls to 0 at once.
+    fn cut_tick(&self) -> Option<u64> {
+        match self.weighting {
+            Weighting::Ramp { tick, to, secs, .. } if to <= 0.0 && secs <= 0.0 => Some(tick),
+            _ => None,
+        }
+    }
+
     /// Returns the move between two ticks.
     fn moved(&self, [from, until]: [u64; 2], noise: &mut Noise) -> Step {
         let stands = self.clip.root_motion().is_none() || self.clip.duration_secs() <= 0.0;
@@ -138,9 +153,12 @@ impl OracleMover<'_> {
 
     /// Returns the mean weight between two ticks.
     fn mean_weight(&self, [from, until]: [u64; 2]) -> f64 {
-        let Weighting::Ramp { tick, secs: ramp_secs, .. } = self.weighting else {
+        let Weighting::Ramp { tick, from: at_first, secs: ramp_secs, .. } = self.weighting else {
             return self.weighting.weight(until);
         };
+        if self.cut_tick().is_some() {
+            return f64::from(at_first);
+        }
         let end = tick + populace_clip::ticks_from_secs(f64::from(ramp_secs));
         let mut corners = [from, tick.clamp(from, until), end.clamp(from, until), until];
         corners.sort_unstable();
@@ -154,7 +172,7 @@ impl OracleMover<'_> {
 /// Returns how far clips move a member between two ticks. `layer_weights` are the weights of all
 /// layers at the member's root, 0 for additive ones.
 #[must_use]
-pub fn root_move(
+fn root_move(
     movers: &[OracleMover<'_>],
     layer_weights: &[f64],
     [before, now]: [u64; 2],
@@ -168,8 +186,9 @@ pub fn root_move(
         let (mut shift, mut sin, mut turned) = (DVec3::ZERO, 0.0, 0.0);
         let (mut total, mut first, mut last) = (0.0, now, before);
         for mover in movers.iter().filter(|mover| mover.layer == layer) {
-            let span = [mover.start_tick().max(before), now];
-            let weight = noise.number(if span[0] < now { mover.mean_weight(span) } else { 0.0 });
+            let end = mover.cut_tick().map_or(now, |cut| cut.min(now));
+            let span = [mover.start_tick().max(before), end];
+            let weight = noise.number(if span[0] < end { mover.mean_weight(span) } else { 0.0 });
             if weight <= 0.0 {
                 continue;
             }
@@ -195,4 +214,97 @@ pub fn root_move(
     }
     let moved = all.affine();
     DAffine3 { matrix3: noise.matrix(moved.matrix3), translation: noise.vector(all.shift) }
+}
+
+/// An inertialized transition of a member.
+#[derive(Clone, Copy, Debug)]
+pub struct OracleChange {
+    /// The clock at the start.
+    pub start_tick: u64,
+    /// Ticks in which differences decay.
+    pub ticks: u64,
+    /// Index of the layer.
+    pub layer: usize,
+}
+
+/// How far a member has moved, and its velocity.
+#[derive(Clone, Debug)]
+pub struct OracleTravel {
+    /// The move since the first frame.
+    pub offset: DAffine3,
+    /// Velocity in the last frame, once there is one.
+    velocity: Option<Velocity>,
+    /// Velocity at the start of the newest transition, less that of its clips.
+    excess: Velocity,
+}
+
+impl Default for OracleTravel {
+    fn default() -> Self {
+        Self { offset: DAffine3::IDENTITY, velocity: None, excess: [0.0; 4] }
+    }
+}
+
+impl OracleTravel {
+    /// Moves on from one frame to the next. `layer_weights` are the weights of all layers at the
+    /// member's root, 0 for additive ones.
+    pub fn advance(
+        &mut self,
+        movers: &[OracleMover<'_>],
+        layer_weights: &[f64],
+        changes: &[OracleChange],
+        [before, now]: [u64; 2],
+        noise: &mut Noise,
+    ) {
+        let at_root = changes.iter().filter(|change| layer_weights[change.layer] > 0.0);
+        let last_before = |tick: u64| {
+            let begun = at_root.clone().filter(|change| change.start_tick < tick);
+            begun.max_by_key(|change| change.start_tick)
+        };
+        let mut moved = root_move(movers, layer_weights, [before, now], noise);
+        // Each transition goes on until the next begins.
+        let newest = last_before(now);
+        let (going_on, begun) = match newest {
+            Some(change) if change.start_tick >= before => (last_before(before), newest),
+            _ => (newest, None),
+        };
+        if let Some(change) = going_on {
+            let until = begun.map_or(now, |begun| begun.start_tick);
+            let carried = change.carried(&self.excess, [before, until], noise);
+            moved = noise.product(&moved, &carried);
+        }
+        if let (Some(change), Some(velocity)) = (begun, self.velocity) {
+            let start = change.start_tick;
+            let span = [start, start + (now - before)];
+            let own = velocity_of(&root_move(movers, layer_weights, span, noise), span);
+            self.excess = [0, 1, 2, 3]
+                .map(|i| noise.near(velocity[i] - own[i], velocity[i].abs() + own[i].abs()));
+            let carried = change.carried(&self.excess, [start, now], noise);
+            moved = noise.product(&moved, &carried);
+        }
+        if newest.is_none_or(|change| now >= change.start_tick + change.ticks) {
+            self.excess = [0.0; 4];
+        }
+        self.offset = noise.product(&self.offset, &moved);
+        self.velocity = Some(velocity_of(&moved, [before, now]));
+    }
+}
+
+fn velocity_of(moved: &DAffine3, [from, until]: [u64; 2]) -> Velocity {
+    let Step { shift, sin_cos } = Step::of(moved);
+    [shift.x, shift.y, shift.z, sin_cos[0]].map(|far| far / (until - from) as f64)
+}
+
+impl OracleChange {
+    /// Returns the move within a span that comes of a difference in velocity at the start.
+    fn carried(&self, excess: &Velocity, [from, until]: [u64; 2], noise: &mut Noise) -> DAffine3 {
+        // Devices subtract the integral up to `from` from that up to `until`.
+        let mut integral = |tick: u64| {
+            let inertialized = (tick - self.start_tick) as f64 / self.ticks as f64;
+            let s = noise.number(inertialized).min(1.0);
+            noise.number(s - 2.5 * s.powi(4) + 3.0 * s.powi(5) - s.powi(6))
+        };
+        let ticks = (integral(until) - integral(from)) * self.ticks as f64;
+        let [x, y, z, sin] = excess.map(|per_tick| noise.number(per_tick * ticks));
+        Step { shift: DVec3::new(x, y, z), sin_cos: [sin, 1.0] }.affine()
+    }
 }

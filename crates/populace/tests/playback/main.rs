@@ -12,6 +12,7 @@ mod fixture;
 mod inertialize;
 mod layers;
 mod slots;
+mod space_oracle;
 mod spaces;
 mod timing;
 

@@ -11,7 +11,7 @@ use crate::on_every_device;
 
 /// Nine clips that swing about a mean angle. The mean grows with the clip's index, and so does the
 /// duration: 0.5 s to 1.2 s, except for the first, whose duration is 0.
-fn motions() -> Vec<Motion> {
+pub(crate) fn motions() -> Vec<Motion> {
     let names = ["0", "1", "2", "3", "4", "5", "6", "7", "8"];
     let motion = |(nth, name): (u8, &'static str)| {
         let nth = f32::from(nth);

@@ -11,7 +11,7 @@ use super::{ControlScene, plans};
 use crate::Rng;
 use crate::conformance::plans::member;
 use crate::oracle::OracleStage;
-use crate::scenes::Scene;
+use crate::scenes::{Scene, body};
 
 /// Members with controls in a check.
 const MEMBERS: usize = 24;
@@ -166,7 +166,7 @@ fn user_stages() -> [(Option<UserStage>, OracleStage); 2] {
 }
 
 /// Checks members attached to joints of others, three deep, that constraints and overrides move,
-/// and looks at joints of other members as of the frame before.
+/// and looks at joints of other members as of the frame before. Some members have no palette.
 ///
 /// # Panics
 ///
@@ -174,8 +174,9 @@ fn user_stages() -> [(Option<UserStage>, OracleStage); 2] {
 pub fn check_attachments(backend: &mut dyn Backend) {
     let (scene, mut rng) = (Scene::new(), Rng::new(76));
     let mut members = ControlScene::new("attachments", &scene);
+    let bodies = [&plans::BODIES[..], &[body::BARE]].concat();
     for nth in 0..MEMBERS {
-        let body = plans::BODIES[nth % plans::BODIES.len()];
+        let body = bodies[nth % bodies.len()];
         let skeleton = &scene.bodies[body].skeleton;
         let watched = members.crowd.tables.add_watched();
         let [end] = plans::joints(&mut rng, skeleton, 1)[..] else { unreachable!("one joint") };
@@ -206,24 +207,92 @@ pub fn check_attachments(backend: &mut dyn Backend) {
 ///
 /// If the backend is wrong.
 pub fn check_root_motion(backend: &mut dyn Backend) {
-    let (mut scene, mut rng) = (Scene::new(), Rng::new(77));
-    let from_root = MotionSettings { from: MotionSource::Root, turns: true, rises: true };
-    for clip in scene.clips.iter_mut().skip(1) {
-        clip.clip = clip.clip.with_root_motion(&from_root).unwrap_or_else(|_| clip.clip.clone());
-    }
-    let moving = scene.clips.iter().filter(|clip| clip.clip.root_motion().is_some()).count();
-    assert!(moving > 5, "only {moving} clips move the body");
+    let (scene, mut rng) = (moving(Scene::new(), 1, 6), Rng::new(77));
     let mut members = ControlScene::new("root motion", &scene);
     let clips: Vec<usize> = (0..scene.clips.len()).collect();
     for nth in 0..MEMBERS {
         let body = plans::BODIES[nth % plans::BODIES.len()];
         let mut plan = member(&mut rng, &scene, body, &clips, 3);
         plans::change_within_frames(&mut rng, &mut plan);
-        let epoch = u32::try_from(nth).expect("few members") + 1;
-        let controls = Controls { motion: Some(epoch), ..Controls::default() };
-        members.add_plan(&mut rng, plan, controls);
+        members.add_plan(&mut rng, plan, moved_by_clips(nth));
     }
     members.judge(backend);
+}
+
+/// Checks root motion while clips replace each other by inertialization, some before the last
+/// transition has ended, and on layers.
+///
+/// # Panics
+///
+/// If the backend is wrong.
+pub fn check_motion_transitions(backend: &mut dyn Backend) {
+    let scene = moving(Scene::new(), 0, 6);
+    let clips: Vec<usize> = (0..scene.clips.len()).collect();
+    judge_transitions(backend, "root motion in transitions", &scene, |_| clips.clone());
+}
+
+/// Checks root motion by clips of other bodies, which is scaled to the member's legs, alone and in
+/// transitions between clips of different bodies.
+///
+/// # Panics
+///
+/// If the backend is wrong.
+pub fn check_motion_of_others(backend: &mut dyn Backend) {
+    let scene = moving(Scene::of_humanoids(), 0, 4);
+    judge_transitions(backend, "root motion of other bodies", &scene, |body| {
+        (0..scene.clips.len()).filter(|clip| scene.clips[*clip].body != body).collect()
+    });
+}
+
+/// Takes the motion of roots out of all clips from the `first` on, of which at least `least` must
+/// have some.
+fn moving(mut scene: Scene, first: usize, least: usize) -> Scene {
+    let from_root = MotionSettings { from: MotionSource::Root, turns: true, rises: true };
+    for clip in scene.clips.iter_mut().skip(first) {
+        clip.clip = clip.clip.with_root_motion(&from_root).unwrap_or_else(|_| clip.clip.clone());
+    }
+    let count = scene.clips.iter().filter(|clip| clip.clip.root_motion().is_some()).count();
+    assert!(count >= least, "only {count} clips move the body");
+    scene
+}
+
+fn moved_by_clips(nth: usize) -> Controls {
+    let epoch = u32::try_from(nth).expect("few members") + 1;
+    Controls { motion: Some(epoch), ..Controls::default() }
+}
+
+/// Judges members that go over to another clip of `clips` of their body in some frames, each at a
+/// tick within the frame.
+fn judge_transitions(
+    backend: &mut dyn Backend,
+    name: &'static str,
+    scene: &Scene,
+    clips: impl Fn(usize) -> Vec<usize>,
+) {
+    // A clip on each of two layers, and three transitions.
+    const SLOTS: usize = 8;
+    let mut rng = Rng::new(78);
+    let mut members = ControlScene::with_slots(name, scene, SLOTS);
+    for nth in 0..MEMBERS {
+        let body = nth % scene.bodies.len();
+        let layers = if nth % 3 == 0 { 2 } else { 1 };
+        let plan = plans::travelling(&mut rng, scene, body, &clips(body), layers);
+        members.add_plan(&mut rng, plan, moved_by_clips(nth));
+    }
+    // The first frame gives the velocities that the first transitions keep.
+    members.judge_frames(backend, 7, |members, span| {
+        for at in 0..members.all.len() {
+            let [member, twin] = [members.all[at].member, members.all[at].twin];
+            let mut plan = members.crowd.plan(member).clone();
+            let taken = plan.plays.len() + plan.inertialization.len();
+            if taken + 2 <= SLOTS && rng.chance(0.4) {
+                let clips = clips(plan.body);
+                plans::inertialize(&mut rng, &mut plan, &clips, span);
+                members.crowd.set_plan(member, plan.clone());
+                members.crowd.set_plan(twin, plan);
+            }
+        }
+    });
 }
 
 /// Attaches a member to a joint of the one before it in the list.

@@ -2,13 +2,16 @@
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Target;
-use populace_device::{Chain, Constraint, Gaze, GazeLimits, JointOverride, Limb, Place, Space};
+use populace_device::{
+    Chain, Constraint, Gaze, GazeLimits, JointOverride, LayerMode, Limb, Place, Space,
+};
 use populace_model::convert::single;
 use populace_model::{JointIndex, Skeleton, Trs};
 
+use crate::conformance::plans::mask;
 use crate::oracle::{Timing, Weighting};
-use crate::scenes::body;
-use crate::{MemberPlan, Rng};
+use crate::scenes::{Scene, body};
+use crate::{Inertialization, LayerPlan, MemberPlan, Play, Rng};
 
 /// Bodies with chains that are long enough.
 pub(super) const BODIES: [usize; 4] = [body::SMALL, body::TWO_ROOTS, body::SCALED, body::LARGE];
@@ -131,6 +134,59 @@ pub(super) fn change_within_frames(rng: &mut Rng, plan: &mut MemberPlan) {
             };
         }
     }
+}
+
+/// A member with one clip in each of `layers` layers, which replace each other.
+pub(super) fn travelling(
+    rng: &mut Rng,
+    scene: &Scene,
+    body: usize,
+    clips: &[usize],
+    layers: u32,
+) -> MemberPlan {
+    let plays = (0..layers).map(|layer| looping(rng, clips, 0, layer)).collect();
+    let mut plan = MemberPlan::plain(body, plays);
+    for _ in 1..layers {
+        let mask = Some(mask(rng, scene.bodies[body].joints.len()));
+        let weight = single(rng.between(0.2, 1.0));
+        plan.layers.push(LayerPlan { mode: LayerMode::Override, weight, mask });
+    }
+    plan
+}
+
+/// Loops a random clip from a tick on.
+fn looping(rng: &mut Rng, clips: &[usize], start_tick: u64, layer: u32) -> Play {
+    let (phase, speed) = (rng.between(0.0, 1.0), single(rng.between(-1.5, 2.0)));
+    let timing = Timing::Loop { start_tick, phase, speed };
+    let clip = clips[rng.below(clips.len())];
+    Play { clip, timing, weighting: Weighting::Constant(1.0), layer }
+}
+
+/// Cuts the newest clip of a random layer at a tick after `from` and up to `until`, and starts
+/// another with a transition by inertialization.
+pub(super) fn inertialize(
+    rng: &mut Rng,
+    plan: &mut MemberPlan,
+    clips: &[usize],
+    [from, until]: [u64; 2],
+) {
+    let share = rng.between(0.05, 0.95);
+    let tick = from + (share * (until - from) as f64) as u64;
+    let layer = u32::try_from(rng.below(plan.layers.len())).expect("few layers");
+    let of_layer = plan.plays.iter_mut().rev().find(|play| play.layer == layer);
+    let outgoing = of_layer.expect("each layer plays a clip");
+    let held = *outgoing;
+    outgoing.weighting = Weighting::Ramp { tick, from: 1.0, to: 0.0, secs: 0.0 };
+    let incoming = looping(rng, clips, tick, layer);
+    plan.plays.push(incoming);
+    plan.inertialization.push(Inertialization {
+        outgoing: held,
+        incoming,
+        tick,
+        ticks: ticks_from_secs(rng.between(0.05, 0.2)),
+        share: 1.0,
+        share_per_sec: 0.0,
+    });
 }
 
 /// A transform that a host might give.
