@@ -5,7 +5,8 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-long soak conformance gpu-budget setup setup-tests lint doc release
+.PHONY: demo test test-long native-faults fuzz soak conformance gpu-budget setup setup-tests
+.PHONY: lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail. Says at its end
 # how many tests passed, and how many checks on how many devices they ran.
@@ -17,6 +18,14 @@ test:
 test-long:
 	cargo test -p populace-opencl --lib faults -- --ignored
 	cargo test -p populace --test device_faults -- --ignored
+
+# Single faults in the Rust text of stages, in a copy of the workspace: each must be noticed.
+native-faults:
+	python3 -B scripts/native-faults.py
+
+# All fuzz targets, TIME seconds each. Needs the nightly toolchain and cargo-fuzz.
+fuzz:
+	python3 -B scripts/fuzz.py $(or $(TIME),60)
 
 # An OpenCL driver for the CPU, EGL and Mesa's software driver, as root or with sudo.
 setup:

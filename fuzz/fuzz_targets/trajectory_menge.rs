@@ -1,9 +1,7 @@
 //! Feeds arbitrary bytes to the reader of Menge's trajectories, which must return a recording or an
 //! error that says what is wrong. It must never panic, hang or exhaust memory.
 //!
-//! Run with `cargo +nightly fuzz run trajectory_menge`. The seeds are also ordinary tests, in
-//! `crates/populace-trajectory/tests/text/mutations.rs`. To write them to the corpus, run
-//! `POPULACE_WRITE_SEEDS=fuzz/corpus/trajectory_menge cargo test -p populace-trajectory menge_seeds`.
+//! Seeds, which are also ordinary tests: `crates/populace-trajectory/tests/text/mutations.rs`.
 #![no_main]
 
 use std::path::Path;

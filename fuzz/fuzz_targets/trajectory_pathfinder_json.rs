@@ -1,9 +1,7 @@
 //! Feeds arbitrary bytes to the reader of Pathfinder's JSON, which must return a recording or an
 //! error that says what is wrong. It must never panic, hang or exhaust memory.
 //!
-//! Run with `cargo +nightly fuzz run trajectory_pathfinder_json`. The seeds are also ordinary tests, in
-//! `crates/populace-trajectory/tests/simulations/mutations.rs`. To write them to the corpora, run
-//! `POPULACE_WRITE_SEEDS=fuzz/corpus cargo test -p populace-trajectory simulation_seeds`.
+//! Seeds, which are also ordinary tests: `crates/populace-trajectory/tests/simulations/mutations.rs`.
 #![no_main]
 
 use std::path::Path;

@@ -2,8 +2,7 @@
 //! return a recording or an error that says what is wrong. It must never panic, hang or exhaust
 //! memory.
 //!
-//! Run with `cargo +nightly fuzz run trajectory_recognised`. The seeds are those of the other
-//! targets of trajectories.
+//! Seeds are those of the other targets of trajectories.
 #![no_main]
 
 use std::path::Path;

@@ -1,9 +1,7 @@
 //! Feeds arbitrary bytes to the readers of trajectories in text, which must return a recording or
 //! an error that says what is wrong. They must never panic, hang or exhaust memory.
 //!
-//! Run with `cargo +nightly fuzz run trajectory_text`. The seeds are also ordinary tests, in
-//! `crates/populace-trajectory/tests/text/mutations.rs`. To write them to the corpus, run
-//! `POPULACE_WRITE_SEEDS=fuzz/corpus/trajectory_text cargo test -p populace-trajectory text_seeds`.
+//! Seeds, which are also ordinary tests: `crates/populace-trajectory/tests/text/mutations.rs`.
 #![no_main]
 
 use std::path::Path;

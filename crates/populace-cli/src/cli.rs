@@ -11,6 +11,7 @@ mod values;
 #[cfg(feature = "viewer")]
 mod view;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -39,10 +40,18 @@ pub(crate) struct Cli {
     pub(crate) command: Command,
 }
 
-/// Parses the arguments. Wrong usage, `--help` and `--version` end the program here.
+/// Parses the arguments of the process. Wrong usage, `--help` and `--version` end the program here.
 pub(crate) fn parse() -> Cli {
-    let matches = command().get_matches();
-    Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
+    try_parse(std::env::args_os()).unwrap_or_else(|error| error.exit())
+}
+
+/// Parses arguments, of which the first is the name of the program. The error may be a text that
+/// was asked for, such as that of `--help`.
+pub(crate) fn try_parse<T: Into<OsString> + Clone>(
+    arguments: impl IntoIterator<Item = T>,
+) -> Result<Cli, clap::Error> {
+    let matches = command().try_get_matches_from(arguments)?;
+    Cli::from_arg_matches(&matches).map_err(|error| error.format(&mut command()))
 }
 
 /// Returns the command line. A negative number after an option is its value, so that the message
@@ -353,7 +362,7 @@ pub(crate) struct DevicesArgs {
 #[derive(Args, Debug)]
 pub(crate) struct AbsentArgs {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-    all: Vec<std::ffi::OsString>,
+    all: Vec<OsString>,
 }
 
 #[cfg(test)]
@@ -363,6 +372,31 @@ mod tests {
     #[test]
     fn command_line_is_consistent() {
         command().debug_assert();
+    }
+
+    /// Command lines, one argument in a line.
+    const LINES: [&str; 12] = [
+        "demo\n--members\n200\n--frames\n60..61\n--out\nstreet.png",
+        "render\n@people\n--members\n1000\n--size\n1280x720\n--out\np.png\n--json\n--detail\n0.5",
+        "render\nknight.glb\n--clip\nwalk\n--root-motion\n--camera\ntop\n--out\nk.png",
+        "render\nk.glb\n--device\nnative:2+opencl:0\n--split\n0.3,0.7\n--out\nk.png",
+        "render\nscene.toml\n--camera\n1,2,3,0,1,0\n--out\nfilm.mp4\n--fps\n24\n--shutter\n180",
+        "render\nwalk.txt\n--format\npetrack\n--data-fps\n2.5\n--trails\n3\n--out\nw.gif",
+        "plan\nscene.toml\n--chunk\n100",
+        "inspect\nwalk.txt\n--unit\ncm\n--heading\nmotion\n--json",
+        "pose\nk.glb\n--slot\nclip=walk,time=0.5,layer=1\n--layer\n1,mask=spine,additive\n\
+         --look-at\n1,2,-3\n--reach\nhand=1,2,3\n--json",
+        "devices\n--json",
+        "cast\n--from\nanny.whl\n--count\n3\n--seed\n7",
+        "film\nframes\n--out\nfilm.mp4\n--fps\n24",
+    ];
+
+    #[test]
+    fn seeds_of_command_lines_are_parsed() {
+        for (nth, line) in LINES.into_iter().enumerate() {
+            crate::fuzz_seeds::write("command_lines", &nth.to_string(), line.as_bytes());
+            assert_eq!(crate::check_command_line(line.lines()), Ok(()), "{line}");
+        }
     }
 
     #[cfg(not(feature = "bench"))]

@@ -22,6 +22,9 @@ count = 20
 does.stroll = { speed = 1.2 }
 ";
 
+#[path = "../../../fuzz/seeds.rs"]
+mod fuzz_seeds;
+
 #[track_caller]
 fn refused(text: &str, line: usize, words: &str) {
     let error = ScenePlan::parse(text).expect_err("a refusal");
@@ -35,11 +38,13 @@ fn a_street_is_written_and_read_again() {
     let text = plan.to_toml().unwrap();
     assert_eq!(ScenePlan::parse(&text).unwrap(), plan);
     assert!(text.starts_with("schema = 1\n"), "{text}");
+    fuzz_seeds::write("scene_file", "street", text.as_bytes());
 }
 
 #[test]
 fn a_small_file_is_read() {
     let plan = ScenePlan::parse(GOOD).unwrap();
+    fuzz_seeds::write("scene_file", "small", GOOD.as_bytes());
     assert_eq!(plan.member_count(), 20);
     assert_eq!(plan.light.sky, "day", "what is left out has its default");
 }

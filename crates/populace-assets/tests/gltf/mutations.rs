@@ -5,6 +5,9 @@ use populace_assets::load_from_slice;
 use super::builder::{File, rigid, skinned};
 use super::loaded;
 
+#[path = "../../../../fuzz/seeds.rs"]
+mod fuzz_seeds;
+
 fn seeds() -> [File; 2] {
     let mut sparse = skinned();
     let indices = sparse.view(&[0, 2]);
@@ -17,21 +20,12 @@ fn seeds() -> [File; 2] {
     [rigid(), sparse]
 }
 
-/// Writes the seeds to the folder in `POPULACE_WRITE_SEEDS`, if set, as a corpus for the fuzz
-/// target.
 #[test]
 fn seeds_load_and_can_be_written() {
-    let folder = std::env::var_os("POPULACE_WRITE_SEEDS");
     for (index, file) in seeds().into_iter().enumerate() {
         for (kind, bytes) in [("glb", file.glb()), ("gltf", file.gltf())] {
             assert!(!loaded(&bytes).character.parts.is_empty());
-            if let Some(folder) = &folder {
-                // The variable is relative to the workspace, while tests run in the crate's folder.
-                let folder =
-                    std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
-                std::fs::create_dir_all(&folder).unwrap();
-                std::fs::write(folder.join(format!("seed-{index}.{kind}")), bytes).unwrap();
-            }
+            fuzz_seeds::write("gltf", &format!("{index}.{kind}"), &bytes);
         }
     }
 }

@@ -55,14 +55,15 @@ impl Keys {
         Self(camera.keys.iter().map(key).collect())
     }
 
-    /// Reads a file. Errors name the line.
+    /// Reads a file. Errors name it and the line.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let named = |reason: String| format!("{}: {reason}", path.display());
         let text = std::fs::read_to_string(path).map_err(|error| named(error.to_string()))?;
         Self::parse(&text).map_err(named)
     }
 
-    fn parse(text: &str) -> Result<Self, String> {
+    /// Reads the text of a file. Errors name the line.
+    pub(crate) fn parse(text: &str) -> Result<Self, String> {
         let at_line = |span: Range<usize>, message: &str| {
             let before = text.get(..span.start).unwrap_or(text);
             format!("line {}: {message}", before.matches('\n').count() + 1)
@@ -172,6 +173,12 @@ mod tests {
         from = [5, 2, 8]\n\
         to = [0, 1, 0]\n\
         fov = 30\n";
+
+    #[test]
+    fn seed_of_camera_files_is_read() {
+        crate::fuzz_seeds::write("camera_file", "path", FILE.as_bytes());
+        assert_eq!(crate::check_camera_file(FILE), Ok(()));
+    }
 
     #[test]
     fn cameras_pass_through_their_keys_smoothly() {

@@ -11,10 +11,17 @@
 //! `--soak-minutes 60` keeps two large crowds on different devices alive instead (`soak.rs`).
 
 mod assets;
+#[path = "../../../populace-assets/tests/gltf/builder.rs"]
+#[allow(dead_code, reason = "only some of its files are needed here")]
+mod builder;
+mod builders;
 mod calls;
 mod controls;
 mod draw;
 mod fixture;
+#[path = "../../../../fuzz/seeds.rs"]
+mod fuzz_seeds;
+mod imported;
 mod long;
 mod reads;
 mod sequence;
@@ -49,8 +56,31 @@ fn main() -> ExitCode {
         let trial = Trial::test(format!("sequences: {}", setup.name), move || check(&setup));
         trial.with_ignored_flag(is_skipped)
     });
-    let soak = Trial::test("soak: a small crowd", soak::check_small);
-    libtest_mimic::run(&arguments, trials.chain([soak]).collect()).exit_code()
+    let others = [
+        Trial::test("soak: a small crowd", soak::check_small),
+        Trial::test("builders: random bytes", builders::check_random),
+        Trial::test("imported: changed bytes", imported::check_mutations),
+        Trial::test("seeds: sequences from bytes", check_seeds),
+    ];
+    libtest_mimic::run(&arguments, trials.chain(others).collect()).exit_code()
+}
+
+/// Writes seeds of the fuzz targets that share code with this test. Sequences must be the same after
+/// they are read again.
+fn check_seeds() -> Result<(), libtest_mimic::Failed> {
+    for seed in 0..8 {
+        let sequence = Sequence::new(seed, CALLS / 10);
+        let bytes = sequence.to_bytes();
+        if Sequence::from_bytes(&bytes).to_bytes() != bytes {
+            return Err(format!("sequence {seed} changes when it is read").into());
+        }
+        fuzz_seeds::write("calls", &seed.to_string(), &bytes);
+        fuzz_seeds::write("builders", &seed.to_string(), &bytes);
+    }
+    for (nth, bytes) in imported::seeds().iter().enumerate() {
+        fuzz_seeds::write("gltf_evaluate", &nth.to_string(), bytes);
+    }
+    Ok(())
 }
 
 fn check(setup: &Setup) -> Result<(), libtest_mimic::Failed> {

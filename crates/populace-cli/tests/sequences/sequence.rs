@@ -38,6 +38,30 @@ impl Sequence {
         Self { seed, calls, slots: 1 + rng.below(8), odd: seed % 3 == 2 }
     }
 
+    /// Reads a sequence: a byte for the slots and for unusual numbers, and 9 bytes for each call.
+    pub(crate) fn from_bytes(bytes: &[u8]) -> Self {
+        let (first, calls) =
+            bytes.split_first().map_or((0, bytes), |(first, calls)| (*first, calls));
+        let call = |[kind, seed @ ..]: &[u8; 9]| Call {
+            kind: ALL[usize::from(*kind) % ALL.len()].0,
+            seed: u64::from_le_bytes(*seed),
+        };
+        let calls = calls.as_chunks().0.iter().map(call).collect();
+        Self { seed: 0, calls, slots: 1 + usize::from(first / 2) % 8, odd: first % 2 == 1 }
+    }
+
+    /// Returns the bytes from which [`from_bytes`](Self::from_bytes) reads the sequence.
+    pub(crate) fn to_bytes(&self) -> Vec<u8> {
+        let kind = |kind: CallKind| ALL.iter().position(|(other, _)| *other == kind);
+        let call = |call: &Call| {
+            let kind = kind(call.kind).and_then(|at| u8::try_from(at).ok()).unwrap_or_default();
+            [&[kind][..], &call.seed.to_le_bytes()].concat()
+        };
+        let first = 2 * (self.slots - 1) + usize::from(self.odd);
+        let first = u8::try_from(first).expect("at most eight slots");
+        [vec![first], self.calls.iter().flat_map(call).collect()].concat()
+    }
+
     /// Makes the calls on two crowds and compares them. The error describes the fault.
     pub(crate) fn run(&self, setup: &Setup) -> Result<(), String> {
         catch_unwind(AssertUnwindSafe(|| self.compare(setup))).unwrap_or_else(|panic| {

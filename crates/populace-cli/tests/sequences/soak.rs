@@ -20,10 +20,10 @@ use crate::world::{Outcome, World};
 /// The flag of a soak; its value is the time in minutes.
 pub(crate) const FLAG: &str = "--soak-minutes";
 
-/// Memory may be larger by this share than it was at first: in the first minute, and until clips
-/// have been removed and most members have been replaced.
+/// Memory may be larger by this share than it was at first: in the first minute, and in ten lives of
+/// members.
 const GROWTH: f64 = 0.01;
-const FIRST_FRAMES: usize = 300;
+const FIRST_FRAMES: usize = 3000;
 const SLOTS: usize = 8;
 const STEP_SECS: f32 = 1.0 / 60.0;
 /// Members live for about this many frames, and get this many calls in their life.

@@ -1,10 +1,13 @@
 //! Small good files with bytes changed or cut off must be read or refused, never more.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use populace_trajectory::{Format, ReadSettings, parse};
 use proptest::prelude::*;
 use proptest::sample::Index;
+
+#[path = "../../../../fuzz/seeds.rs"]
+mod fuzz_seeds;
 
 /// Good files of all families that these tests write.
 fn seeds() -> Vec<(Format, Vec<u8>)> {
@@ -41,20 +44,12 @@ fn survives(format: Format, bytes: Vec<u8>) {
     }
 }
 
-/// The folder of `POPULACE_WRITE_SEEDS`, relative to the workspace, in which each fuzz target has a
-/// corpus.
-fn corpora() -> Option<PathBuf> {
-    let folder = std::env::var_os("POPULACE_WRITE_SEEDS")?;
-    Some(Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder))
-}
-
 #[test]
 fn simulation_seeds_can_be_read_and_written() {
     for (index, (format, bytes)) in seeds().into_iter().enumerate() {
-        if let Some(folder) = corpora() {
-            let folder = folder.join(format!("trajectory_{}", format.name().replace('-', "_")));
-            std::fs::create_dir_all(&folder).expect("a folder");
-            std::fs::write(folder.join(index.to_string()), &bytes).expect("a file");
+        let own = format!("trajectory_{}", format.name().replace('-', "_"));
+        for target in [&own, "trajectory_recognised"] {
+            fuzz_seeds::write(target, &format!("{index}.{}", format.name()), &bytes);
         }
         let settings = ReadSettings::default();
         let recording = parse(Path::new("file"), bytes, &settings).expect("a good file");

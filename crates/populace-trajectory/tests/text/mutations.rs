@@ -7,6 +7,9 @@ use proptest::prelude::*;
 
 use super::fixtures;
 
+#[path = "../../../../fuzz/seeds.rs"]
+mod fuzz_seeds;
+
 /// Reads bytes as what they seem to be, and as a format. What is refused must say why.
 fn survives(bytes: &[u8], format: Format) {
     for format in [None, Some(format)] {
@@ -33,29 +36,15 @@ fn survives(bytes: &[u8], format: Format) {
     }
 }
 
-/// Writes seeds to the folder in `POPULACE_WRITE_SEEDS`, if set, as a corpus for a fuzz target.
-fn write(seeds: impl Iterator<Item = fixtures::Fixture>) {
-    let folder = std::env::var_os("POPULACE_WRITE_SEEDS");
-    for (index, seed) in seeds.enumerate() {
+#[test]
+fn seeds_load_and_can_be_written() {
+    for (index, seed) in fixtures::all().into_iter().enumerate() {
         survives(&seed.bytes, seed.format);
-        if let Some(folder) = &folder {
-            // The variable is relative to the workspace, while tests run in the crate's folder.
-            let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(folder);
-            std::fs::create_dir_all(&folder).expect("a folder");
-            std::fs::write(folder.join(format!("{index}-{}", seed.name)), seed.bytes)
-                .expect("a file");
+        let own = if seed.format == Format::Menge { "trajectory_menge" } else { "trajectory_text" };
+        for target in [own, "trajectory_recognised"] {
+            fuzz_seeds::write(target, &format!("{index}-{}", seed.name), &seed.bytes);
         }
     }
-}
-
-#[test]
-fn text_seeds_load_and_can_be_written() {
-    write(fixtures::all().into_iter().filter(|seed| seed.format != Format::Menge));
-}
-
-#[test]
-fn menge_seeds_load_and_can_be_written() {
-    write(fixtures::all().into_iter().filter(|seed| seed.format == Format::Menge));
 }
 
 #[test]

@@ -170,8 +170,8 @@ pub(super) fn inertialize(
     clips: &[usize],
     [from, until]: [u64; 2],
 ) {
-    let share = rng.between(0.05, 0.95);
-    let tick = from + (share * (until - from) as f64) as u64;
+    let length = usize::try_from(until - from).expect("a short frame");
+    let tick = until - rng.below(length) as u64;
     let layer = u32::try_from(rng.below(plan.layers.len())).expect("few layers");
     let of_layer = plan.plays.iter_mut().rev().find(|play| play.layer == layer);
     let outgoing = of_layer.expect("each layer plays a clip");
