@@ -63,7 +63,8 @@ pub fn main() -> ExitCode {
     }
 }
 
-/// Parses the arguments after the program's name, and runs nothing. The error is what the program would print.
+/// Parses the arguments after the program's name, and runs nothing. The error is what the program
+/// would print.
 ///
 /// # Errors
 ///
@@ -73,8 +74,8 @@ pub fn check_command_line<'a>(arguments: impl IntoIterator<Item = &'a str>) -> R
     parsed.map(drop).map_err(|error| error.to_string())
 }
 
-/// Reads the text of a file of camera positions (`--camera-keys`). The error is what the program
-/// would print.
+/// Reads the text of a file of camera positions (`--camera PATH.toml`). The error is what the
+/// program would print.
 ///
 /// # Errors
 ///
