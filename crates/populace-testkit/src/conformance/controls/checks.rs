@@ -34,7 +34,8 @@ fn check_random(
 }
 
 /// Checks look-at over chains of one to six joints, with random shares, limits and targets of all
-/// kinds, before, while and after they ease in.
+/// kinds, before, while and after they ease in. Chains from the root on look at targets in front, and
+/// straight up or down.
 ///
 /// # Panics
 ///
@@ -42,6 +43,10 @@ fn check_random(
 pub fn check_gaze(backend: &mut dyn Backend) {
     check_random("gaze", backend, 71, |rng, skeleton| Controls {
         constraints: vec![plans::gaze(rng, skeleton)],
+        ..Controls::default()
+    });
+    check_random("gaze from the root", backend, 76, |rng, skeleton| Controls {
+        constraints: vec![plans::gaze_from_root(rng, skeleton)],
         ..Controls::default()
     });
 }

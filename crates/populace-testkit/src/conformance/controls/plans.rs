@@ -1,5 +1,6 @@
 //! Random controls.
 
+use glam::DVec3;
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Target;
 use populace_device::{
@@ -52,6 +53,11 @@ fn target(rng: &mut Rng) -> Target {
         1 => Target::in_world(point),
         _ => Target::direction(point),
     };
+    eased(rng, target)
+}
+
+/// A target whose weight changes before, while or after the frames of a check.
+fn eased(rng: &mut Rng, target: Target) -> Target {
     let (from, to) = (single(rng.between(0.0, 1.0)), single(rng.between(0.2, 1.0)));
     let to = if rng.chance(0.4) { 1.0 } else { to };
     let began = ticks_from_secs(rng.between(5.0, 6.2));
@@ -67,12 +73,46 @@ pub(super) fn gaze(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
 /// A gaze of one to six joints, some of which take no part.
 pub(super) fn gaze_at(rng: &mut Rng, skeleton: &Skeleton, targets: Vec<Target>) -> Constraint {
     let joints = run(rng, skeleton, 1, 6);
+    let facing = rng.direction();
+    gaze_of(rng, joints, facing, targets)
+}
+
+/// A gaze from a root on, whose carrier is model space itself. It faces forwards, at one target in
+/// front and within the limits, or at steep directions, up or down.
+pub(super) fn gaze_from_root(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
+    let end = run(rng, skeleton, 1, 1)[0];
+    let mut joints: Vec<_> =
+        std::iter::successors(Some(end), |joint| skeleton.parent(*joint)).collect();
+    joints.reverse();
+    joints.truncate(1 + rng.below(6));
+    let targets = if rng.chance(0.5) {
+        let [x, y, z] = [rng.between(-2.0, 2.0), rng.between(-0.8, 0.8), rng.between(8.0, 12.0)];
+        vec![eased(rng, Target::in_model([x, y, z].map(single)))]
+    } else {
+        let steep = |rng: &mut Rng| {
+            let up = if rng.chance(0.5) { 1.0 } else { -1.0 };
+            let direction = [rng.between(-0.1, 0.1), up, rng.between(-0.1, 0.1)];
+            eased(rng, Target::direction(direction.map(single)))
+        };
+        (0..1 + rng.below(2)).map(|_| steep(rng)).collect()
+    };
+    let facing = DVec3::Z + rng.vector(-0.5, 0.5);
+    gaze_of(rng, joints, facing.normalize(), targets)
+}
+
+/// A gaze of a run of joints with random shares and limits.
+fn gaze_of(
+    rng: &mut Rng,
+    joints: Vec<JointIndex>,
+    facing: DVec3,
+    targets: Vec<Target>,
+) -> Constraint {
     let share = |rng: &mut Rng| if rng.chance(0.2) { 0.0 } else { rng.between(0.1, 1.0) };
     let mut chain: Vec<_> = joints.into_iter().map(|joint| (joint, single(share(rng)))).collect();
     chain.last_mut().expect("at least one joint").1 = 0.4;
     Constraint::Gaze(Gaze {
         chain,
-        facing: rng.direction().to_array().map(single),
+        facing: facing.to_array().map(single),
         limits: GazeLimits {
             yaw_rad: single(rng.between(0.3, 2.2)),
             up_rad: single(rng.between(0.1, 1.3)),
