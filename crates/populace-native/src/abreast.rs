@@ -14,7 +14,6 @@ use populace_model::Affine;
 use populace_model::math::components;
 
 use crate::constraints::{Company, Programs, step_rotations};
-use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
@@ -26,6 +25,7 @@ use crate::playback::Play;
 use crate::rows::Joints;
 use crate::scratch::Scratch;
 use crate::transposition::Square;
+use crate::widths::JointLanes;
 
 /// Components of a local transform: translation, rotation, scale.
 pub(crate) const COMPONENTS: usize = 10;

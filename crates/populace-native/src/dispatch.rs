@@ -9,14 +9,21 @@
 )]
 
 #[cfg(target_arch = "x86_64")]
-use std::arch::x86_64::{__m256, __m512};
+use std::arch::x86_64::{__m128, __m256, __m512};
 
-use crate::corrections::JointLanes;
+#[cfg(not(target_arch = "x86_64"))]
 use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
 use crate::pair::Pair;
 #[cfg(target_arch = "x86_64")]
 use crate::registers::One;
+use crate::widths::JointLanes;
+
+/// Sixteen joints in the registers that every processor of the architecture has.
+#[cfg(target_arch = "x86_64")]
+type Baseline = Pair<Pair<One<__m128>>>;
+#[cfg(not(target_arch = "x86_64"))]
+type Baseline = Lanes;
 
 /// Widest registers that both the processor and this crate support.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -153,7 +160,7 @@ impl Dispatch {
             // AVX-512.
             #[cfg(target_arch = "x86_64")]
             Self::Avx512 if const { is_compiled::<W>(16) } => unsafe { work.run_avx512() },
-            _ => work.run::<Lanes>(),
+            _ => work.run::<Baseline>(),
         }
     }
 

@@ -14,7 +14,6 @@ use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, PoseBlock, Seat};
 use crate::constraints::{Alone, Programs, step_rotations};
-use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
@@ -27,6 +26,7 @@ use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 use crate::transposition::Square;
+use crate::widths::JointLanes;
 
 /// `Float4` elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;

@@ -12,11 +12,12 @@ use populace_device::layout::{ClipRows, InertializationSlot, Slot, SlotSample};
 use populace_device::{SampledState, far_row, row_before};
 use populace_model::math::quat;
 
-use crate::corrections::SampleWidth;
+use crate::joint::Change;
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;
 use crate::rows::Joints;
 use crate::sample::sample_joint;
+use crate::widths::SampleWidth;
 
 /// Returns the sample of one row.
 fn row_of(clip: &ClipRows, row: u32) -> SlotSample {
@@ -42,6 +43,7 @@ struct SampledPoses<R> {
     reference: Local<R>,
 }
 
+#[inline(always)]
 fn sampled_poses<R: SampleWidth>(
     joints: &Joints,
     state: SampledState,
@@ -51,10 +53,14 @@ fn sampled_poses<R: SampleWidth>(
     let bound = &joints.tables.bound_clips().as_slice()[state.bound_clip as usize];
     let clip = &joints.tables.clips().as_slice()[bound.clip as usize];
     let last = clip.row_count - 1;
-    let sample = |at| sample_joint::<R>(joints, bound, &at, rest).normalized();
-    let at = sample(place_of(clip, state.row));
-    let far = sample(row_of(clip, far_row(state.row, last)));
-    SampledPoses { at, far, reference: if additive { sample(row_of(clip, 0)) } else { at } }
+    let rows = [place_of(clip, state.row), row_of(clip, far_row(state.row, last)), row_of(clip, 0)];
+    let mut poses = [*rest; 3];
+    let wanted = if additive { 3 } else { 2 };
+    for (pose, at) in poses.iter_mut().zip(&rows).take(wanted) {
+        *pose = sample_joint::<R>(joints, bound, at, rest).normalized();
+    }
+    let [at, far, start] = poses;
+    SampledPoses { at, far, reference: if additive { start } else { at } }
 }
 
 /// Factors of the four samples. Those of `_step` belong to the step from the instant of the
@@ -93,7 +99,22 @@ fn inertialization_weights<R: SampleWidth>(
     }
 }
 
+/// Returns a component of what is left of a difference, from those of the outgoing and of the
+/// incoming clip, at the instant of the transition and at the far row.
+#[inline(always)]
+fn left_of<R: SampleWidth>(
+    weights: &InertializationWeights<R>,
+    [at, far]: [R; 2],
+    [incoming_at, incoming_far]: [R; 2],
+) -> R {
+    let outgoing = at * weights.outgoing + (far - at) * weights.outgoing_step;
+    let incoming =
+        incoming_at * weights.incoming + (incoming_far - incoming_at) * weights.incoming_step;
+    outgoing - incoming
+}
+
 /// Adds what is left of one slot's difference to a sum.
+#[inline(always)]
 fn add_inertialization<R: SampleWidth>(
     joints: &Joints,
     slot: &InertializationSlot,
@@ -114,53 +135,57 @@ fn add_inertialization<R: SampleWidth>(
         // The difference is applied over the incoming clip, and moves with it.
         (incoming_at, incoming_far) = (at, after(&incoming_far, &at));
     }
-    let all = [at, far, incoming_at, incoming_far].map(|quotient| change(&quotient));
-    let part = |value: fn(&Local<R>, usize) -> R, i: usize| {
-        let [at, far, incoming_at, incoming_far] = [0, 1, 2, 3].map(|k: usize| value(&all[k], i));
-        let outgoing = at * weights.outgoing + (far - at) * weights.outgoing_step;
-        let incoming =
-            incoming_at * weights.incoming + (incoming_far - incoming_at) * weights.incoming_step;
-        outgoing - incoming
-    };
-    sum.t = each3(|i| sum.t[i] + part(|l, i| l.t[i], i));
-    sum.r = [0, 1, 2, 3].map(|i: usize| sum.r[i] + part(|l, i| l.r[i], i));
-    sum.s = each3(|i| sum.s[i] + part(|l, i| l.s[i], i));
+    let (at, far) = (change(&at), change(&far));
+    let (incoming_at, incoming_far) = (change(&incoming_at), change(&incoming_far));
+    for i in 0..3 {
+        let (outgoing, incoming) = ([at.t[i], far.t[i]], [incoming_at.t[i], incoming_far.t[i]]);
+        sum.t[i] = sum.t[i] + left_of(&weights, outgoing, incoming);
+        let (outgoing, incoming) = ([at.s[i], far.s[i]], [incoming_at.s[i], incoming_far.s[i]]);
+        sum.s[i] = sum.s[i] + left_of(&weights, outgoing, incoming);
+    }
+    for i in 0..4 {
+        let (outgoing, incoming) = ([at.r[i], far.r[i]], [incoming_at.r[i], incoming_far.r[i]]);
+        sum.r[i] = sum.r[i] + left_of(&weights, outgoing, incoming);
+    }
 }
 
-/// Adds all inertializations of a layer to its mean, or to its sum of differences if the layer is
+/// The inertializations of a layer, added to its mean, or to its sum of differences if the layer is
 /// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
 /// to the clip that the next one ended.
-#[inline(never)]
-pub(crate) fn inertialize<R: SampleWidth>(
-    joints: &Joints,
-    inertialization: Inertialization,
-    layer: u32,
-    additive: bool,
-    rest: &Local<R>,
-    mut pose: Local<R>,
-) -> Local<R> {
-    let Inertialization { slots, tick } = inertialization;
-    let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
-    let mut earlier = u64::MAX;
-    loop {
-        let starts = slots.iter().filter(of_layer).map(|slot| slot.start_tick);
-        let Some(start) = starts.filter(|start| *start < earlier).max() else {
-            return pose;
-        };
-        let mut sum = Local::zero();
-        let now = slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start);
-        for slot in now.filter_map(Slot::as_inertialization) {
-            add_inertialization(joints, slot, tick, additive, rest, &mut sum);
-        }
-        pose = if additive {
-            Local {
-                t: each3(|i| pose.t[i] + sum.t[i]),
-                r: quat::add(pose.r, sum.r),
-                s: each3(|i| pose.s[i] + sum.s[i]),
+pub(crate) struct Inertialize<'a> {
+    pub(crate) joints: &'a Joints<'a>,
+    pub(crate) inertialization: Inertialization<'a>,
+    pub(crate) layer: u32,
+    pub(crate) additive: bool,
+}
+
+impl Change for Inertialize<'_> {
+    #[inline(always)]
+    fn changed<R: SampleWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+        let Self { joints, inertialization: Inertialization { slots, tick }, layer, additive } =
+            *self;
+        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
+        let mut earlier = u64::MAX;
+        loop {
+            let starts = slots.iter().filter(of_layer).map(|slot| slot.start_tick);
+            let Some(start) = starts.filter(|start| *start < earlier).max() else {
+                return pose;
+            };
+            let mut sum = Local::zero();
+            let now = slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start);
+            for slot in now.filter_map(Slot::as_inertialization) {
+                add_inertialization(joints, slot, tick, additive, rest, &mut sum);
             }
-        } else {
-            add_layer(&pose, &sum, R::splat(1.0))
-        };
-        earlier = start;
+            pose = if additive {
+                Local {
+                    t: each3(|i| pose.t[i] + sum.t[i]),
+                    r: quat::add(pose.r, sum.r),
+                    s: each3(|i| pose.s[i] + sum.s[i]),
+                }
+            } else {
+                add_layer(&pose, &sum, R::splat(1.0))
+            };
+            earlier = start;
+        }
     }
 }

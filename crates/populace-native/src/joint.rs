@@ -9,10 +9,9 @@ use populace_device::layout::{
 };
 use populace_model::math::{Real, quat};
 
-use crate::corrections::{JointLanes, SampleWidth};
 use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
-use crate::inertialize::inertialize;
+use crate::inertialize::Inertialize;
 use crate::lanes::{Lanes, Width};
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::members::control_of;
@@ -20,6 +19,7 @@ use crate::playback::{Inertialization, Play, Playing};
 use crate::rows::{Joints, load_quat, load_vec3};
 use crate::sample::sample_joint;
 use crate::stages::stage_locals;
+use crate::widths::{JointLanes, SampleWidth};
 
 /// Weighted sum over a layer's slots.
 struct Sum<R> {
@@ -99,38 +99,60 @@ impl<'a> Play<'a> {
     }
 }
 
-/// A width that poses are computed in.
-pub(crate) trait PoseWidth: SampleWidth + Width {
-    /// Calls [`Posing::lay_over`] without inlining it: few members have layers, and the path of the
-    /// others must not pay for the registers of this one.
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>);
+/// A width in memory that changes rare among members are applied in. They are compiled apart from
+/// the path that every member takes, which must not pay for their registers.
+pub(crate) trait PoseWidth: SampleWidth<Stored = Self> + Width {
+    /// Applies a change to a pose.
+    fn apply<C: Change>(change: &C, dispatch: Dispatch, rest: &Local<Self>, pose: &mut Local<Self>);
+}
+
+/// A change of a pose.
+pub(crate) trait Change {
+    /// Returns the changed pose. Must be `#[inline(always)]`, as [`Work::run`] must be.
+    fn changed<R: SampleWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R>;
 }
 
 impl PoseWidth for f32 {
     #[inline(never)]
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
-        posing.lay_over(rest, pose);
+    fn apply<C: Change>(change: &C, _: Dispatch, rest: &Local<Self>, pose: &mut Local<Self>) {
+        *pose = change.changed(rest, *pose);
     }
 }
 
 impl PoseWidth for Lanes {
     #[inline(always)]
-    fn lay_over(posing: &Posing, rest: &Local<Self>, pose: &mut Local<Self>) {
-        posing.dispatch.run(LayOver { posing, rest, pose });
+    fn apply<C: Change>(
+        change: &C,
+        dispatch: Dispatch,
+        rest: &Local<Self>,
+        pose: &mut Local<Self>,
+    ) {
+        dispatch.run(ChangeJoints { change, rest, pose });
     }
 }
 
-/// Call of [`Posing::lay_over`] for sixteen joints.
-struct LayOver<'a, 'b> {
-    posing: &'a Posing<'b>,
+/// A [`Change`] of sixteen joints.
+struct ChangeJoints<'a, C> {
+    change: &'a C,
     rest: &'a Local<Lanes>,
     pose: &'a mut Local<Lanes>,
 }
 
-impl Work for LayOver<'_, '_> {
+impl<C: Change> Work for ChangeJoints<'_, C> {
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        self.posing.lay_over(self.rest, self.pose);
+        let (rest, pose) = (Local::<J>::loaded(*self.rest), Local::loaded(*self.pose));
+        *self.pose = self.change.changed(&rest, pose).stored();
+    }
+}
+
+/// The layers above 0, laid over the pose of those beneath.
+struct LayOver<'a, 'b>(&'a Posing<'b>);
+
+impl Change for LayOver<'_, '_> {
+    #[inline(always)]
+    fn changed<R: SampleWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R> {
+        self.0.lay_over(rest, pose)
     }
 }
 
@@ -173,9 +195,9 @@ impl Posing<'_> {
         sum
     }
 
-    /// Applies the layers above 0 to the pose of those beneath. Called by [`PoseWidth::lay_over`].
+    /// Applies the layers above 0 to the pose of those beneath. Called by [`LayOver`].
     #[inline(always)]
-    fn lay_over<R: PoseWidth>(&self, rest: &Local<R>, pose: &mut Local<R>) {
+    fn lay_over<R: SampleWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
@@ -193,19 +215,36 @@ impl Posing<'_> {
             }
             let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
             if !self.inertialization.slots.is_empty() {
-                own = inertialize(&self.joints, self.inertialization, index, additive, rest, own);
+                let mut stored = own.stored();
+                self.inertialize(index, additive, &rest.stored(), &mut stored);
+                own = Local::loaded(stored);
             }
             let above = if additive {
-                add_layer(pose, &own, weight)
+                add_layer(&pose, &own, weight)
             } else {
-                mix_layer(pose, &own, sum.total, weight, rest)
+                mix_layer(&pose, &own, sum.total, weight, rest)
             };
-            *pose = Local {
+            pose = Local {
                 t: each3(|i| R::choose(laid, above.t[i], pose.t[i])),
                 r: quat::choose(laid, above.r, pose.r),
                 s: each3(|i| R::choose(laid, above.s[i], pose.s[i])),
             };
         }
+        pose
+    }
+
+    /// Adds the inertializations of a layer to its mean or to its sum of differences.
+    #[inline(always)]
+    fn inertialize<R: PoseWidth>(
+        &self,
+        layer: u32,
+        additive: bool,
+        rest: &Local<R>,
+        pose: &mut Local<R>,
+    ) {
+        let (joints, inertialization) = (&self.joints, self.inertialization);
+        let change = Inertialize { joints, inertialization, layer, additive };
+        R::apply(&change, self.dispatch, rest, pose);
     }
 
     /// Applies the member's bone-length scaling, overrides in local space, and user stages.
@@ -273,14 +312,12 @@ impl Posing<'_> {
 
     /// Applies all but the slots of layer 0.
     #[inline(always)]
-    fn change_pose<R: PoseWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R> {
-        let mut pose = if self.inertialization.slots.is_empty() {
-            pose
-        } else {
-            inertialize(&self.joints, self.inertialization, 0, false, rest, pose)
-        };
+    fn change_pose<R: PoseWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+        if !self.inertialization.slots.is_empty() {
+            self.inertialize(0, false, rest, &mut pose);
+        }
         if self.layers.len() > 1 {
-            R::lay_over(self, rest, &mut pose);
+            R::apply(&LayOver(self), self.dispatch, rest, &mut pose);
         }
         match self.control {
             Some(control) if is_adjusted(control) => self.adjust(control, pose),
@@ -300,20 +337,9 @@ impl Posing<'_> {
     pub(crate) fn pose_block<J: JointLanes>(&self) -> Local<Lanes> {
         let (rest, pose) = self.pose_base::<J>();
         if self.is_changed() {
-            self.change_pose(&lanes_of(rest), lanes_of(pose))
+            self.change_pose(&rest.stored(), pose.stored())
         } else {
-            lanes_of(pose)
+            pose.stored()
         }
-    }
-}
-
-/// Stores local transforms.
-#[inline(always)]
-fn lanes_of<J: JointLanes>(pose: Local<J>) -> Local<Lanes> {
-    let Local { t: [tx, ty, tz], r: [rx, ry, rz, rw], s: [sx, sy, sz] } = pose;
-    Local {
-        t: [tx.to_lanes(), ty.to_lanes(), tz.to_lanes()],
-        r: [rx.to_lanes(), ry.to_lanes(), rz.to_lanes(), rw.to_lanes()],
-        s: [sx.to_lanes(), sy.to_lanes(), sz.to_lanes()],
     }
 }

@@ -31,31 +31,26 @@ pub(crate) trait Load: Real {
     fn load(from: &[f32]) -> Self;
 }
 
-/// A number of members computed together: one, or as many as a register has lanes.
+/// A number of lanes computed together, such as one for each member.
 pub(crate) trait Members: Load {
-    /// Members computed together.
+    /// Lanes computed together.
     const COUNT: usize;
 
-    /// Stores a float for each member to the start of a slice.
+    /// Stores a float for each lane to the start of a slice.
     fn store(self, to: &mut [f32]);
 
-    /// Returns whether any member is chosen.
+    /// Returns whether any lane is chosen.
     fn any(which: Self::Choice) -> bool;
 }
 
-/// A number of joints computed together: one, or the sixteen of a block.
-pub(crate) trait Width: Load {
-    /// Joints computed together.
-    const COUNT: usize;
-
+/// A number of joints computed together, each of which can be told from the others: one, or the
+/// sixteen of a block.
+pub(crate) trait Width: Members {
     /// Returns one lane.
     fn lane(self, lane: usize) -> f32;
 
     /// Chooses one lane.
     fn only(lane: usize) -> Self::Choice;
-
-    /// Returns whether any lane is chosen.
-    fn any(which: Self::Choice) -> bool;
 }
 
 impl Load for f32 {
@@ -80,8 +75,6 @@ impl Members for f32 {
 }
 
 impl Width for f32 {
-    const COUNT: usize = 1;
-
     #[inline(always)]
     fn lane(self, _lane: usize) -> f32 {
         self
@@ -90,11 +83,6 @@ impl Width for f32 {
     #[inline(always)]
     fn only(_lane: usize) -> bool {
         true
-    }
-
-    #[inline(always)]
-    fn any(which: bool) -> bool {
-        which
     }
 }
 
@@ -120,8 +108,6 @@ impl<const COUNT: usize> Members for Simd<COUNT> {
 }
 
 impl Width for Lanes {
-    const COUNT: usize = LANES;
-
     #[inline(always)]
     fn lane(self, lane: usize) -> f32 {
         self.0[lane]
@@ -130,11 +116,6 @@ impl Width for Lanes {
     #[inline(always)]
     fn only(lane: usize) -> [bool; LANES] {
         std::array::from_fn(|other| other == lane)
-    }
-
-    #[inline(always)]
-    fn any(which: [bool; LANES]) -> bool {
-        which.contains(&true)
     }
 }
 

@@ -63,6 +63,7 @@ mod evaluate;
 mod fused;
 mod pose;
 mod transform;
+mod widths;
 mod write_back;
 
 mod floor;

@@ -3,7 +3,6 @@
 use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
 
-use crate::corrections::JointLanes;
 use crate::dispatch::{Dispatch, Work};
 use crate::errors::failed;
 use crate::frame::FrameInputs;
@@ -13,6 +12,7 @@ use crate::machines::slot_now;
 use crate::members::{body_of, member_slots};
 use crate::scratch::Scratch;
 use crate::slot::sample_of;
+use crate::widths::JointLanes;
 
 /// Stage buffers of one member, as of the last frame.
 #[derive(Default)]

@@ -22,6 +22,8 @@ pub(crate) trait Register: Copy {
     const COUNT: usize;
     /// Result of a comparison.
     type Mask: Copy;
+    /// Members side by side that this register computes together.
+    type Members: Members;
 
     fn splat(value: f32) -> Self;
     fn load(from: &[f32]) -> Self;
@@ -53,14 +55,15 @@ macro_rules! register {
         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident
         $xor:ident $as_floats:ident $as_words:ident $convert:ident
         $splat_word:ident $load_words:ident $and:ident $shift:ident $sub_words:ident
-        $load_packed:ident $widen:ident;
-        $less:expr; $at_most:expr; $choose:expr; $both:expr; $either:expr; $any:expr
+        $load_packed:ident, $members:ty;
+        $widen:expr; $less:expr; $at_most:expr; $choose:expr; $both:expr; $either:expr; $any:expr
     ) => {
         // SAFETY of each block: `Dispatch::run` alone names these registers, for work on processors
         // that have them. Pointers are of slices that are long enough.
         impl Register for $register {
             const COUNT: usize = $count;
             type Mask = $mask;
+            type Members = $members;
 
             #[inline(always)]
             fn splat(value: f32) -> Self {
@@ -185,12 +188,29 @@ macro_rules! register {
     };
 }
 
+// Registers that every processor has are too short to pay for members side by side in them.
+register! {
+    __m128, 4, __m128, __m128i, __m128i;
+    _mm_set1_ps _mm_loadu_ps _mm_storeu_ps _mm_add_ps _mm_sub_ps _mm_mul_ps
+    _mm_div_ps _mm_xor_ps _mm_castsi128_ps _mm_castps_si128 _mm_cvtepi32_ps
+    _mm_set1_epi32 _mm_loadu_si128 _mm_and_si128 _mm_srli_epi32 _mm_sub_epi32
+    _mm_loadl_epi64, f32;
+    |halves| _mm_unpacklo_epi16(halves, _mm_setzero_si128());
+    _mm_cmplt_ps;
+    _mm_cmple_ps;
+    |which, a, b| _mm_or_ps(_mm_and_ps(which, a), _mm_andnot_ps(which, b));
+    _mm_and_ps;
+    _mm_or_ps;
+    |which| _mm_movemask_ps(which) != 0
+}
+
 register! {
     __m256, 8, __m256, __m256i, __m128i;
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_add_ps _mm256_sub_ps _mm256_mul_ps
     _mm256_div_ps _mm256_xor_ps _mm256_castsi256_ps _mm256_castps_si256 _mm256_cvtepi32_ps
     _mm256_set1_epi32 _mm256_loadu_si256 _mm256_and_si256 _mm256_srli_epi32 _mm256_sub_epi32
-    _mm_loadu_si128 _mm256_cvtepu16_epi32;
+    _mm_loadu_si128, One<Self>;
+    |halves| _mm256_cvtepu16_epi32(halves);
     _mm256_cmp_ps::<_CMP_LT_OQ>;
     _mm256_cmp_ps::<_CMP_LE_OQ>;
     |which, a, b| _mm256_blendv_ps(b, a, which);
@@ -204,7 +224,8 @@ register! {
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_add_ps _mm512_sub_ps _mm512_mul_ps
     _mm512_div_ps _mm512_xor_ps _mm512_castsi512_ps _mm512_castps_si512 _mm512_cvtepi32_ps
     _mm512_set1_epi32 _mm512_loadu_si512 _mm512_and_si512 _mm512_srli_epi32 _mm512_sub_epi32
-    _mm256_loadu_si256 _mm512_cvtepu16_epi32;
+    _mm256_loadu_si256, One<Self>;
+    |halves| _mm512_cvtepu16_epi32(halves);
     _mm512_cmp_ps_mask::<_CMP_LT_OQ>;
     _mm512_cmp_ps_mask::<_CMP_LE_OQ>;
     |which, a, b| _mm512_mask_blend_ps(which, b, a);
@@ -302,8 +323,8 @@ impl<V: Register> Members for One<V> {
 
 /// Lanes in registers, which take rows of 16 bits for each lane.
 pub(crate) trait Registers: Members {
-    /// One register.
-    type One: Members;
+    /// Members side by side that one register computes together.
+    type Members: Members;
 
     /// Converts the low 16 bits of each lane's word.
     fn low_halves(words: &[u32]) -> Self;
@@ -314,7 +335,7 @@ pub(crate) trait Registers: Members {
 }
 
 impl<V: Register> Registers for One<V> {
-    type One = Self;
+    type Members = V::Members;
 
     #[inline(always)]
     fn low_halves(words: &[u32]) -> Self {
@@ -333,7 +354,7 @@ impl<V: Register> Registers for One<V> {
 }
 
 impl<R: Registers> Registers for Pair<R> {
-    type One = R::One;
+    type Members = R::Members;
 
     #[inline(always)]
     fn low_halves(words: &[u32]) -> Self {

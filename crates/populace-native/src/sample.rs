@@ -7,9 +7,10 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
-use crate::corrections::SampleWidth;
+use crate::corrections::correct;
 use crate::local::Local;
 use crate::rows::{Columns, Joints, component, load_quat, sample_vector};
+use crate::widths::SampleWidth;
 
 /// Sample of a clip.
 pub(crate) struct Sample<R> {
@@ -53,16 +54,19 @@ pub(crate) fn sample_joint<R: SampleWidth>(
     }
     let flags = joints.bound_block(bound).flags;
     let at_rest = flags & (REST_TRANSLATION | REST_SCALE);
-    let (mut t, mut s) = (rest.t, rest.s);
+    let mut local = Local { r, ..*rest };
     if at_rest & REST_TRANSLATION == 0 {
-        t = sample_vector::<R>(&columns, Property::Translation, at, &range[5 * padded..], padded);
+        let range = &range[5 * padded..];
+        local.t = sample_vector::<R>(&columns, Property::Translation, at, range, padded);
     }
     if at_rest & REST_SCALE == 0 {
-        s = sample_vector::<R>(&columns, Property::Scale, at, &range[9 * padded..], padded);
+        let range = &range[9 * padded..];
+        local.s = sample_vector::<R>(&columns, Property::Scale, at, range, padded);
     }
     if flags & BLOCK_CORRECTED != 0 {
-        (t, r) = R::corrected(joints, bound, at, t, r);
+        local = Local::loaded(correct(joints, bound, at, local.stored()));
     }
+    let r = local.r;
     let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
-    Sample { local: Local { r, t, s }, unit, at_rest }
+    Sample { local, unit, at_rest }
 }

@@ -16,10 +16,10 @@ use super::foot_state::{FootState, SETTINGS, STANCE, STATE, Settings, Stance};
 use super::foothold::Floor;
 use super::limb::{BoneLengths, Limb, weighted};
 use super::programs::{Company, Programs, Stop};
-use crate::corrections::JointLanes;
 use crate::dispatch::Work;
 use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::matrices::{origin, product, transform_vector};
+use crate::widths::JointLanes;
 
 const FEET: usize = MAX_FEET as usize;
 

@@ -13,10 +13,10 @@ use populace_model::math::{Real, angle, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
 use super::targets::WeightedPoint;
-use crate::corrections::JointLanes;
 use crate::dispatch::Work;
 use crate::lanes::{LANES, Members, Simd, lane_of, load, put, store};
 use crate::matrices::transform_vector;
+use crate::widths::JointLanes;
 
 /// Front, left and up of the parents that carry chains, in model space.
 #[derive(Clone, Copy)]

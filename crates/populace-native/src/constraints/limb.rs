@@ -8,10 +8,10 @@ use populace_model::math::{Real, quat, vec3};
 
 use super::programs::{Company, Programs, Stop};
 use super::targets::WeightedPoint;
-use crate::corrections::JointLanes;
 use crate::dispatch::Work;
 use crate::lanes::{Members, Simd, lane_of, load, put, store};
 use crate::matrices::{origin, transform_vector};
+use crate::widths::JointLanes;
 
 /// A limb before the constraint, in model space, and its goal.
 #[derive(Clone, Copy)]

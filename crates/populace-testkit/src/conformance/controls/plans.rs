@@ -73,8 +73,7 @@ pub(super) fn gaze(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
 /// A gaze of one to six joints, some of which take no part.
 pub(super) fn gaze_at(rng: &mut Rng, skeleton: &Skeleton, targets: Vec<Target>) -> Constraint {
     let joints = run(rng, skeleton, 1, 6);
-    let facing = rng.direction();
-    gaze_of(rng, joints, facing, targets)
+    Constraint::Gaze(gaze_of(rng, joints, targets))
 }
 
 /// A gaze from a root on, whose carrier is model space itself. It faces forwards, at one target in
@@ -96,30 +95,25 @@ pub(super) fn gaze_from_root(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
         };
         (0..1 + rng.below(2)).map(|_| steep(rng)).collect()
     };
-    let facing = DVec3::Z + rng.vector(-0.5, 0.5);
-    gaze_of(rng, joints, facing.normalize(), targets)
+    let facing = (DVec3::Z + rng.vector(-0.5, 0.5)).normalize().to_array().map(single);
+    Constraint::Gaze(Gaze { facing, ..gaze_of(rng, joints, targets) })
 }
 
-/// A gaze of a run of joints with random shares and limits.
-fn gaze_of(
-    rng: &mut Rng,
-    joints: Vec<JointIndex>,
-    facing: DVec3,
-    targets: Vec<Target>,
-) -> Constraint {
+/// A gaze of a run of joints with random shares, limits and facing.
+fn gaze_of(rng: &mut Rng, joints: Vec<JointIndex>, targets: Vec<Target>) -> Gaze {
     let share = |rng: &mut Rng| if rng.chance(0.2) { 0.0 } else { rng.between(0.1, 1.0) };
     let mut chain: Vec<_> = joints.into_iter().map(|joint| (joint, single(share(rng)))).collect();
     chain.last_mut().expect("at least one joint").1 = 0.4;
-    Constraint::Gaze(Gaze {
+    Gaze {
         chain,
-        facing: facing.to_array().map(single),
+        facing: rng.direction().to_array().map(single),
         limits: GazeLimits {
             yaw_rad: single(rng.between(0.3, 2.2)),
             up_rad: single(rng.between(0.1, 1.3)),
             down_rad: single(rng.between(0.1, 1.3)),
         },
         targets,
-    })
+    }
 }
 
 /// A limb whose bones have one to three joints each.
