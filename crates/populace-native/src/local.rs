@@ -40,7 +40,9 @@ fn scale_ratio<R: Real>(value: R, reference: R) -> R {
 #[inline(always)]
 pub(crate) fn quotient<R: Real>(value: &Local<R>, reference: &Local<R>, side: [R; 4]) -> Local<R> {
     let r = quat::hemisphere(quat::mul(quat::conjugate(reference.r), value.r), side);
-    let s = each3(|i| scale_ratio(value.s[i], reference.s[i]));
+    // No closure: it would not be compiled for the caller's registers.
+    let ([x, y, z], of) = (value.s, reference.s);
+    let s = [scale_ratio(x, of[0]), scale_ratio(y, of[1]), scale_ratio(z, of[2])];
     Local { t: each3(|i| value.t[i] - reference.t[i]), r, s }
 }
 
