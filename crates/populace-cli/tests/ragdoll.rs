@@ -4,19 +4,15 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Builds and runs an example.
+/// Runs an example of `populace-physics`. `cargo test --workspace` builds it; tests of this crate alone
+/// need `cargo build -p populace-physics --examples` first.
 fn run(example: &str, file: &Path, frames: &str) -> Output {
-    let cargo = [
-        "run",
-        "--quiet",
-        "--offline",
-        "--package",
-        "populace-physics",
-        "--example",
-        example,
-        "--",
-    ];
-    Command::new(env!("CARGO")).args(cargo).arg(file).arg(frames).output().expect("cargo runs")
+    let test = std::env::current_exe().expect("a path");
+    let built = test.ancestors().nth(2).expect("tests lie in a folder of their own");
+    let example = built.join("examples").join(example);
+    let example = example.with_extension(std::env::consts::EXE_EXTENSION);
+    let output = Command::new(&example).arg(file).arg(frames).output();
+    output.unwrap_or_else(|error| panic!("{}: {error}", example.display()))
 }
 
 /// Counts the pixels that differ clearly between two pictures.

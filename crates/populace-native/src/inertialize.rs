@@ -12,7 +12,7 @@ use populace_device::layout::{ClipRows, InertializationSlot, Slot, SlotSample};
 use populace_device::{SampledState, far_row, row_before};
 use populace_model::math::quat;
 
-use crate::joint::Change;
+use crate::change::{Change, PoseWidth};
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;
 use crate::rows::Joints;
@@ -149,43 +149,54 @@ fn add_inertialization<R: SampleWidth>(
     }
 }
 
-/// The inertializations of a layer, added to its mean, or to its sum of differences if the layer is
-/// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
-/// to the clip that the next one ended.
-pub(crate) struct Inertialize<'a> {
+/// The inertializations of a layer.
+#[derive(Clone, Copy)]
+pub(crate) struct OfLayer<'a> {
     pub(crate) joints: &'a Joints<'a>,
     pub(crate) inertialization: Inertialization<'a>,
     pub(crate) layer: u32,
     pub(crate) additive: bool,
 }
 
-impl Change for Inertialize<'_> {
+impl Change for OfLayer<'_> {
     #[inline(always)]
-    fn changed<R: SampleWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
-        let Self { joints, inertialization: Inertialization { slots, tick }, layer, additive } =
-            *self;
-        let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
-        let mut earlier = u64::MAX;
-        loop {
-            let starts = slots.iter().filter(of_layer).map(|slot| slot.start_tick);
-            let Some(start) = starts.filter(|start| *start < earlier).max() else {
-                return pose;
-            };
-            let mut sum = Local::zero();
-            let now = slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start);
-            for slot in now.filter_map(Slot::as_inertialization) {
-                add_inertialization(joints, slot, tick, additive, rest, &mut sum);
-            }
-            pose = if additive {
-                Local {
-                    t: each3(|i| pose.t[i] + sum.t[i]),
-                    r: quat::add(pose.r, sum.r),
-                    s: each3(|i| pose.s[i] + sum.s[i]),
-                }
-            } else {
-                add_layer(&pose, &sum, R::splat(1.0))
-            };
-            earlier = start;
+    fn changed<R: SampleWidth<Stored: PoseWidth>>(
+        &self,
+        rest: &Local<R>,
+        pose: Local<R>,
+    ) -> Local<R> {
+        inertialize(*self, rest, pose)
+    }
+}
+
+/// Adds all inertializations of a layer to its mean, or to its sum of differences if the layer is
+/// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
+/// to the clip that the next one ended.
+#[inline(always)]
+fn inertialize<R: SampleWidth>(of: OfLayer, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+    let OfLayer { joints, inertialization, layer, additive } = of;
+    let Inertialization { slots, tick } = inertialization;
+    let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);
+    let mut earlier = u64::MAX;
+    loop {
+        let starts = slots.iter().filter(of_layer).map(|slot| slot.start_tick);
+        let Some(start) = starts.filter(|start| *start < earlier).max() else {
+            return pose;
+        };
+        let mut sum = Local::zero();
+        let now = slots.iter().filter(of_layer).filter(|slot| slot.start_tick == start);
+        for slot in now.filter_map(Slot::as_inertialization) {
+            add_inertialization(joints, slot, tick, additive, rest, &mut sum);
         }
+        pose = if additive {
+            Local {
+                t: each3(|i| pose.t[i] + sum.t[i]),
+                r: quat::add(pose.r, sum.r),
+                s: each3(|i| pose.s[i] + sum.s[i]),
+            }
+        } else {
+            add_layer(&pose, &sum, R::splat(1.0))
+        };
+        earlier = start;
     }
 }

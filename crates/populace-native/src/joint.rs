@@ -9,10 +9,11 @@ use populace_device::layout::{
 };
 use populace_model::math::{Real, quat};
 
-use crate::dispatch::{Dispatch, Work};
+use crate::change::{Change, PoseWidth};
+use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
-use crate::inertialize::Inertialize;
-use crate::lanes::{Lanes, Width};
+use crate::inertialize::OfLayer;
+use crate::lanes::Lanes;
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::members::control_of;
 use crate::playback::{Inertialization, Play, Playing};
@@ -99,59 +100,16 @@ impl<'a> Play<'a> {
     }
 }
 
-/// A width in memory that changes rare among members are applied in. They are compiled apart from
-/// the path that every member takes, which must not pay for their registers.
-pub(crate) trait PoseWidth: SampleWidth<Stored = Self> + Width {
-    /// Applies a change to a pose.
-    fn apply<C: Change>(change: &C, dispatch: Dispatch, rest: &Local<Self>, pose: &mut Local<Self>);
-}
-
-/// A change of a pose.
-pub(crate) trait Change {
-    /// Returns the changed pose. Must be `#[inline(always)]`, as [`Work::run`] must be.
-    fn changed<R: SampleWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R>;
-}
-
-impl PoseWidth for f32 {
-    #[inline(never)]
-    fn apply<C: Change>(change: &C, _: Dispatch, rest: &Local<Self>, pose: &mut Local<Self>) {
-        *pose = change.changed(rest, *pose);
-    }
-}
-
-impl PoseWidth for Lanes {
-    #[inline(always)]
-    fn apply<C: Change>(
-        change: &C,
-        dispatch: Dispatch,
-        rest: &Local<Self>,
-        pose: &mut Local<Self>,
-    ) {
-        dispatch.run(ChangeJoints { change, rest, pose });
-    }
-}
-
-/// A [`Change`] of sixteen joints.
-struct ChangeJoints<'a, C> {
-    change: &'a C,
-    rest: &'a Local<Lanes>,
-    pose: &'a mut Local<Lanes>,
-}
-
-impl<C: Change> Work for ChangeJoints<'_, C> {
-    #[inline(always)]
-    fn run<J: JointLanes>(self) {
-        let (rest, pose) = (Local::<J>::loaded(*self.rest), Local::loaded(*self.pose));
-        *self.pose = self.change.changed(&rest, pose).stored();
-    }
-}
-
 /// The layers above 0, laid over the pose of those beneath.
 struct LayOver<'a, 'b>(&'a Posing<'b>);
 
 impl Change for LayOver<'_, '_> {
     #[inline(always)]
-    fn changed<R: SampleWidth>(&self, rest: &Local<R>, pose: Local<R>) -> Local<R> {
+    fn changed<R: SampleWidth<Stored: PoseWidth>>(
+        &self,
+        rest: &Local<R>,
+        pose: Local<R>,
+    ) -> Local<R> {
         self.0.lay_over(rest, pose)
     }
 }
@@ -197,7 +155,11 @@ impl Posing<'_> {
 
     /// Applies the layers above 0 to the pose of those beneath. Called by [`LayOver`].
     #[inline(always)]
-    fn lay_over<R: SampleWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+    fn lay_over<R: SampleWidth<Stored: PoseWidth>>(
+        &self,
+        rest: &Local<R>,
+        mut pose: Local<R>,
+    ) -> Local<R> {
         for (index, layer) in (0..).zip(self.layers).skip(1) {
             let mut weight = R::splat(layer.weight);
             if let Some(mask) = layer.mask() {
@@ -216,7 +178,7 @@ impl Posing<'_> {
             let mut own = if additive { sum.local } else { mean_of(&sum, rest) };
             if !self.inertialization.slots.is_empty() {
                 let mut stored = own.stored();
-                self.inertialize(index, additive, &rest.stored(), &mut stored);
+                self.inertialize_layer(index, additive, &rest.stored(), &mut stored);
                 own = Local::loaded(stored);
             }
             let above = if additive {
@@ -235,7 +197,7 @@ impl Posing<'_> {
 
     /// Adds the inertializations of a layer to its mean or to its sum of differences.
     #[inline(always)]
-    fn inertialize<R: PoseWidth>(
+    fn inertialize_layer<R: PoseWidth>(
         &self,
         layer: u32,
         additive: bool,
@@ -243,7 +205,7 @@ impl Posing<'_> {
         pose: &mut Local<R>,
     ) {
         let (joints, inertialization) = (&self.joints, self.inertialization);
-        let change = Inertialize { joints, inertialization, layer, additive };
+        let change = OfLayer { joints, inertialization, layer, additive };
         R::apply(&change, self.dispatch, rest, pose);
     }
 
@@ -314,7 +276,7 @@ impl Posing<'_> {
     #[inline(always)]
     fn change_pose<R: PoseWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
         if !self.inertialization.slots.is_empty() {
-            self.inertialize(0, false, rest, &mut pose);
+            self.inertialize_layer(0, false, rest, &mut pose);
         }
         if self.layers.len() > 1 {
             R::apply(&LayOver(self), self.dispatch, rest, &mut pose);

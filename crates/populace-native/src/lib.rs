@@ -48,7 +48,9 @@ mod corrections;
 mod dispatch;
 mod sample;
 mod transposition;
+mod widths;
 
+mod change;
 mod inertialize;
 mod machines;
 mod stages;
@@ -63,7 +65,6 @@ mod evaluate;
 mod fused;
 mod pose;
 mod transform;
-mod widths;
 mod write_back;
 
 mod floor;

@@ -1,6 +1,5 @@
 //! Widths that poses are computed in: one joint, sixteen in memory, or sixteen in registers.
 
-use crate::joint::PoseWidth;
 #[cfg(target_arch = "x86_64")]
 use crate::lanes::{LANES, Simd};
 use crate::lanes::{Lanes, Members};
@@ -13,7 +12,7 @@ use crate::rows::RowWidth;
 pub(crate) trait SampleWidth: RowWidth + Members {
     /// The same lanes in memory, for functions that are compiled apart from their callers: a caller
     /// that rarely needs them must not pay for their registers.
-    type Stored: PoseWidth;
+    type Stored: RowWidth;
 
     /// Stores the lanes.
     fn stored(self) -> Self::Stored;
