@@ -2,10 +2,13 @@
 //!
 //! The same code is compiled for several processors. Results are equal bit for bit, because no
 //! product is ever fused with a sum.
-#![expect(
-    unsafe_code,
-    reason = "a function compiled for a feature of the processor may only be called where the \
-              processor has it"
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "a function compiled for a feature of the processor may only be called where the \
+                  processor has it"
+    )
 )]
 
 #[cfg(target_arch = "x86_64")]
@@ -82,6 +85,10 @@ impl Machine {
 pub(crate) trait Work: Sized {
     /// Lanes of the only registers, besides the baseline's, that the work is compiled for; `None`
     /// for all.
+    #[cfg_attr(
+        not(target_arch = "x86_64"),
+        expect(dead_code, reason = "other processors have one kind of registers")
+    )]
     const LANES: Option<usize> = None;
 
     /// Does the work. Must be `#[inline(always)]`, as must be the functions that it calls, to be
@@ -117,21 +124,17 @@ pub(crate) trait Work: Sized {
 impl Dispatch {
     /// Lists what this machine has, the widest registers last.
     pub(crate) fn available() -> Vec<Self> {
-        let mut all = vec![Self::Baseline];
+        let all = std::iter::once(Self::Baseline);
         #[cfg(target_arch = "x86_64")]
-        {
-            if is_x86_feature_detected!("avx2") {
-                all.push(Self::Avx2);
-            }
+        let all = {
             let wide = is_x86_feature_detected!("avx512f")
                 && is_x86_feature_detected!("avx512bw")
                 && is_x86_feature_detected!("avx512dq")
                 && is_x86_feature_detected!("avx512vl");
-            if wide {
-                all.push(Self::Avx512);
-            }
-        }
-        all
+            all.chain(is_x86_feature_detected!("avx2").then_some(Self::Avx2))
+                .chain(wide.then_some(Self::Avx512))
+        };
+        all.collect()
     }
 
     /// Detects the widest registers of this machine.

@@ -24,6 +24,7 @@
 // Each module uses only modules above it.
 mod errors;
 mod lanes;
+#[cfg(target_arch = "x86_64")]
 mod pair;
 #[cfg(target_arch = "x86_64")]
 mod registers;

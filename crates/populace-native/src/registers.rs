@@ -188,7 +188,7 @@ macro_rules! register {
     };
 }
 
-// Registers that every processor has are too short to pay for members side by side in them.
+// One member for each: every work may run in these registers, that of a single member too.
 register! {
     __m128, 4, __m128, __m128i, __m128i;
     _mm_set1_ps _mm_loadu_ps _mm_storeu_ps _mm_add_ps _mm_sub_ps _mm_mul_ps

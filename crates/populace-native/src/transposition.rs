@@ -2,10 +2,12 @@
 //!
 //! The compiler turns shuffles of plain arrays into moves of single numbers, so the processor's own
 //! shuffles are named here. Other registers get the plain form.
-#![expect(
-    unsafe_code,
-    reason = "a function compiled for a feature may only be called where the \
-                                 processor has it"
+#![cfg_attr(
+    target_arch = "x86_64",
+    expect(
+        unsafe_code,
+        reason = "a function compiled for a feature may only be called where the processor has it"
+    )
 )]
 
 #[cfg(target_arch = "x86_64")]
