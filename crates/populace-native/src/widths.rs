@@ -51,7 +51,7 @@ impl<R: SampleWidth> Local<R> {
     }
 }
 
-/// A width in memory.
+/// Implements [`SampleWidth`] for a width in memory.
 macro_rules! stored {
     ($width:ty) => {
         impl SampleWidth for $width {

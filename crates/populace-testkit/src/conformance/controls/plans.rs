@@ -80,8 +80,8 @@ pub(super) fn gaze_at(rng: &mut Rng, skeleton: &Skeleton, targets: Vec<Target>) 
 /// front and within the limits, or at steep directions, up or down.
 pub(super) fn gaze_from_root(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
     let end = run(rng, skeleton, 1, 1)[0];
-    let mut joints: Vec<_> =
-        std::iter::successors(Some(end), |joint| skeleton.parent(*joint)).collect();
+    let mut joints = vec![end];
+    joints.extend(skeleton.ancestors(end));
     joints.reverse();
     joints.truncate(1 + rng.below(6));
     let targets = if rng.chance(0.5) {
