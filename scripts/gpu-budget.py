@@ -24,26 +24,33 @@ CLANG = ["clang-19", "libclang-common-19-dev", "libclc-19"]
 PTXAS = ["nvidia-cuda-nvcc-cu12==12.9.86"]
 NVIDIA, AMD = ["sm_90"], ["gfx1100", "gfx942"]
 
-# The shape of a launch, for occupancies: groups of the form for GPUs, and a body of 64 joints, whose
-# matrices take three rows of 16 bytes for each joint and three more.
-GROUP, ROWS_BYTES = 64, 3 * 16 * (64 + 3)
+# The shape of a launch, for occupancies: groups of the staged and of the fused schedule, as in
+# crates/populace-opencl/src/staged.rs, and bodies of 64 joints. Each of eight members of a fused
+# group takes three rows of 16 bytes for each joint and three more, 16 elements of 16 bytes for what
+# it plays, and 48 for rotations of its steps unless it is plain
+# (crates/populace-opencl/src/fused/dispatch.rs).
+GROUP, FUSED_GROUP, BATCH = 64, 128, 8
+PLAIN_BYTES, STEP_BYTES = 16 * (3 * (64 + 3) + 16), 16 * 48
 
 
-def rows_bytes(kernel):
-    """Bytes of local memory that the host adds."""
-    return ROWS_BYTES if kernel.startswith("fused_grouped") else 0
+def shape_of(kernel):
+    """Work-items of a kernel's groups, and bytes of local memory that the host adds."""
+    if not kernel.startswith("fused_grouped"):
+        return GROUP, 0
+    members = 1 if kernel.endswith("joints") else BATCH
+    return FUSED_GROUP, members * (PLAIN_BYTES + (0 if kernel.endswith("plain") else STEP_BYTES))
 
 
-def warps_of_sm_90(registers, local_bytes):
+def warps_of_sm_90(registers, local_bytes, group):
     """Share of a multiprocessor's 64 warps that fit: 65,536 registers, taken in units of 256 for a
     warp; 228 KiB of local memory, of which each group takes 1 KiB more; 32 groups."""
-    warps = GROUP // 32
+    warps = group // 32
     by_registers = 65536 // (-(-registers * 32 // 256) * 256) // warps
     by_local = 228 * 1024 // (local_bytes + 1024)
     return min(by_registers, by_local, 32) * warps / 64
 
 
-def waves(target, registers, local_bytes):
+def waves(target, registers, local_bytes, group):
     """Share of a SIMD's waves that fit. gfx1100: 1,536 registers for each of 32 lanes in units of
     24, 16 waves, and 128 KiB of local memory for four SIMDs. gfx942: 512 in units of 8, 8 waves of
     64 lanes, 64 KiB for four SIMDs."""
@@ -53,7 +60,7 @@ def waves(target, registers, local_bytes):
     }[target]
     by_registers = count // (-(-max(registers, 1) // unit) * unit)
     groups = local // max(local_bytes, 1)
-    by_local = groups * (GROUP // lanes) // 4
+    by_local = groups * (group // lanes) / 4
     return min(by_registers, by_local, most) / most
 
 
@@ -94,14 +101,15 @@ class Compilers:
                 return sum(int(n) for n in re.findall(pattern, part))
 
             kernel, registers = part.split("'")[0], number(r"Used (\d+) registers")
-            local = number(r"(\d+) bytes smem") + rows_bytes(kernel)
+            group, added = shape_of(kernel)
+            local = number(r"(\d+) bytes smem") + added
             yield {
                 "kernel": kernel,
                 "registers": registers,
                 "spilled_bytes": number(r"(\d+) bytes spill stores"),
                 "stack_bytes": number(r"(\d+) bytes cumulative stack size"),
                 "local_bytes": local,
-                "occupancy": warps_of_sm_90(registers, local),
+                "occupancy": warps_of_sm_90(registers, local, group),
             }
 
     def amd(self, text, target):
@@ -115,7 +123,8 @@ class Compilers:
                 return int(re.search(rf"\.{name}:\s+(\d+)", part)[1])
 
             kernel = re.search(r"^    \.name:\s+(\w+)", part, re.M)[1]
-            local = number("group_segment_fixed_size") + rows_bytes(kernel)
+            group, added = shape_of(kernel)
+            local = number("group_segment_fixed_size") + added
             registers = number("vgpr_count")
             yield {
                 "kernel": kernel,
@@ -123,7 +132,7 @@ class Compilers:
                 "spilled_bytes": 4 * number("vgpr_spill_count"),
                 "stack_bytes": number("private_segment_fixed_size"),
                 "local_bytes": local,
-                "occupancy": waves(target, registers, local),
+                "occupancy": waves(target, registers, local, group),
             }
 
 

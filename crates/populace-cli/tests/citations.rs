@@ -119,8 +119,6 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("angle", "angle_of", "populace-model/src/math/angle.rs", "of"),
     ("constraints", "solve_joint", "populace-native/src/constraints/descent.rs", "descend"),
     ("fused", "play", "populace-native/src/playback.rs", "play_all"),
-    ("fused_grouped", "fused_grouped", "populace-native/src/fused.rs", "fused"),
-    ("fused_grouped", "play_all", "populace-native/src/playback.rs", "play_all"),
     ("constraints", "take_steps", "populace-native/src/constraints/descent.rs", "descend"),
     ("foot_state", "foot_state", "populace-native/src/constraints/foot_state.rs", "of_numbers"),
     ("foot_state", "put_foot_state", "populace-native/src/constraints/foot_state.rs", "numbers"),
@@ -202,7 +200,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
     ("foot_state", &["foot_states", "keep_foot_states"], "one foot of a member, natively"),
     ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),
-    ("fused_grouped", &["descend", "fused_grouped_joints"], "work-groups, and their readback"),
+    ("fused_grouped", &["*"], "work-groups and their memory"),
     ("fused_wide", &["*"], "work-items, their memory and its caches"),
     (
         "hierarchy",

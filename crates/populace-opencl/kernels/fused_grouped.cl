@@ -1,9 +1,15 @@
-// fused_grouped.cl - Fused schedule for GPUs: one work-group of GROUP computes the whole frame of a
-// member. Work-items share out the slots, then the joints from rows to local transforms, then each
-// level of the hierarchy, then the rows of the palette. Everything between clip and palette stays
-// in local memory.
+// fused_grouped.cl - Fused schedule for GPUs: a work-group of GROUP computes whole frames of up to
+// BATCH members of one body side by side. Work-items share out their slots, then their joints from
+// rows to local transforms, then each level of the hierarchy, then the rows of their palettes.
+// Everything between clip and palette stays in local memory.
 //
-// NDRange  (members of one page x GROUP), a work-group for each member; one enqueue for each phase
+// Two kernels share out the members: fused_grouped_plain takes those that need none of layers above
+// 0, inertialization and constraint programs, and fused_grouped takes all others. A GPU gives every
+// work-item of a kernel the registers of its largest part, and so runs few groups of the second
+// kernel at once.
+//
+// NDRange  (groups x GROUP), a group for each `run` places of a page's list; one enqueue of each
+//          kernel for each phase and page
 // Reads    the page's members; slots, machines, layers, rows, controls and the tables that they
 //          index; watched joints that earlier phases wrote
 // Writes   palette: each entry of the phase's members in [place_first, place_end) once, padding
@@ -11,173 +17,308 @@
 // Oracle   populace-testkit/src/oracle
 // Twin of populace-native/src/fused.rs: same arithmetic.
 
-// Collects what a member plays, for the whole group. Slots without weight stay in the list; mixing
-// skips them.
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
-                         const ClipTables *tables, __global const float *row_times,
-                         __global const uint *buckets, __local Playing *playing)
-{
-    for (uint s = (uint)get_local_id(0); s < slot_count; s += GROUP)
-        playing[s] = play(slots[s], machines, tick, tables, row_times, buckets);
-    barrier(CLK_LOCAL_MEM_FENCE);
-    const Playback playback = { playing, slot_count, inertialization_of(slots, slot_count, tick) };
-    return playback;
-}
+// clang-format off
+// Parameters that all kernels share, in the order in which src/fused.rs sets them: members and
+// their bodies; what they play; clips and stored poses; levels and joint maps; the clock and the
+// slots of each member; constraint programs.
+#define GROUPED_PARAMETERS \
+    __global const Member *members, __global const Body *bodies, __global const uint *parents, \
+    __global const Slot *slots, __global const MachineState *machine_states, \
+    __global const Running *running, __global const Layer *layers, \
+    __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks, \
+    __global const ClipRows *clips, __global const RowBlock *row_blocks, \
+    __global const uint *rows, __global const float *row_times, __global const uint *buckets, \
+    __global const float *poses, __global const float *masks, \
+    __global const uint *levels, __global const uint *joint_maps, \
+    ulong tick, uint slots_per_member, \
+    __global const float *joint_scales, CONSTRAINT_PARAMETERS
+#define GROUPED_ARGUMENTS \
+    members, bodies, parents, slots, machine_states, running, layers, bound_clips, bound_blocks, \
+    clips, row_blocks, rows, row_times, buckets, poses, masks, levels, joint_maps, tick, \
+    slots_per_member, joint_scales, CONSTRAINT_ARGUMENTS
 
-// Inputs of a member's way down its hierarchy.
+// Parameters of the kernels of a frame: the members of a page, and their palettes.
+#define PAGE_PARAMETERS \
+    __global const uint *page_members, __global const Entry *entries, uint place_first, \
+    uint place_end, uint phase, uint page_first, __global float4 *restrict palette, \
+    uint member_count, uint run
+#define PAGE_ARGUMENTS \
+    page_members, entries, place_first, place_end, phase, page_first, palette, member_count, run
+// clang-format on
+
+// Tables between the slots of a member and its model_from_joint.
 typedef struct {
-    const ConstraintTables *tables;
-    uint control;
-    Rotations step_rotations;
-    Hierarchy models;
-} Descent;
+    __global const Member *members;
+    __global const Body *bodies;
+    __global const uint *parents, *levels;
+    __global const Slot *slots;
+    __global const Layer *layers;
+    __global const float *row_times;
+    __global const uint *buckets;
+    ulong tick;
+    uint slots_per_member;
+    ClipTables clips;
+    Adjustments adjustments;
+    Machines machines;
+    ConstraintTables constraints;
+} Grouped;
 
-INLINE void descend(Descent to, uint joint, uint parent)
+INLINE Grouped grouped_of(GROUPED_PARAMETERS)
 {
-    // Without a parent, the local transform is the model transform.
-    if (parent == NONE && to.control == NONE) return;
-    float16 model = model_of(to.models, joint), above = model;
-    if (parent != NONE) {
-        above = model_of(to.models, parent);
-        model = affine_mul(above, model);
-    }
-    if (to.control != NONE) {
-        const Solver s = solver_of(to.tables, to.control);
-        model = solve_joint(&s, to.models, to.step_rotations, joint, model, above, parent != NONE);
-    }
-    keep_model(to.models, joint, model.s0123, model.s4567, model.s89ab);
+    const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
+                                     row_blocks,  joint_maps,   rows, poses, masks };
+    const Adjustments adjustments = {
+        controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
+    };
+    const Machines machines = { machine_states, running };
+    const ConstraintTables constraint_tables =
+        constraint_tables_of(CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips,
+                             masks, slots_per_member, machines, tick);
+    const Grouped tables = { members,   bodies,    parents, levels, slots,
+                             layers,    row_times, buckets, tick,   slots_per_member,
+                             clip_tables, adjustments, machines, constraint_tables };
+    return tables;
 }
 
-// Computes model_from_joint of all joints of a member, for the whole group. If `planes` is not 0,
-// it also receives the local transforms as ten planes, in the layout of stored poses.
-INLINE void member_models(const ClipTables *tables, Adjustments adjustments, Descent to,
-                          Playback playback, __global const Layer *layers, uint layer_count,
-                          Body body, __global const uint *parent, __global const uint *level,
-                          __global float *planes)
+// A member in its page's list, and its body.
+typedef struct {
+    uint owner, posed;
+} Place;
+
+// Elements of what a slot plays: seven words, of eight.
+#define PLAYING_ELEMENTS 2
+// Extra elements in each array of rows. Bodies are padded to 16, so the first rows of the three
+// arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette that are computed
+// at once then come from all 32 banks.
+#define STRIDE_PAST_BODY 3
+
+// Members of one body whose frames a group computes side by side, and their part of local memory:
+// for each member `share` elements, which hold three arrays of rows of `stride` elements, then what
+// it plays, then rotations of its steps unless it is plain.
+typedef struct {
+    __local const Place *places;
+    uint count;
+    Body body;
+    __local float4 *memory;
+    uint share, stride;
+} Batch;
+
+// Returns the first members of a list that have one body and have room in local memory. The share
+// of each is odd, so that the same row of eight members comes from all 32 banks.
+INLINE Batch batch_of(const Grouped *tables, __local const Place *places, uint listed, bool plain,
+                      uint room, __local float4 *memory)
 {
-    for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP) {
+    Batch batch = { places, 1, tables->bodies[places->posed], memory, 0, 0 };
+    batch.stride = batch.body.padded_count + STRIDE_PAST_BODY;
+    batch.share = (3 * batch.stride + MAX_SLOTS * PLAYING_ELEMENTS
+                   + (plain ? 0 : MAX_STEP_ROTATIONS)) | 1;
+    const uint most = min(min((uint)BATCH, room / batch.share), listed);
+    while (batch.count < most && places[batch.count].posed == places->posed) batch.count++;
+    return batch;
+}
+
+INLINE Hierarchy models_in(const Batch *batch, uint nth)
+{
+    const Hierarchy models = { batch->memory + nth * batch->share, batch->stride };
+    return models;
+}
+
+INLINE __local Playing *playing_in(const Batch *batch, uint nth)
+{
+    return (__local Playing *)(batch->memory + nth * batch->share + 3 * batch->stride);
+}
+
+INLINE Rotations rotations_in(const Batch *batch, uint nth)
+{
+    return batch->memory + nth * batch->share + 3 * batch->stride + MAX_SLOTS * PLAYING_ELEMENTS;
+}
+
+// Collects what the members play, for the whole group. Slots without weight stay in the lists;
+// mixing skips them.
+INLINE void play_all(const Grouped *tables, const Batch *batch)
+{
+    const uint each = tables->slots_per_member;
+    for (uint i = (uint)get_local_id(0); i < batch->count * each; i += GROUP) {
+        const uint nth = i / each, s = i % each;
+        playing_in(batch, nth)[s] =
+            play(tables->slots[batch->places[nth].owner * each + s], tables->machines, tables->tick,
+                 &tables->clips, tables->row_times, tables->buckets);
+    }
+    barrier(CLK_LOCAL_MEM_FENCE);
+}
+
+// Computes the local transforms of a member's joints, every `JOINTS`-th from `joint` on. If
+// `planes` is not 0, it also receives them as ten planes, in the layout of stored poses.
+INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain,
+                        __global float *planes)
+{
+    const uint owner = batch->places[nth].owner, each = tables->slots_per_member;
+    const Member member = tables->members[owner];
+    __global const Slot *slots = tables->slots + owner * each;
+    Inertialization inertialization = { slots, 0, tables->tick };
+    if (!plain) inertialization = inertialization_of(slots, each, tables->tick);
+    const Playback playback = { playing_in(batch, nth), each, inertialization };
+    const Hierarchy models = models_in(batch, nth);
+    for (; joint < batch->body.joint_count; joint += JOINTS) {
         const Local trs =
-            pose_joint(tables, adjustments, to.control, playback, layers, layer_count, body, joint);
-        if (planes) store_trs(trs, planes + joint, body.padded_count);
+            pose_joint(&tables->clips, tables->adjustments, plain ? NONE : member.control, playback,
+                       tables->layers + owner * LAYERS_PER_MEMBER,
+                       plain ? 1 : member_layers(member), batch->body, joint);
+        if (planes) store_trs(trs, planes + joint, batch->body.padded_count);
         float m[12];
         components_of(trs, m);
-        keep_model(to.models, joint, (float4)(m[0], m[1], m[2], m[3]),
+        keep_model(models, joint, (float4)(m[0], m[1], m[2], m[3]),
                    (float4)(m[4], m[5], m[6], m[7]), (float4)(m[8], m[9], m[10], m[11]));
     }
+}
+
+// Turns the local transform of a joint into model_from_joint.
+INLINE void descend(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain)
+{
+    const uint parent = tables->parents[batch->body.joint_first + joint],
+               control = plain ? NONE : tables->members[batch->places[nth].owner].control;
+    // Without a parent, the local transform is the model transform.
+    if (parent == NONE && control == NONE) return;
+    const Hierarchy models = models_in(batch, nth);
+    float16 model = model_of(models, joint), above = model;
+    if (parent != NONE) {
+        above = model_of(models, parent);
+        model = affine_mul(above, model);
+    }
+    if (control != NONE) {
+        const Solver s = solver_of(&tables->constraints, control);
+        model = solve_joint(&s, models, rotations_in(batch, nth), joint, model, above,
+                            parent != NONE);
+    }
+    keep_model(models, joint, model.s0123, model.s4567, model.s89ab);
+}
+
+// Computes model_from_joint of all joints of the members, for the whole group. `plain` is a
+// constant: kernels of plain members contain nothing else.
+//
+// Neighbouring work-items take neighbouring joints of a member to pose, which read neighbouring
+// words. On the way down, neighbours take the same joint of all members, which run the same steps.
+INLINE void batch_models(const Grouped *tables, const Batch *batch, bool plain,
+                         __global float *planes)
+{
+    const uint item = (uint)get_local_id(0);
+    play_all(tables, batch);
+    if (item / JOINTS < batch->count)
+        pose_member(tables, batch, item / JOINTS, item % JOINTS, plain, planes);
     barrier(CLK_LOCAL_MEM_FENCE);
-    uint begin = 0;
-    for (uint l = 0; l < body.level_count; l++) {
-        const uint end = level[l + 1];
-        for (uint joint = begin + (uint)get_local_id(0); joint < end; joint += GROUP)
-            descend(to, joint, parent[joint]);
-        begin = end;
+    __global const uint *level = tables->levels + batch->body.level_first;
+    for (uint l = 0; l < batch->body.level_count; l++) {
+        if (item % BATCH < batch->count)
+            for (uint joint = level[l] + item / BATCH; joint < level[l + 1]; joint += JOINTS)
+                descend(tables, batch, item % BATCH, joint, plain);
         barrier(CLK_LOCAL_MEM_FENCE);
     }
 }
 
-// Three neighbouring work-items write the three rows of an entry.
-__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
-    // Members and their bodies.
-    __global const Member *members, __global const Body *bodies, __global const uint *parents,
-    // What they play.
-    __global const Slot *slots, __global const MachineState *machine_states,
-    __global const Running *running, __global const Layer *layers,
-    // Clips and stored poses.
-    __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
-    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
-    __global const float *row_times, __global const uint *buckets, __global const float *poses,
-    __global const float *masks,
-    // Levels and joint maps.
-    __global const uint *levels, __global const uint *joint_maps,
-    // The clock, and the slots of each member.
-    ulong tick, uint slots_per_member,
-    // Constraint programs.
-    __global const float *joint_scales, CONSTRAINT_PARAMETERS,
-    // Members of the page, and their palettes.
-    __global const uint *page_members, __global const Entry *entries, uint place_first,
-    uint place_end, uint phase, uint page_first, __global float4 *restrict palette,
-    // Local memory.
-    uint stride, __local float4 *model_rows)
+// Returns the member at a place of the page's list, or NONE if this launch or this kernel is not to
+// compute it.
+INLINE Place place_at(const Grouped *tables, bool plain, uint place, PAGE_PARAMETERS)
 {
-    __local Playing playing[MAX_SLOTS];
-    __local float4 step_rotations[MAX_STEP_ROTATIONS];
-    const uint owner = page_members[get_group_id(0)];
-    const Member member = members[owner];
-    if (owner < place_first || owner >= place_end || member_phase(member) != phase) return;
-    const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
-                                     row_blocks,  joint_maps,   rows, poses, masks };
-    const Adjustments adjustments = {
-        controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
-    };
-    const Machines machines = { machine_states, running };
-    const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
-        states_before,
-        watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
-        layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-    const Body body = bodies[member.posed];
-    const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines,
-                                       tick, &clip_tables, row_times, buckets, playing);
-    const Hierarchy models = { model_rows, stride };
-    const Descent down = { &constraint_tables, member.control, step_rotations, models };
-    member_models(&clip_tables, adjustments, down, playback, layers + owner * LAYERS_PER_MEMBER,
-                  member_layers(member), body, parents + body.joint_first,
-                  levels + body.level_first, 0);
-    __global float4 *to = palette + 3 * (size_t)(member.palette_first - page_first);
-    for (uint i = (uint)get_local_id(0); i < 3 * body.entry_count; i += GROUP) {
-        __global const Entry *entry = entries + body.entry_first + i / 3;
-        to[i] = affine_row(model_rows[i % 3 * stride + entry->joint], entry->row0, entry->row1,
-                           entry->row2);
+    const Place none = { NONE, NONE };
+    if (place >= member_count) return none;
+    const uint owner = page_members[place], each = tables->slots_per_member;
+    const Member member = tables->members[owner];
+    if (owner < place_first || owner >= place_end || member_phase(member) != phase) return none;
+    const bool is_plain =
+        member.control == NONE && member_layers(member) == 1
+        && inertialization_of(tables->slots + owner * each, each, tables->tick).count == 0;
+    const Place found = { owner, member.posed };
+    return is_plain == plain ? found : none;
+}
+
+// Lists the members of a group's run that this launch and this kernel are to compute, in order, and
+// returns their count.
+INLINE uint list_places(const Grouped *tables, bool plain, __local Place *here,
+                        __local Place *listed, PAGE_PARAMETERS)
+{
+    const uint item = (uint)get_local_id(0);
+    here[item].owner = NONE;
+    if (item < run)
+        here[item] =
+            place_at(tables, plain, (uint)get_group_id(0) * run + item, PAGE_ARGUMENTS);
+    barrier(CLK_LOCAL_MEM_FENCE);
+    uint before = 0, count = 0;
+    for (uint i = 0; i < run; i++) {
+        const uint one = here[i].owner != NONE ? 1 : 0;
+        before += i < item ? one : 0;
+        count += one;
     }
+    if (here[item].owner != NONE) listed[before] = here[item];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    return count;
+}
+
+// Writes the palettes of the members. Three neighbouring work-items write the three rows of an
+// entry.
+INLINE void write_palettes(const Grouped *tables, const Batch *batch,
+                           __global const Entry *entries, uint page_first,
+                           __global float4 *restrict palette)
+{
+    const uint item = (uint)get_local_id(0), nth = item / JOINTS;
+    if (nth >= batch->count) return;
+    const uint first = tables->members[batch->places[nth].owner].palette_first - page_first;
+    __global float4 *to = palette + 3 * (size_t)first;
+    const Hierarchy models = models_in(batch, nth);
+    for (uint i = item % JOINTS; i < 3 * batch->body.entry_count; i += JOINTS) {
+        __global const Entry *entry = entries + batch->body.entry_first + i / 3;
+        to[i] = affine_row(models.rows[i % 3 * models.stride + entry->joint], entry->row0,
+                           entry->row1, entry->row2);
+    }
+}
+
+// Computes the members of a group's run that are plain, or those that are not.
+INLINE void run_frame(const Grouped *tables, bool plain, __local Place *here, __local Place *listed,
+                      uint room, __local float4 *memory, PAGE_PARAMETERS)
+{
+    const uint count = list_places(tables, plain, here, listed, PAGE_ARGUMENTS);
+    for (uint first = 0; first < count;) {
+        const Batch batch =
+            batch_of(tables, listed + first, count - first, plain, room, memory);
+        batch_models(tables, &batch, plain, 0);
+        write_palettes(tables, &batch, entries, page_first, palette);
+        first += batch.count;
+        barrier(CLK_LOCAL_MEM_FENCE);
+    }
+}
+
+// Computes members that need all of the pipeline.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
+    GROUPED_PARAMETERS, PAGE_PARAMETERS, uint room, __local float4 *memory)
+{
+    __local Place here[GROUP], listed[GROUP];
+    const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
+    run_frame(&tables, false, here, listed, room, memory, PAGE_ARGUMENTS);
+}
+
+// Computes members that only mix the slots of layer 0.
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_plain(
+    GROUPED_PARAMETERS, PAGE_PARAMETERS, uint room, __local float4 *memory)
+{
+    __local Place here[GROUP], listed[GROUP];
+    const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
+    run_frame(&tables, true, here, listed, room, memory, PAGE_ARGUMENTS);
 }
 
 // Computes samples, local transforms and model_from_joint of one member, for reading back.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_joints(
-    // Members and their bodies.
-    __global const Member *members, __global const Body *bodies, __global const uint *parents,
-    // What they play.
-    __global const Slot *slots, __global const MachineState *machine_states,
-    __global const Running *running, __global const Layer *layers,
-    // Clips and stored poses.
-    __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
-    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
-    __global const float *row_times, __global const uint *buckets, __global const float *poses,
-    __global const float *masks,
-    // Levels and joint maps.
-    __global const uint *levels, __global const uint *joint_maps,
-    // The clock, and the slots of each member.
-    ulong tick, uint slots_per_member,
-    // Constraint programs.
-    __global const float *joint_scales, CONSTRAINT_PARAMETERS,
-    // The member, and outputs.
-    uint owner, __global SlotSample *samples, __global float *planes, __global float4 *matrices,
-    // Local memory.
-    uint stride, __local float4 *model_rows)
+    GROUPED_PARAMETERS, uint owner, __global SlotSample *samples, __global float *planes,
+    __global float4 *matrices, uint room, __local float4 *memory)
 {
-    __local Playing playing[MAX_SLOTS];
-    __local float4 step_rotations[MAX_STEP_ROTATIONS];
-    const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
-                                     row_blocks,  joint_maps,   rows, poses, masks };
-    const Adjustments adjustments = {
-        controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
-    };
-    const Machines machines = { machine_states, running };
-    const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
-        states_before,
-        watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
-        layers, bound_clips, clips, masks, slots_per_member, machines, tick);
-    const Member member = members[owner];
-    const Body body = bodies[member.posed];
-    const Playback playback = play_all(slots + owner * slots_per_member, slots_per_member, machines,
-                                       tick, &clip_tables, row_times, buckets, playing);
-    for (uint s = (uint)get_local_id(0); s < slots_per_member; s += GROUP)
-        samples[s] = playing[s].at;
-    const Hierarchy models = { model_rows, stride };
-    const Descent down = { &constraint_tables, member.control, step_rotations, models };
-    member_models(&clip_tables, adjustments, down, playback, layers + owner * LAYERS_PER_MEMBER,
-                  member_layers(member), body, parents + body.joint_first,
-                  levels + body.level_first, planes);
-    for (uint joint = (uint)get_local_id(0); joint < body.joint_count; joint += GROUP)
-        vstore16(model_of(models, joint), joint, (__global float *)matrices);
+    __local Place only[1];
+    const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
+    const uint item = (uint)get_local_id(0);
+    const Place place = { owner, members[owner].posed };
+    if (item == 0) only[0] = place;
+    barrier(CLK_LOCAL_MEM_FENCE);
+    const Batch batch = batch_of(&tables, only, 1, false, room, memory);
+    batch_models(&tables, &batch, false, planes);
+    for (uint s = item; s < slots_per_member; s += GROUP)
+        samples[s] = playing_in(&batch, 0)[s].at;
+    for (uint joint = item; joint < batch.body.joint_count; joint += GROUP)
+        vstore16(model_of(models_in(&batch, 0), joint), joint, (__global float *)matrices);
 }

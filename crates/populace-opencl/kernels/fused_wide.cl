@@ -44,9 +44,10 @@ typedef struct {
 #endif
 
 // Asks for memory, in lines of the cache of 16 words, so that it is in the caches when it is read.
+// Compilers for GPUs may have the function, but only for pointers without an address space.
 INLINE void fetch_lines(__global const void *from, uint words)
 {
-#if __has_builtin(__builtin_prefetch)
+#if defined(CALLS) && __has_builtin(__builtin_prefetch)
     for (uint word = 0; word < words; word += 16)
         __builtin_prefetch((__global const uint *)from + word);
 #endif
@@ -287,10 +288,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
-        states_before,
-        watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
-        layers, bound_clips, clips, masks, slots_per_member, machines, tick);
+        CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks, slots_per_member,
+        machines, tick);
     const uint desk = take_desk(is_taken, desk_count);
     const Hierarchy joints = { (__global Matrix *)desks + desk * padded_most };
     const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
@@ -349,10 +348,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     };
     const Machines machines = { machine_states, running };
     const ConstraintTables constraint_tables = constraint_tables_of(
-        controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts,
-        states_before,
-        watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
-        layers, bound_clips, clips, masks, slots_per_member, machines, tick);
+        CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks, slots_per_member,
+        machines, tick);
     const Member member = members[owner];
     __global const Slot *mine = slots + owner * slots_per_member;
     for (uint s = 0; s < slots_per_member; s++)

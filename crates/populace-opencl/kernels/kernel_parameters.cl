@@ -1,5 +1,5 @@
-// kernel_parameters.cl - Parameter lists that several kernels share. The macro declares
-// parameters and uses no other names.
+// kernel_parameters.cl - Parameter lists that several kernels share, and the same lists as
+// arguments.
 
 // Tables and history of constraint programs. src/history.rs sets them in this order.
 // clang-format off
@@ -15,6 +15,9 @@
     __global const float4 *stage_values, \
     __global const float4 *motions, \
     uint elapsed_ticks
+#define CONSTRAINT_ARGUMENTS \
+    controls, steps, overrides, constraints, links, targets, ground, heights, soles, contacts, \
+    states_before, watched_before, states, watched, stage_values, motions, elapsed_ticks
 // clang-format on
 
 // Gathers what constraint programs read and write.

@@ -56,10 +56,8 @@ __kernel void transform(
     if (member.control != NONE) {
         const Machines machines = { machine_states, running };
         const ConstraintTables constraint_tables = constraint_tables_of(
-            controls, steps, overrides, constraints, links, targets, ground, heights, soles,
-            contacts, states_before,
-            watched_before, states, watched, stage_values, motions, elapsed_ticks, members, slots,
-            layers, bound_clips, clips, masks, slots_per_member, machines, tick);
+            CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks,
+            slots_per_member, machines, tick);
         const Solver s = solver_of(&constraint_tables, member.control);
         model = solve_joint(&s, joints, step_rotations + member.control * MAX_STEP_ROTATIONS, joint,
                             model, above, parent != NONE);

@@ -17,7 +17,7 @@ use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
-use crate::staged::{DispatchShape, GPU_SHAPE, Staged};
+use crate::staged::{DispatchShape, Staged};
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
 use crate::user_stages::UserStages;
@@ -85,9 +85,9 @@ impl OpenClBackend {
             Schedule::Staged => SchedulePlan::Staged(Box::new(Staged::new(device, shape)?)),
             Schedule::Fused if on_cpu => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
             Schedule::FusedWide => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::Fused | Schedule::FusedGrouped => SchedulePlan::Fused(Box::new(
-                Fused::grouped(device, shape.group.min(GPU_SHAPE.group))?,
-            )),
+            Schedule::Fused | Schedule::FusedGrouped => {
+                SchedulePlan::Fused(Box::new(Fused::grouped(device, shape.fused_group)?))
+            }
         };
         let form = match &plan {
             SchedulePlan::Staged(_) => Staged::STAGE_KERNELS.form,

@@ -14,7 +14,7 @@ use crate::context::FrameContext;
 use crate::handles::{Event, Kernel};
 use crate::history::WriteTarget;
 use crate::launch::Launch;
-use crate::program::Form;
+use crate::program::{Form, GroupShape};
 use crate::tables::DevicePages;
 use crate::user_stages::StageKernels;
 use dispatch::Dispatch;
@@ -25,6 +25,8 @@ const MATRIX: usize = 4;
 /// The kernels of a whole frame and of one member's joints.
 const WIDE: [&str; 2] = ["fused_wide", "fused_wide_joints"];
 const GROUPED: [&str; 2] = ["fused_grouped", "fused_grouped_joints"];
+/// The kernel of members that only mix the slots of layer 0.
+const GROUPED_PLAIN: &str = "fused_grouped_plain";
 
 /// A page of palettes and its members.
 struct Page<'a> {
@@ -39,6 +41,8 @@ pub(crate) struct Fused {
     pub(crate) stage_kernels: StageKernels,
     whole: Kernel,
     joints: Kernel,
+    /// Takes plain members from `whole`, in the grouped form.
+    plain: Option<Kernel>,
     dispatch: Dispatch,
     /// The members of each page.
     pub(crate) lists: DevicePages,
@@ -52,28 +56,31 @@ impl Fused {
     /// For CPUs: sixteen members of a body side by side.
     pub(crate) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
         let kernel = |name| device.kernel(Form::Wide, "", name);
-        let kernels = [kernel(WIDE[0])?, kernel(WIDE[1])?];
-        Ok(Self::of(
-            StageKernels { form: Form::Wide, names: WIDE },
-            kernels,
-            Dispatch::wide(device)?,
-        ))
+        let (whole, joints) = (kernel(WIDE[0])?, kernel(WIDE[1])?);
+        let stage_kernels = StageKernels { form: Form::Wide, names: WIDE };
+        Ok(Self::of(stage_kernels, whole, joints, None, Dispatch::wide(device)?))
     }
 
-    /// For GPUs: a work-group of `wished` work-items for each member, or of as many as the device
-    /// allows.
+    /// For GPUs: work-groups of `wished` work-items, or of as many as the device allows.
     pub(crate) fn grouped(device: &OpenClDevice, wished: usize) -> Result<Self, BackendError> {
-        let group = device.group_size(wished);
-        let form = Form::Grouped { group };
+        let shape = GroupShape::of(device.group_size(wished));
+        let form = Form::Grouped(shape);
         let kernel = |name| device.kernel(form, "", name);
-        let kernels = [kernel(GROUPED[0])?, kernel(GROUPED[1])?];
-        let dispatch = Dispatch::grouped(device, &kernels[0], group)?;
-        Ok(Self::of(StageKernels { form, names: GROUPED }, kernels, dispatch))
+        let (whole, joints) = (kernel(GROUPED[0])?, kernel(GROUPED[1])?);
+        let dispatch = Dispatch::grouped(device, &whole, shape)?;
+        let stage_kernels = StageKernels { form, names: GROUPED };
+        Ok(Self::of(stage_kernels, whole, joints, Some(kernel(GROUPED_PLAIN)?), dispatch))
     }
 
-    fn of(stage_kernels: StageKernels, [whole, joints]: [Kernel; 2], dispatch: Dispatch) -> Self {
+    fn of(
+        stage_kernels: StageKernels,
+        whole: Kernel,
+        joints: Kernel,
+        plain: Option<Kernel>,
+        dispatch: Dispatch,
+    ) -> Self {
         let (lists, events, last) = (DevicePages::new(), Vec::new(), Frame::of_all(0));
-        Self { stage_kernels, whole, joints, dispatch, lists, events, last, readback: None }
+        Self { stage_kernels, whole, joints, plain, dispatch, lists, events, last, readback: None }
     }
 
     /// Replaces the kernels by those of another program.
@@ -121,11 +128,8 @@ impl Fused {
             for (index, palette) in context.pages.iter().enumerate() {
                 let member_count = context.host.page_members(index).as_slice().len();
                 if member_count > 0 {
-                    events.push(self.run_page(
-                        context,
-                        frame.of_phase(phase),
-                        &Page { index, member_count, palette },
-                    )?);
+                    let page = Page { index, member_count, palette };
+                    self.run_page(context, frame.of_phase(phase), &page, &mut events)?;
                 }
             }
         }
@@ -138,18 +142,26 @@ impl Fused {
         context: &FrameContext,
         frame: Frame,
         page: &Page,
-    ) -> Result<Event, ClError> {
-        let launch = self
-            .launch(context, &self.whole, frame, WriteTarget::Frame)
-            .buffer("page_members", &self.lists.lists[page.index].buffer)
-            .buffer("entries", &context.tables.entries.buffer)
-            .uint("place_first", frame.place_first)
-            .uint("place_end", frame.place_end)
-            .uint("phase", frame.phase_first)
-            .count("page_first", page.index * PAGE_ENTRIES as usize)
-            .buffer("palette", page.palette);
-        let (launch, size) = self.dispatch.frame(launch, context.host, page.member_count);
-        launch.run(context.queue, size)
+        events: &mut Vec<Event>,
+    ) -> Result<(), ClError> {
+        // Members of later phases have constraint programs.
+        let plain = self.plain.as_ref().filter(|_| frame.phase_first == 0);
+        let kernels = plain.map(|kernel| (kernel, true)).into_iter().chain([(&self.whole, false)]);
+        for (kernel, plain) in kernels {
+            let launch = self
+                .launch(context, kernel, frame, WriteTarget::Frame)
+                .buffer("page_members", &self.lists.lists[page.index].buffer)
+                .buffer("entries", &context.tables.entries.buffer)
+                .uint("place_first", frame.place_first)
+                .uint("place_end", frame.place_end)
+                .uint("phase", frame.phase_first)
+                .count("page_first", page.index * PAGE_ENTRIES as usize)
+                .buffer("palette", page.palette);
+            let (launch, size) =
+                self.dispatch.frame(launch, context.host, page.member_count, plain);
+            events.push(launch.run(context.queue, size)?);
+        }
+        Ok(())
     }
 
     /// Sets the arguments that all kernels share.
@@ -227,7 +239,7 @@ impl Fused {
             .buffer("samples", &outputs.samples)
             .buffer("planes", &outputs.planes)
             .buffer("matrices", &outputs.matrices);
-        let (launch, size) = self.dispatch.member(launch, 1);
+        let (launch, size) = self.dispatch.member(launch);
         launch.run(context.queue, size)
     }
 }

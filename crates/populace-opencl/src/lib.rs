@@ -8,7 +8,8 @@
 //! - *staged*: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3, with one
 //!   work-item for each joint, through global memory;
 //! - *fused*: one kernel for the whole frame. Its *wide* form, for CPUs, computes sixteen joints at
-//!   a time in one work-item. Its *grouped* form, for GPUs, has a work-group for each member.
+//!   a time in one work-item. Its *grouped* form, for GPUs, has a work-group for each batch of members
+//!   of one body.
 //!
 //! libOpenCL is loaded at run time. Without it [`devices`] returns [`BackendError::NoRuntime`].
 //!

@@ -1,6 +1,7 @@
 //! Source texts of the programs: layouts and constants from `populace-device`, then the kernels.
 
 use populace_device::UserStage;
+use populace_device::layout::JOINT_BLOCK;
 
 /// Variants of the kernels: what a work-item computes at once, and where fused kernels keep a
 /// member's slots.
@@ -14,11 +15,26 @@ pub(crate) enum Form {
     Staged,
     /// Sixteen members of a body side by side.
     Wide,
-    /// One joint for each work-item, and a work-group for each member.
-    Grouped {
-        /// Work-items in a work-group.
-        group: usize,
-    },
+    /// One joint for each work-item, and a work-group for a batch of members of one body.
+    Grouped(GroupShape),
+}
+
+/// Work-groups of the grouped form.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct GroupShape {
+    /// Work-items in a work-group; a multiple of `batch`.
+    pub(crate) group: usize,
+    /// Members of one body that a group computes side by side, at most.
+    pub(crate) batch: usize,
+}
+
+impl GroupShape {
+    /// Groups of at most `work_items`: for each member of a batch as many as one run of joints in a
+    /// row of a clip.
+    pub(crate) fn of(work_items: usize) -> Self {
+        let batch = (work_items / JOINT_BLOCK as usize).max(1);
+        Self { group: work_items / batch * batch, batch }
+    }
 }
 
 impl Form {
@@ -27,9 +43,11 @@ impl Form {
             Self::Common | Self::Floor => String::new(),
             Self::Staged => "#define LANES 1\n".into(),
             Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
-            Self::Grouped { group } => {
-                format!("#define LANES 1\n#define FUSED __local\n#define GROUP {group}u\n")
-            }
+            Self::Grouped(GroupShape { group, batch }) => format!(
+                "#define LANES 1\n#define FUSED __local\n\
+                 #define GROUP {group}u\n#define BATCH {batch}u\n#define JOINTS {}u\n",
+                group / batch
+            ),
         }
     }
 
@@ -46,7 +64,7 @@ impl Form {
             Self::Wide => {
                 &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")]
             }
-            Self::Grouped { .. } => {
+            Self::Grouped(_) => {
                 &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
             }
         }

@@ -1,25 +1,32 @@
 //! Work-items of the fused schedules: the members that each takes, and where it stores
 //! `model_from_joint`.
 
-use populace_device::layout::{Float4, JOINT_BLOCK};
+use populace_device::layout::{Float4, JOINT_BLOCK, MAX_SLOTS, MAX_STEP_ROTATIONS};
 use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
+use crate::program::GroupShape;
 use crate::tables::DeviceTables;
 use crate::waits;
 
 /// Work-items of the wide form for each core: enough to balance the load.
 const ITEMS_PER_CORE: usize = 32;
+/// Work-groups of the grouped form for each core: enough to balance the load, and few enough that
+/// each fills its batches.
+const GROUPS_PER_CORE: usize = 8;
+/// Batches that a group computes one after another, at most. Longer runs leave cores idle at the end
+/// of a frame.
+const BATCHES_MOST: usize = 6;
 /// Members side by side in the lanes of a work-item of the wide form.
 const LANES: usize = JOINT_BLOCK as usize;
 /// `Float4`s of a joint's matrices in lanes of members.
 const MATRICES: usize = 12 * LANES / 4;
-/// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
-/// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette
-/// that are computed at once then come from all 32 banks.
+/// Elements of local memory, as in `fused_grouped.cl`: of what a slot plays, and past the last joint
+/// in each array of rows.
+const PLAYING_ELEMENTS: usize = 2;
 const STRIDE_PAST_BODY: usize = 3;
 
 pub(super) enum Dispatch {
@@ -32,12 +39,15 @@ pub(super) enum Dispatch {
         is_taken: Buffer<u32>,
         desks: Buffer<Float4>,
     },
-    /// `fused_grouped.cl`: a work-group for each member. Matrices are in local memory.
+    /// `fused_grouped.cl`: a work-group for a batch of members, whose matrices are in local memory.
     Grouped {
-        group: usize,
-        /// Elements of each of the three arrays of rows; 0 before the first update.
-        stride: usize,
-        /// Bytes of local memory that the kernel takes in addition to the rows.
+        cores: usize,
+        shape: GroupShape,
+        /// Joints of the largest body, padded; 0 before the first update.
+        padded: usize,
+        /// Elements of local memory for members, at most those of `shape.batch`.
+        room: usize,
+        /// Bytes of local memory that the kernel takes in addition to those of members.
         other_bytes: u64,
     },
 }
@@ -52,16 +62,17 @@ impl Dispatch {
         Ok(Self::Wide { cores, is_taken, desks: Buffer::new(device, 0, "an empty buffer")? })
     }
 
-    /// For a kernel that was built for work-groups of `group` work-items.
+    /// For a kernel that was built for work-groups of this shape.
     pub(super) fn grouped(
         device: &OpenClDevice,
         kernel: &Kernel,
-        group: usize,
+        shape: GroupShape,
     ) -> Result<Self, BackendError> {
+        let cores = device.info.compute_units as usize;
         let other_bytes = kernel.get_local_mem_size(device.device.id());
         let other_bytes =
             other_bytes.map_err(|e| device.failed("query a kernel's local memory", &e))?;
-        Ok(Self::Grouped { group, stride: 0, other_bytes })
+        Ok(Self::Grouped { cores, shape, padded: 0, room: 0, other_bytes })
     }
 
     /// Grows to the matrices of the largest body.
@@ -78,20 +89,21 @@ impl Dispatch {
                 let needed = desks_for(*cores, tables);
                 *desks = Buffer::new(device, needed, "matrices of members in progress")?;
             }
-            Self::Grouped { stride, other_bytes, .. } => {
-                let needed = stride_for(tables);
-                let bytes = (3 * needed * size_of::<Float4>()) as u64 + *other_bytes;
+            Self::Grouped { shape, padded, room, other_bytes, .. } => {
+                let needed = tables.padded_most();
+                let share = share_of(needed, false);
                 let available = device.info.local_memory_bytes;
-                if bytes > available {
-                    let device = device.info.name.clone();
+                let left = available.saturating_sub(*other_bytes) / size_of::<Float4>() as u64;
+                let left = usize::try_from(left).unwrap_or(usize::MAX);
+                if left < share {
                     return Err(BackendError::BodyTooLarge {
-                        device,
+                        device: device.info.name.clone(),
                         joints: joints_most(tables),
-                        bytes,
+                        bytes: (share * size_of::<Float4>()) as u64 + *other_bytes,
                         available,
                     });
                 }
-                *stride = needed;
+                (*padded, *room) = (needed, left.min(shape.batch * share));
             }
         }
         Ok(())
@@ -101,7 +113,7 @@ impl Dispatch {
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
             Self::Wide { cores, desks, .. } => desks_for(*cores, tables) <= desks.len(),
-            Self::Grouped { stride, .. } => stride_for(tables) <= *stride,
+            Self::Grouped { padded, room, .. } => *room > 0 && tables.padded_most() <= *padded,
         }
     }
 
@@ -125,13 +137,14 @@ impl Dispatch {
         }
     }
 
-    /// Sets the scratch memory of the frame's kernel, and returns the work size for `members`
-    /// members.
+    /// Sets the scratch memory of a kernel of the frame, and returns the work size for `members`
+    /// members. Those of a kernel of plain members have no steps.
     pub(super) fn frame<'a>(
         &self,
         launch: Launch<'a>,
         host: &Tables,
         members: usize,
+        plain: bool,
     ) -> (Launch<'a>, WorkSize) {
         match self {
             Self::Wide { cores, is_taken, desks } => {
@@ -145,30 +158,42 @@ impl Dispatch {
                     .buffer("desks", desks);
                 (launch, WorkSize::line(members.div_ceil(run), 1))
             }
-            Self::Grouped { .. } => self.member(launch, members),
-        }
-    }
-
-    /// Sets the scratch memory of a kernel with a work-item or a work-group for each member, and
-    /// returns the work size for `members` members.
-    pub(super) fn member<'a>(&self, launch: Launch<'a>, members: usize) -> (Launch<'a>, WorkSize) {
-        match self {
-            Self::Wide { desks, .. } => (launch.buffer("desks", desks), WorkSize::line(members, 1)),
-            Self::Grouped { group, stride, .. } => {
-                let launch =
-                    launch.count("stride", *stride).local::<Float4>("model_rows", 3 * stride);
-                (launch, WorkSize::line(members * group, *group))
+            Self::Grouped { cores, shape, padded, room, .. } => {
+                let run = members.div_ceil(cores * GROUPS_PER_CORE).next_multiple_of(shape.batch);
+                let run = run.min(BATCHES_MOST * shape.batch).min(shape.group);
+                let most = shape.batch * share_of(*padded, plain);
+                let launch = launch.count("member_count", members).count("run", run);
+                let size = WorkSize::line(members.div_ceil(run) * shape.group, shape.group);
+                (local_memory(launch, most.min(*room)), size)
             }
         }
     }
+
+    /// Sets the scratch memory of the kernel of one member, and returns its work size.
+    pub(super) fn member<'a>(&self, launch: Launch<'a>) -> (Launch<'a>, WorkSize) {
+        match self {
+            Self::Wide { desks, .. } => (launch.buffer("desks", desks), WorkSize::line(1, 1)),
+            Self::Grouped { shape, padded, .. } => {
+                let memory = share_of(*padded, false);
+                (local_memory(launch, memory), WorkSize::line(1, shape.group))
+            }
+        }
+    }
+}
+
+/// Sets the local memory for the members of a group.
+fn local_memory(launch: Launch<'_>, elements: usize) -> Launch<'_> {
+    launch.count("room", elements).local::<Float4>("memory", elements)
 }
 
 fn desks_for(cores: usize, tables: &Tables) -> usize {
     cores * tables.padded_most() * MATRICES
 }
 
-fn stride_for(tables: &Tables) -> usize {
-    tables.padded_most() + STRIDE_PAST_BODY
+/// Elements of a member's share of local memory, as `batch_of` of `fused_grouped.cl` divides it.
+fn share_of(padded: usize, plain: bool) -> usize {
+    let rotations = if plain { 0 } else { MAX_STEP_ROTATIONS as usize };
+    (3 * (padded + STRIDE_PAST_BODY) + PLAYING_ELEMENTS * MAX_SLOTS as usize + rotations) | 1
 }
 
 fn joints_most(tables: &Tables) -> usize {

@@ -1,6 +1,6 @@
 use std::collections::BTreeSet;
 
-use super::Form;
+use super::{Form, GroupShape};
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::handles::Kernel;
@@ -12,7 +12,7 @@ const TEXTS: &str = "POPULACE_KERNEL_TEXTS";
 
 /// The programs that GPUs run, by the names of their texts.
 fn programs_of_gpus() -> [(&'static str, Form); 4] {
-    let grouped = Form::Grouped { group: GPU_SHAPE.group };
+    let grouped = Form::Grouped(GroupShape::of(GPU_SHAPE.fused_group));
     [
         ("common", Form::Common),
         ("floor", Form::Floor),
@@ -40,8 +40,15 @@ fn texts_of_gpus_hold_the_kernels_that_they_run() {
             std::fs::write(&path, text).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         }
     }
-    for wanted in ["apply_changes", "evaluate", "pose", "transform", "write_back", "fused_grouped"]
-    {
+    for wanted in [
+        "apply_changes",
+        "evaluate",
+        "pose",
+        "transform",
+        "write_back",
+        "fused_grouped",
+        "fused_grouped_plain",
+    ] {
         assert!(found.contains(wanted), "no {wanted} among {found:?}");
     }
 }
