@@ -21,8 +21,8 @@ ALL = ["-p", "populace-opencl", "--lib"]
 OF_POCL = ["--skip", "parts_divide_the_compute_units_equally", "--skip", "conformance_on_a_part"]
 SMALL = ["-p", "populace", "--test", "controls", "small_scene_of_everything_gives_equal_bits"]
 # Oclgrind 21.10 knows neither llvm.usub.sat, which the optimizer makes of "a > b ? a - b : 0", nor
-# llvm.experimental.noalias.scope.decl, which inlining leaves behind.
-FOR_OCLGRIND = "-cl-opt-disable -D always_inline=noinline"
+# llvm.experimental.noalias.scope.decl, which inlining leaves behind, nor llvm.prefetch.
+FOR_OCLGRIND = "-cl-opt-disable -D always_inline=noinline -D __builtin_prefetch(at)="
 WITHOUT_BARRIERS = "-D barrier(flags)="
 
 

@@ -268,6 +268,11 @@ fn documents_of_pictures_and_films_have_the_same_fields() {
         assert_eq!(fields(&d["shadow"]), BTreeSet::from(["members", "triangles"]));
         let passes = BTreeSet::from(["shadow", "members", "surroundings"]);
         assert_eq!(fields(&d["draw_calls"]), passes);
+        let ms = |name: &str| d["ms_median"][name].as_f64().expect("a number");
+        assert!(
+            passes.iter().all(|pass| ms(pass) <= ms("total")),
+            "a pass is part of a picture: {d}"
+        );
         assert!(passes.iter().all(|pass| d["draw_calls"][pass].as_u64() > Some(0)), "{d}");
         match triangles {
             Some(count) => assert_eq!(d["triangles"], json!(count), "{args:?}"),

@@ -1,6 +1,7 @@
 //! Timers of the graphics device.
 
 use std::rc::Rc;
+use std::time::Instant;
 
 use glow::HasContext as _;
 
@@ -11,8 +12,8 @@ use crate::Error;
 pub(crate) struct Timers<const PASSES: usize> {
     gl: Rc<Gl>,
     queries: [glow::Query; PASSES],
-    /// Passes that were timed since [`clear`](Self::clear).
-    timed: [bool; PASSES],
+    /// When each pass that was timed since [`clear`](Self::clear) began, by the host's clock.
+    began: [Option<Instant>; PASSES],
 }
 
 impl<const PASSES: usize> Timers<PASSES> {
@@ -30,17 +31,17 @@ impl<const PASSES: usize> Timers<PASSES> {
             let (operation, code) = ("create a timer".into(), "too few".into());
             Error::GlError { operation, code }
         })?;
-        Ok(Self { gl: Rc::clone(gl), queries, timed: [false; PASSES] })
+        Ok(Self { gl: Rc::clone(gl), queries, began: [None; PASSES] })
     }
 
     /// Forgets all times.
     pub(crate) fn clear(&mut self) {
-        self.timed = [false; PASSES];
+        self.began = [None; PASSES];
     }
 
     /// Begins to time a pass. One pass is timed at a time, and each once.
     pub(crate) fn begin(&mut self, pass: usize) {
-        self.timed[pass] = true;
+        self.began[pass] = Some(Instant::now());
         // SAFETY: the context is current, the query exists, and no other one is active.
         unsafe { self.gl.functions.begin_query(glow::TIME_ELAPSED, self.queries[pass]) }
     }
@@ -52,11 +53,12 @@ impl<const PASSES: usize> Timers<PASSES> {
 
     /// Returns the milliseconds of each pass; 0 for those that were not timed. Waits for the
     /// device.
+    ///
+    /// Mesa's llvmpipe can return its clock in place of the first time. A time longer than the
+    /// host's clock allows counts as none.
     pub(crate) fn ms(&self) -> [f64; PASSES] {
         std::array::from_fn(|pass| {
-            if !self.timed[pass] {
-                return 0.0;
-            }
+            let Some(began) = self.began[pass] else { return 0.0 };
             // SAFETY: the context is current, the query exists and has ended.
             let nanosecs = unsafe {
                 let functions = &self.gl.functions;
@@ -64,7 +66,7 @@ impl<const PASSES: usize> Timers<PASSES> {
             };
             #[expect(clippy::cast_precision_loss, reason = "no picture takes 2^53 nanoseconds")]
             let ms = nanosecs as f64 / 1e6;
-            ms
+            if ms > began.elapsed().as_secs_f64() * 1e3 { 0.0 } else { ms }
         })
     }
 }

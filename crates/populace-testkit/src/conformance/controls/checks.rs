@@ -51,8 +51,8 @@ pub fn check_gaze(backend: &mut dyn Backend) {
     });
 }
 
-/// Checks two-bone limbs, with goals in and out of reach, with and without a pole, whose ends keep
-/// their rotation or follow.
+/// Checks two-bone limbs, with goals in and out of reach and so near that they fold, with and without
+/// a pole, whose ends keep their rotation or follow.
 ///
 /// # Panics
 ///
@@ -62,6 +62,7 @@ pub fn check_limbs(backend: &mut dyn Backend) {
         constraints: vec![plans::limb(rng, skeleton)],
         ..Controls::default()
     });
+    check_random("limbs that fold", backend, 77, plans::folded_limb);
 }
 
 /// Checks chains of two to seven joints that reach for goals.

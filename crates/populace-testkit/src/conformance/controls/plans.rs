@@ -4,7 +4,7 @@ use glam::DVec3;
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Target;
 use populace_device::{
-    Chain, Constraint, Gaze, GazeLimits, JointOverride, LayerMode, Limb, Place, Space,
+    Chain, Constraint, Controls, Gaze, GazeLimits, JointOverride, LayerMode, Limb, Place, Space,
 };
 use populace_model::convert::single;
 use populace_model::{JointIndex, Skeleton, Trs};
@@ -119,17 +119,46 @@ fn gaze_of(rng: &mut Rng, joints: Vec<JointIndex>, targets: Vec<Target>) -> Gaze
 /// A limb whose bones have one to three joints each.
 pub(super) fn limb(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
     let joints = run(rng, skeleton, 3, 5);
-    let middle = 1 + rng.below(joints.len() - 2);
-    Constraint::Limb(Limb {
+    Constraint::Limb(limb_of(rng, &joints))
+}
+
+fn limb_of(rng: &mut Rng, joints: &[JointIndex]) -> Limb {
+    Limb {
         first: joints[0],
-        middle: joints[middle],
+        middle: joints[1 + rng.below(joints.len() - 2)],
         end: joints[joints.len() - 1],
         bend: rng.direction().to_array().map(single),
         pole: rng.chance(0.5).then(|| rng.direction().to_array().map(single)),
         keeps_end: rng.chance(0.5),
         soft: single(rng.between(0.02, 0.3)),
         targets: targets(rng),
-    })
+    }
+}
+
+/// A limb from a root on, whose goal is so near that it folds: nearer than it would reach without
+/// easing, down to the difference of its bones. Overrides give its joints their places.
+pub(super) fn folded_limb(rng: &mut Rng, skeleton: &Skeleton) -> Controls {
+    let end = run(rng, skeleton, 3, 3)[2];
+    let mut joints = vec![end];
+    joints.extend(skeleton.ancestors(end));
+    joints.reverse();
+    joints.truncate(3);
+    let mut places = Vec::new();
+    let overrides = joints.iter().map(|joint| {
+        let away = rng.direction() * rng.between(0.2, 0.6);
+        places.push(away);
+        let translation = away.to_array().map(single);
+        let transform = Trs { translation, scale: [1.0; 3], ..transform(rng) };
+        JointOverride { joint: *joint, space: Space::Local, transform, weight: 1.0 }
+    });
+    let overrides = overrides.collect();
+    let (a, b) = (places[1].length(), places[2].length());
+    let (least, soft) = ((a - b).abs(), rng.between(0.1, 0.4));
+    let distance = least + rng.between(0.05, 0.95) * soft * (a + b - least);
+    let goal = (places[0] + rng.direction() * distance).to_array().map(single);
+    let targets = vec![eased(rng, Target::in_model(goal))];
+    let limb = Limb { soft: single(soft), pole: None, targets, ..limb_of(rng, &joints) };
+    Controls { constraints: vec![Constraint::Limb(limb)], overrides, ..Controls::default() }
 }
 
 /// A chain of two to seven joints.
