@@ -44,4 +44,4 @@ pub use stage_buffer::{Stage, StageBuffer};
 pub use tables::{
     BodyIndex, Condition, Epochs, Ground, LiveNewest, MachineState, Table, Tables, Transition,
 };
-pub use view::{VIEW_PLANES, View, Visibility};
+pub use view::{Culling, VIEW_PLANES, View, Visibility};

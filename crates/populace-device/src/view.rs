@@ -41,34 +41,70 @@ pub enum Visibility {
 /// followed: the sun is less than 9 degrees above the horizon.
 const LONGEST_SHADOW: f32 = 6.0;
 
-impl View {
+/// Planes in lanes: those of a view, and others that are never beyond anything.
+const LANES: usize = 8;
+
+/// The planes of a view side by side, and how far shadows reach over each of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Culling {
+    normal: [[f32; LANES]; 3],
+    offset: [f32; LANES],
+    /// How far the end of a shadow lies inwards of the body that throws it, in radii of the body;
+    /// 0 without shadows.
+    shadow: [f32; LANES],
+}
+
+impl Culling {
     /// Returns what can be seen of a body within a sphere in world space.
     #[must_use]
+    #[inline]
     pub fn visibility(&self, center: [f32; 3], radius: f32) -> Visibility {
-        // The far end of the shadow on the ground beneath the body.
-        let shadow_end = || {
-            self.to_sun.map(|[x, y, z]| {
-                let level = (x * x + z * z).sqrt();
-                let along = (2.0 * radius / y.max(level / LONGEST_SHADOW)).max(0.0);
-                [center[0] - along * x, center[1] - along * y, center[2] - along * z]
-            })
-        };
-        let mut visibility = Visibility::InView;
-        for [x, y, z, offset] in self.planes {
-            let beyond = |[px, py, pz]: [f32; 3]| x * px + y * py + z * pz + offset < -radius;
-            if !beyond(center) {
-                continue;
+        let [nx, ny, nz] = &self.normal;
+        let (mut nearest, mut nearest_end) = (f32::MAX, f32::MAX);
+        for lane in 0..LANES {
+            let level = nx[lane] * center[0] + ny[lane] * center[1] + nz[lane] * center[2];
+            let body = level + self.offset[lane];
+            let shadow = body + self.shadow[lane] * radius;
+            nearest = lesser(nearest, body);
+            nearest_end = lesser(nearest_end, -lesser(-body, -shadow));
+        }
+        match (nearest >= -radius, nearest_end >= -radius) {
+            (true, _) => Visibility::InView,
+            (false, true) => Visibility::ShadowOnly,
+            (false, false) => Visibility::Hidden,
+        }
+    }
+}
+
+/// One instruction, unlike `f32::min`, which looks for numbers beside NaN.
+fn lesser(a: f32, b: f32) -> f32 {
+    if b < a { b } else { a }
+}
+
+impl View {
+    /// Returns the planes that tell what can be seen.
+    #[must_use]
+    pub fn culling(&self) -> Culling {
+        let mut culling =
+            Culling { normal: [[0.0; LANES]; 3], offset: [f32::MAX; LANES], shadow: [0.0; LANES] };
+        for (lane, [x, y, z, offset]) in self.planes.into_iter().enumerate() {
+            for (axis, of_normal) in [x, y, z].into_iter().enumerate() {
+                culling.normal[axis][lane] = of_normal;
             }
-            match shadow_end() {
-                Some(end) if !beyond(end) => visibility = Visibility::ShadowOnly,
-                _ => return Visibility::Hidden,
+            culling.offset[lane] = offset;
+            if let Some([sx, sy, sz]) = self.to_sun {
+                // To the far end of the shadow on the ground beneath a body of radius 1.
+                let level = (sx * sx + sz * sz).sqrt();
+                let along = (2.0 / sy.max(level / LONGEST_SHADOW)).max(0.0);
+                culling.shadow[lane] = -along * (x * sx + y * sy + z * sz);
             }
         }
-        visibility
+        culling
     }
 
     /// Returns how many pixels a metre covers on the nearest side of a sphere in world space.
     #[must_use]
+    #[inline]
     pub fn pixels_per_metre_at(&self, center: [f32; 3], radius: f32) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|i: usize| center[i] - self.eye[i]);
         let distance = (x * x + y * y + z * z).sqrt() - radius;
@@ -94,19 +130,19 @@ mod tests {
 
     #[test]
     fn spheres_are_hidden_once_they_are_wholly_beyond_an_edge() {
-        let at = |x| view(None).visibility([x, 0.0, -10.0], 1.0);
+        let at = |x| view(None).culling().visibility([x, 0.0, -10.0], 1.0);
         assert_eq!(at(10.0 + 1.4), Visibility::InView, "the sphere touches the edge");
         assert_eq!(at(10.0 + 1.5), Visibility::Hidden);
-        assert_eq!(view(None).visibility([0.0, 0.0, 1.5], 1.0), Visibility::Hidden);
+        assert_eq!(view(None).culling().visibility([0.0, 0.0, 1.5], 1.0), Visibility::Hidden);
     }
 
     #[test]
     fn bodies_out_of_view_that_throw_a_shadow_into_it_are_kept() {
         let sun = |x: f32| Some([x, 1.0, 0.0].map(|c| c / x.hypot(1.0)));
         let outside = [13.0, 0.0, -10.0];
-        assert_eq!(view(sun(1.0)).visibility(outside, 1.0), Visibility::ShadowOnly);
-        assert_eq!(view(sun(-1.0)).visibility(outside, 1.0), Visibility::Hidden);
-        assert_eq!(view(sun(0.0)).visibility(outside, 1.0), Visibility::Hidden);
+        assert_eq!(view(sun(1.0)).culling().visibility(outside, 1.0), Visibility::ShadowOnly);
+        assert_eq!(view(sun(-1.0)).culling().visibility(outside, 1.0), Visibility::Hidden);
+        assert_eq!(view(sun(0.0)).culling().visibility(outside, 1.0), Visibility::Hidden);
     }
 
     #[test]

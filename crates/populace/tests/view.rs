@@ -119,6 +119,26 @@ fn levels_follow_the_distance_and_change_with_hysteresis() {
 }
 
 #[test]
+fn hidden_members_keep_their_level() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD]);
+    let far = AHEAD.map(|metres| 3.0 * metres);
+    for (place, error_px, seen) in [
+        (far, 1.0, (Visibility::InView, 1)),
+        (BEHIND, 1.0, (Visibility::Hidden, 1)),
+        (BEHIND, 0.0, (Visibility::Hidden, 1)),
+        (AHEAD, 0.0, (Visibility::InView, 0)),
+        (BEHIND, 100.0, (Visibility::Hidden, 0)),
+        (AHEAD, 100.0, (Visibility::InView, 2)),
+    ] {
+        scene.crowd.set_view(Some(view(error_px))).unwrap();
+        let mut member = scene.crowd.member_mut(scene.members[0]).unwrap();
+        member.set_placement(Placement::at(place)).unwrap();
+        scene.crowd.update(0.1).unwrap();
+        assert_eq!(scene.seen(), [seen], "at {place:?} with {error_px} px");
+    }
+}
+
+#[test]
 fn visible_members_are_listed_in_runs_with_what_a_renderer_needs() {
     let far = [0.0, -1.0, -30.0];
     let mut scene =

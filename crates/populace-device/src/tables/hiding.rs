@@ -3,7 +3,7 @@
 use super::Tables;
 use crate::layout::{
     MEMBER_HIDDEN, NONE, SLOT_LIVE, STEP_CARRY, STEP_CHAIN, STEP_FOOT, STEP_GAZE, STEP_MOTION,
-    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH, Slot,
+    STEP_PELVIS, STEP_REACH, STEP_ROTATION, STEP_WATCH,
 };
 
 /// Returns whether a step rotates joints of its member, by nothing but its targets.
@@ -12,8 +12,9 @@ const fn is_own(kind: u32) -> bool {
 }
 
 impl Tables {
-    /// Returns whether a member's clips tell how far it reaches from its place. Those of members
-    /// with overrides, user stages, proportions or live clips, and of attached ones, do not.
+    /// Returns whether a member's clips tell how far it reaches from its place, unless it
+    /// [plays a live one](Self::plays_live). Those of members with overrides, user stages or
+    /// proportions, and of attached ones, do not.
     ///
     /// # Panics
     ///
@@ -21,9 +22,25 @@ impl Tables {
     #[must_use]
     pub fn is_bounded(&self, member_index: u32) -> bool {
         let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
+        self.takes_only(member_index, bounded)
+    }
+
+    /// Returns whether there may be live clips. Without them no member plays one, and none needs to
+    /// have all its slots read.
+    #[must_use]
+    pub fn has_live_clips(&self) -> bool {
+        self.all.clips.as_slice().iter().any(|clip| clip.ring_rows > 0)
+    }
+
+    /// Returns whether a member plays a live clip.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member.
+    #[must_use]
+    pub fn plays_live(&self, member_index: u32) -> bool {
         let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
-        let is_live = |slot: &Slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE;
-        self.takes_only(member_index, bounded) && !slots.iter().any(is_live)
+        slots.iter().any(|slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE)
     }
 
     /// Returns whether a member can be [hidden](Self::set_hidden): nobody else needs its pose, and

@@ -1,6 +1,6 @@
 //! The view that a crowd is evaluated for: which members are hidden, and their levels of detail.
 
-use populace_device::{Tables, View, Visibility};
+use populace_device::{Culling, Tables, View, Visibility};
 use populace_model::convert::u32_from;
 use populace_settings::parts::{Key, Parts as _};
 use rayon::prelude::*;
@@ -110,7 +110,9 @@ impl State {
         }
         let Self { base, motion, attachments, .. } = self;
         let Base { tables, assets, members, view, .. } = base;
-        let choice = Choice { view: view.as_ref(), tables, assets, motion, attachments };
+        let has_live_clips = tables.has_live_clips();
+        let view = view.as_ref().map(|view| (view, view.culling()));
+        let choice = Choice { view, tables, has_live_clips, assets, motion, attachments };
         let shares = members.all.par_chunks_mut(SHARE).enumerate();
         let changes: Vec<Vec<_>> = shares
             .map(|(share, members)| {
@@ -147,8 +149,9 @@ impl Assets {
 
 /// What the choice for a member depends on, besides its state.
 struct Choice<'a> {
-    view: Option<&'a View>,
+    view: Option<(&'a View, Culling)>,
     tables: &'a Tables,
+    has_live_clips: bool,
     assets: &'a Assets,
     motion: &'a RootMotion,
     attachments: &'a Attachments,
@@ -167,8 +170,12 @@ impl Choice<'_> {
     /// Chooses a member's visibility and level, and returns the change of the tables, if any.
     fn update(&self, index: u32, member: &mut MemberState) -> Option<Change> {
         let state = self.assets.character(member)?;
-        let seen = |view| self.seen(view, index, member, state);
-        member.seen = self.view.map_or_else(Seen::default, seen);
+        let seen = |(view, culling)| self.seen(view, &culling, index, member, state);
+        let now = self.view.map_or_else(Seen::default, seen);
+        // Few change, and what is not written does not go back to memory.
+        if member.seen != now {
+            member.seen = now;
+        }
         let Seen { visibility, level } = member.seen;
         let is_hidden = visibility == Visibility::Hidden && self.tables.can_hide(index);
         let reduced = state.reduced_of_level.get(level as usize).copied().unwrap_or_default();
@@ -176,14 +183,30 @@ impl Choice<'_> {
         (!is_same).then_some(Change { member: index, is_hidden, reduced })
     }
 
-    fn seen(&self, view: &View, index: u32, member: &MemberState, state: &CharacterState) -> Seen {
+    /// Returns whether the sphere of a member's character holds its poses.
+    fn is_bounded(&self, index: u32) -> bool {
+        self.tables.is_bounded(index) && !(self.has_live_clips && self.tables.plays_live(index))
+    }
+
+    fn seen(
+        &self,
+        view: &View,
+        culling: &Culling,
+        index: u32,
+        member: &MemberState,
+        state: &CharacterState,
+    ) -> Seen {
         let offset = offset(self.motion, self.attachments, index);
         let (center, radius) = sphere(&member.placement, offset, state.reach);
-        let visibility = match view.visibility(center, radius) {
+        let visibility = match culling.visibility(center, radius) {
             Visibility::InView => Visibility::InView,
-            _ if !self.tables.is_bounded(index) => Visibility::InView,
-            beyond => beyond,
+            beyond if self.is_bounded(index) => beyond,
+            _ => Visibility::InView,
         };
+        // Hidden members keep their level.
+        if visibility == Visibility::Hidden && self.tables.can_hide(index) {
+            return Seen { visibility, ..member.seen };
+        }
         let px = view.pixels_per_metre_at(center, radius) * member.placement.scale();
         let levels = state.character.levels();
         let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
