@@ -72,6 +72,8 @@ pub struct Tables {
     asset_runs: HashMap<(Asset, u32), Runs>,
     /// Soles of bodies that have some, by body.
     soles_of_bodies: HashMap<u32, Soles>,
+    /// Whether a live clip was ever added.
+    had_live_clips: bool,
 }
 
 impl Tables {
@@ -107,6 +109,7 @@ impl Tables {
             instance_space: InstanceSpace::new(),
             asset_runs: HashMap::new(),
             soles_of_bodies: HashMap::new(),
+            had_live_clips: false,
         }
     }
 
@@ -299,7 +302,8 @@ impl Tables {
                 rows_per_sec: clip.rows_per_sec(),
                 ..live::new_ring(clip)
             };
-            runs.add(&mut all.clips, [rows])
+            tables.had_live_clips |= rows.ring_rows > 0;
+            runs.add(&mut tables.all.clips, [rows])
         })
     }
 

@@ -50,7 +50,7 @@ pub struct Culling {
     normal: [[f32; LANES]; 3],
     offset: [f32; LANES],
     /// How far the end of a shadow lies inwards of the body that throws it, in radii of the body;
-    /// 0 without shadows.
+    /// 0 for one that lies outwards, and without shadows.
     shadow: [f32; LANES],
 }
 
@@ -64,9 +64,8 @@ impl Culling {
         for lane in 0..LANES {
             let level = nx[lane] * center[0] + ny[lane] * center[1] + nz[lane] * center[2];
             let body = level + self.offset[lane];
-            let shadow = body + self.shadow[lane] * radius;
             nearest = lesser(nearest, body);
-            nearest_end = lesser(nearest_end, -lesser(-body, -shadow));
+            nearest_end = lesser(nearest_end, body + self.shadow[lane] * radius);
         }
         match (nearest >= -radius, nearest_end >= -radius) {
             (true, _) => Visibility::InView,
@@ -76,7 +75,7 @@ impl Culling {
     }
 }
 
-/// One instruction, unlike `f32::min`, which looks for numbers beside NaN.
+/// Compiles to one instruction; `f32::min` must also handle NaN.
 fn lesser(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }
 }
@@ -96,7 +95,7 @@ impl View {
                 // To the far end of the shadow on the ground beneath a body of radius 1.
                 let level = (sx * sx + sz * sz).sqrt();
                 let along = (2.0 / sy.max(level / LONGEST_SHADOW)).max(0.0);
-                culling.shadow[lane] = -along * (x * sx + y * sy + z * sz);
+                culling.shadow[lane] = (-along * (x * sx + y * sy + z * sz)).max(0.0);
             }
         }
         culling

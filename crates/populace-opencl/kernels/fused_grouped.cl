@@ -8,8 +8,8 @@
 // work-item of a kernel the registers of its largest part, and so runs few groups of the second
 // kernel at once.
 //
-// NDRange  (groups x GROUP), a group for each `run` places of a page's list; one enqueue of each
-//          kernel for each phase and page
+// NDRange  (groups x GROUP), a group for each `run` places of a page's list; one enqueue for each
+//          phase and page, and for fused_grouped_plain one for each page
 // Reads    the page's members; slots, machines, layers, rows, controls and the tables that they
 //          index; watched joints that earlier phases wrote
 // Writes   palette: each entry of the phase's members in [place_first, place_end) once, padding
@@ -37,13 +37,13 @@
     clips, row_blocks, rows, row_times, buckets, poses, masks, levels, joint_maps, tick, \
     slots_per_member, joint_scales, CONSTRAINT_ARGUMENTS
 
-// Parameters of the kernels of a frame: the members of a page, and their palettes.
+// Parameters of the kernels of a frame: members of the page, of which those of a range and a phase
+// are computed; their palettes; local memory.
 #define PAGE_PARAMETERS \
     __global const uint *page_members, __global const Entry *entries, uint place_first, \
     uint place_end, uint phase, uint page_first, __global float4 *restrict palette, \
-    uint member_count, uint run
-#define PAGE_ARGUMENTS \
-    page_members, entries, place_first, place_end, phase, page_first, palette, member_count, run
+    uint member_count, uint run, uint room, __local float4 *memory
+#define PAGE_ARGUMENTS page_members, member_count, run, place_first, place_end, phase
 // clang-format on
 
 // Tables between the slots of a member and its model_from_joint.
@@ -85,13 +85,6 @@ typedef struct {
     uint owner, posed;
 } Place;
 
-// Elements of what a slot plays: seven words, of eight.
-#define PLAYING_ELEMENTS 2
-// Extra elements in each array of rows. Bodies are padded to 16, so the first rows of the three
-// arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette that are computed
-// at once then come from all 32 banks.
-#define STRIDE_PAST_BODY 3
-
 // Members of one body whose frames a group computes side by side, and their part of local memory:
 // for each member `share` elements, which hold three arrays of rows of `stride` elements, then what
 // it plays, then rotations of its steps unless it is plain.
@@ -103,15 +96,15 @@ typedef struct {
     uint share, stride;
 } Batch;
 
-// Returns the first members of a list that have one body and have room in local memory. The share
-// of each is odd, so that the same row of eight members comes from all 32 banks.
+// Returns the first members of a list that have one body and have room in local memory. src/program.rs
+// tells how each divides its share.
 INLINE Batch batch_of(const Grouped *tables, __local const Place *places, uint listed, bool plain,
                       uint room, __local float4 *memory)
 {
     Batch batch = { places, 1, tables->bodies[places->posed], memory, 0, 0 };
     batch.stride = batch.body.padded_count + STRIDE_PAST_BODY;
-    batch.share = (3 * batch.stride + MAX_SLOTS * PLAYING_ELEMENTS
-                   + (plain ? 0 : MAX_STEP_ROTATIONS)) | 1;
+    batch.share = 3 * batch.stride + MAX_SLOTS * PLAYING_ELEMENTS
+                  + (plain ? 0 : MAX_STEP_ROTATIONS);
     const uint most = min(min((uint)BATCH, room / batch.share), listed);
     while (batch.count < most && places[batch.count].posed == places->posed) batch.count++;
     return batch;
@@ -194,7 +187,7 @@ INLINE void descend(const Grouped *tables, const Batch *batch, uint nth, uint jo
 }
 
 // Computes model_from_joint of all joints of the members, for the whole group. `plain` is a
-// constant: kernels of plain members contain nothing else.
+// constant, so that the compiler drops the rest from the kernel of plain members.
 //
 // Neighbouring work-items take neighbouring joints of a member to pose, which read neighbouring
 // words. On the way down, neighbours take the same joint of all members, which run the same steps.
@@ -215,17 +208,25 @@ INLINE void batch_models(const Grouped *tables, const Batch *batch, bool plain,
     }
 }
 
+// The part of a page's list that a group computes.
+typedef struct {
+    __global const uint *members;
+    uint count, run, place_first, place_end, phase;
+} Page;
+
 // Returns the member at a place of the page's list, or NONE if this launch or this kernel is not to
 // compute it.
-INLINE Place place_at(const Grouped *tables, bool plain, uint place, PAGE_PARAMETERS)
+INLINE Place place_at(const Grouped *tables, bool plain, Page page, uint place)
 {
     const Place none = { NONE, NONE };
-    if (place >= member_count) return none;
-    const uint owner = page_members[place], each = tables->slots_per_member;
+    if (place >= page.count) return none;
+    const uint owner = page.members[place], each = tables->slots_per_member;
     const Member member = tables->members[owner];
-    if (owner < place_first || owner >= place_end || member_phase(member) != phase) return none;
+    if (owner < page.place_first || owner >= page.place_end || member_phase(member) != page.phase)
+        return none;
+    // The kernel of plain members runs in phase 0 alone.
     const bool is_plain =
-        member.control == NONE && member_layers(member) == 1
+        page.phase == 0 && member.control == NONE && member_layers(member) == 1
         && inertialization_of(tables->slots + owner * each, each, tables->tick).count == 0;
     const Place found = { owner, member.posed };
     return is_plain == plain ? found : none;
@@ -233,22 +234,22 @@ INLINE Place place_at(const Grouped *tables, bool plain, uint place, PAGE_PARAME
 
 // Lists the members of a group's run that this launch and this kernel are to compute, in order, and
 // returns their count.
-INLINE uint list_places(const Grouped *tables, bool plain, __local Place *here,
-                        __local Place *listed, PAGE_PARAMETERS)
+INLINE uint list_places(const Grouped *tables, bool plain, Page page, __local Place *listed)
 {
     const uint item = (uint)get_local_id(0);
-    here[item].owner = NONE;
-    if (item < run)
-        here[item] =
-            place_at(tables, plain, (uint)get_group_id(0) * run + item, PAGE_ARGUMENTS);
+    Place own = { NONE, NONE };
+    if (item < page.run)
+        own = place_at(tables, plain, page, (uint)get_group_id(0) * page.run + item);
+    listed[item] = own;
     barrier(CLK_LOCAL_MEM_FENCE);
     uint before = 0, count = 0;
-    for (uint i = 0; i < run; i++) {
-        const uint one = here[i].owner != NONE ? 1 : 0;
+    for (uint i = 0; i < page.run; i++) {
+        const uint one = listed[i].owner != NONE ? 1 : 0;
         before += i < item ? one : 0;
         count += one;
     }
-    if (here[item].owner != NONE) listed[before] = here[item];
+    barrier(CLK_LOCAL_MEM_FENCE);
+    if (own.owner != NONE) listed[before] = own;
     barrier(CLK_LOCAL_MEM_FENCE);
     return count;
 }
@@ -272,13 +273,13 @@ INLINE void write_palettes(const Grouped *tables, const Batch *batch,
 }
 
 // Computes the members of a group's run that are plain, or those that are not.
-INLINE void run_frame(const Grouped *tables, bool plain, __local Place *here, __local Place *listed,
-                      uint room, __local float4 *memory, PAGE_PARAMETERS)
+INLINE void run_frame(const Grouped *tables, bool plain, Page page, __local Place *listed,
+                      uint room, __local float4 *memory, __global const Entry *entries,
+                      uint page_first, __global float4 *restrict palette)
 {
-    const uint count = list_places(tables, plain, here, listed, PAGE_ARGUMENTS);
+    const uint count = list_places(tables, plain, page, listed);
     for (uint first = 0; first < count;) {
-        const Batch batch =
-            batch_of(tables, listed + first, count - first, plain, room, memory);
+        const Batch batch = batch_of(tables, listed + first, count - first, plain, room, memory);
         batch_models(tables, &batch, plain, 0);
         write_palettes(tables, &batch, entries, page_first, palette);
         first += batch.count;
@@ -288,20 +289,22 @@ INLINE void run_frame(const Grouped *tables, bool plain, __local Place *here, __
 
 // Computes members that need all of the pipeline.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
-    GROUPED_PARAMETERS, PAGE_PARAMETERS, uint room, __local float4 *memory)
+    GROUPED_PARAMETERS, PAGE_PARAMETERS)
 {
-    __local Place here[GROUP], listed[GROUP];
+    __local Place listed[GROUP];
     const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
-    run_frame(&tables, false, here, listed, room, memory, PAGE_ARGUMENTS);
+    const Page page = { PAGE_ARGUMENTS };
+    run_frame(&tables, false, page, listed, room, memory, entries, page_first, palette);
 }
 
 // Computes members that only mix the slots of layer 0.
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_plain(
-    GROUPED_PARAMETERS, PAGE_PARAMETERS, uint room, __local float4 *memory)
+    GROUPED_PARAMETERS, PAGE_PARAMETERS)
 {
-    __local Place here[GROUP], listed[GROUP];
+    __local Place listed[GROUP];
     const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
-    run_frame(&tables, true, here, listed, room, memory, PAGE_ARGUMENTS);
+    const Page page = { PAGE_ARGUMENTS };
+    run_frame(&tables, true, page, listed, room, memory, entries, page_first, palette);
 }
 
 // Computes samples, local transforms and model_from_joint of one member, for reading back.

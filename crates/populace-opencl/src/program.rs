@@ -1,7 +1,7 @@
 //! Source texts of the programs: layouts and constants from `populace-device`, then the kernels.
 
 use populace_device::UserStage;
-use populace_device::layout::JOINT_BLOCK;
+use populace_device::layout::{JOINT_BLOCK, MAX_SLOTS, MAX_STEP_ROTATIONS};
 
 /// Variants of the kernels: what a work-item computes at once, and where fused kernels keep a
 /// member's slots.
@@ -15,7 +15,7 @@ pub(crate) enum Form {
     Staged,
     /// Sixteen members of a body side by side.
     Wide,
-    /// One joint for each work-item, and a work-group for a batch of members of one body.
+    /// One joint at a time, and work-groups that compute a few members of one body side by side.
     Grouped(GroupShape),
 }
 
@@ -28,9 +28,24 @@ pub(crate) struct GroupShape {
     pub(crate) batch: usize,
 }
 
+/// Elements of local memory for each slot. `Playing` takes 28 of their 32 bytes.
+const PLAYING_ELEMENTS: usize = 2;
+/// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
+/// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette
+/// that are computed at once then come from all 32 banks.
+const STRIDE_PAST_BODY: usize = 3;
+
+/// Returns the elements of a member's share of a group's local memory: three arrays of rows, what it
+/// plays, and rotations of its steps unless it is plain. The number is odd, so that the same row of
+/// eight members comes from all 32 banks. `padded` is a multiple of 16.
+pub(crate) fn share_of(padded: usize, plain: bool) -> usize {
+    let rotations = if plain { 0 } else { MAX_STEP_ROTATIONS as usize };
+    3 * (padded + STRIDE_PAST_BODY) + PLAYING_ELEMENTS * MAX_SLOTS as usize + rotations
+}
+
 impl GroupShape {
-    /// Groups of at most `work_items`: for each member of a batch as many as one run of joints in a
-    /// row of a clip.
+    /// Divides a group of at most `work_items` among members: 16 work-items each, for a block of
+    /// joints in a row of a clip.
     pub(crate) fn of(work_items: usize) -> Self {
         let batch = (work_items / JOINT_BLOCK as usize).max(1);
         Self { group: work_items / batch * batch, batch }
@@ -45,7 +60,9 @@ impl Form {
             Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
             Self::Grouped(GroupShape { group, batch }) => format!(
                 "#define LANES 1\n#define FUSED __local\n\
-                 #define GROUP {group}u\n#define BATCH {batch}u\n#define JOINTS {}u\n",
+                 #define GROUP {group}u\n#define BATCH {batch}u\n#define JOINTS {}u\n\
+                 #define PLAYING_ELEMENTS {PLAYING_ELEMENTS}u\n\
+                 #define STRIDE_PAST_BODY {STRIDE_PAST_BODY}u\n",
                 group / batch
             ),
         }

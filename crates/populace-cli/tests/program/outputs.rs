@@ -245,26 +245,14 @@ fn documents_of_pictures_and_films_have_the_same_fields() {
         let args = [args, &common].concat();
         let d = json_of(&args);
         assert_eq!(fields(&d), wanted);
-        assert_eq!(
-            fields(&d["ms_median"]),
-            BTreeSet::from([
-                "total",
-                "behave",
-                "animate",
-                "view",
-                "draw",
-                "shadow",
-                "members",
-                "surroundings"
-            ])
-        );
+        let times =
+            ["total", "behave", "animate", "view", "draw", "shadow", "members", "surroundings"];
+        assert_eq!(fields(&d["ms_median"]), BTreeSet::from(times));
         assert_eq!((&d["schema"], &d["device"]), (&json!(1), &json!("native")));
         assert_eq!((&d["schedule"], &d["members"]), (&json!("fused"), &json!(2)));
         assert_eq!((&d["frames"], &d["drawn_members"]), (&json!(frames), &json!(2)));
-        assert!(
-            d["ms_median"]["animate"].as_f64() > Some(0.0)
-                && d["ms_median"]["draw"].as_f64() > Some(0.0)
-        );
+        let ms = |name: &str| d["ms_median"][name].as_f64().expect("a number");
+        assert!(ms("animate") > 0.0 && ms("draw") > 0.0, "{d}");
         assert_eq!(fields(&d["shadow"]), BTreeSet::from(["members", "triangles"]));
         let passes = BTreeSet::from(["shadow", "members", "surroundings"]);
         assert_eq!(fields(&d["draw_calls"]), passes);

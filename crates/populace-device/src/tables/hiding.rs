@@ -12,9 +12,8 @@ const fn is_own(kind: u32) -> bool {
 }
 
 impl Tables {
-    /// Returns whether a member's clips tell how far it reaches from its place, unless it
-    /// [plays a live one](Self::plays_live). Those of members with overrides, user stages or
-    /// proportions, and of attached ones, do not.
+    /// Returns whether a member's clips tell how far it reaches from its place. Those of members
+    /// with overrides, user stages, proportions or live clips, and of attached ones, do not.
     ///
     /// # Panics
     ///
@@ -22,23 +21,12 @@ impl Tables {
     #[must_use]
     pub fn is_bounded(&self, member_index: u32) -> bool {
         let bounded = |kind| is_own(kind) || [STEP_WATCH, STEP_CARRY, STEP_MOTION].contains(&kind);
+        // Slots of many members take long to read.
         self.takes_only(member_index, bounded)
+            && !(self.had_live_clips && self.plays_live(member_index))
     }
 
-    /// Returns whether there may be live clips. Without them no member plays one, and none needs to
-    /// have all its slots read.
-    #[must_use]
-    pub fn has_live_clips(&self) -> bool {
-        self.all.clips.as_slice().iter().any(|clip| clip.ring_rows > 0)
-    }
-
-    /// Returns whether a member plays a live clip.
-    ///
-    /// # Panics
-    ///
-    /// If there is no such member.
-    #[must_use]
-    pub fn plays_live(&self, member_index: u32) -> bool {
+    fn plays_live(&self, member_index: u32) -> bool {
         let slots = &self.all.slots.as_slice()[self.slot_range(member_index)];
         slots.iter().any(|slot| slot.bound_clip != NONE && slot.mode() == SLOT_LIVE)
     }

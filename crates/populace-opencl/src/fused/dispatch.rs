@@ -1,14 +1,14 @@
 //! Work-items of the fused schedules: the members that each takes, and where it stores
 //! `model_from_joint`.
 
-use populace_device::layout::{Float4, JOINT_BLOCK, MAX_SLOTS, MAX_STEP_ROTATIONS};
+use populace_device::layout::{Float4, JOINT_BLOCK};
 use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
-use crate::program::GroupShape;
+use crate::program::{GroupShape, share_of};
 use crate::tables::DeviceTables;
 use crate::waits;
 
@@ -24,11 +24,6 @@ const BATCHES_MOST: usize = 6;
 const LANES: usize = JOINT_BLOCK as usize;
 /// `Float4`s of a joint's matrices in lanes of members.
 const MATRICES: usize = 12 * LANES / 4;
-/// Elements of local memory, as in `fused_grouped.cl`: of what a slot plays, and past the last joint
-/// in each array of rows.
-const PLAYING_ELEMENTS: usize = 2;
-const STRIDE_PAST_BODY: usize = 3;
-
 pub(super) enum Dispatch {
     /// `fused_wide.cl`: each of several work-items for each core takes a run of members, and a desk
     /// in global memory for the matrices of those in its lanes.
@@ -39,13 +34,14 @@ pub(super) enum Dispatch {
         is_taken: Buffer<u32>,
         desks: Buffer<Float4>,
     },
-    /// `fused_grouped.cl`: a work-group for a batch of members, whose matrices are in local memory.
+    /// `fused_grouped.cl`: a work-group for a run of members, which go in batches. Matrices are in
+    /// local memory.
     Grouped {
         cores: usize,
         shape: GroupShape,
         /// Joints of the largest body, padded; 0 before the first update.
         padded: usize,
-        /// Elements of local memory for members, at most those of `shape.batch`.
+        /// Elements of local memory for members.
         room: usize,
         /// Bytes of local memory that the kernel takes in addition to those of members.
         other_bytes: u64,
@@ -89,7 +85,7 @@ impl Dispatch {
                 let needed = desks_for(*cores, tables);
                 *desks = Buffer::new(device, needed, "matrices of members in progress")?;
             }
-            Self::Grouped { shape, padded, room, other_bytes, .. } => {
+            Self::Grouped { padded, room, other_bytes, .. } => {
                 let needed = tables.padded_most();
                 let share = share_of(needed, false);
                 let available = device.info.local_memory_bytes;
@@ -103,7 +99,7 @@ impl Dispatch {
                         available,
                     });
                 }
-                (*padded, *room) = (needed, left.min(shape.batch * share));
+                (*padded, *room) = (needed, left);
             }
         }
         Ok(())
@@ -138,7 +134,7 @@ impl Dispatch {
     }
 
     /// Sets the scratch memory of a kernel of the frame, and returns the work size for `members`
-    /// members. Those of a kernel of plain members have no steps.
+    /// members. Members of the plain kernel have no step rotations.
     pub(super) fn frame<'a>(
         &self,
         launch: Launch<'a>,
@@ -159,12 +155,14 @@ impl Dispatch {
                 (launch, WorkSize::line(members.div_ceil(run), 1))
             }
             Self::Grouped { cores, shape, padded, room, .. } => {
-                let run = members.div_ceil(cores * GROUPS_PER_CORE).next_multiple_of(shape.batch);
-                let run = run.min(BATCHES_MOST * shape.batch).min(shape.group);
-                let most = shape.batch * share_of(*padded, plain);
+                let share = share_of(*padded, plain);
+                let batch = shape.batch.min(*room / share);
+                let run = members.div_ceil(cores * GROUPS_PER_CORE).next_multiple_of(batch);
+                // Groups of less than six work-items have fewer than six places.
+                let run = run.min(BATCHES_MOST * batch).min(shape.group);
                 let launch = launch.count("member_count", members).count("run", run);
                 let size = WorkSize::line(members.div_ceil(run) * shape.group, shape.group);
-                (local_memory(launch, most.min(*room)), size)
+                (local_memory(launch, batch * share), size)
             }
         }
     }
@@ -188,12 +186,6 @@ fn local_memory(launch: Launch<'_>, elements: usize) -> Launch<'_> {
 
 fn desks_for(cores: usize, tables: &Tables) -> usize {
     cores * tables.padded_most() * MATRICES
-}
-
-/// Elements of a member's share of local memory, as `batch_of` of `fused_grouped.cl` divides it.
-fn share_of(padded: usize, plain: bool) -> usize {
-    let rotations = if plain { 0 } else { MAX_STEP_ROTATIONS as usize };
-    (3 * (padded + STRIDE_PAST_BODY) + PLAYING_ELEMENTS * MAX_SLOTS as usize + rotations) | 1
 }
 
 fn joints_most(tables: &Tables) -> usize {

@@ -26,10 +26,10 @@ impl Crowd {
     ///
     /// Each member gets the coarsest level of its character's [`levels`] of which the error is less
     /// than [`View::error_px`], and is [hidden](Visibility::Hidden) if it cannot be seen. Hidden
-    /// members keep their time, their placement and what they play, but are not posed: their
-    /// palettes stay as they were. Members with root motion, and those that are watched or carry
-    /// others, are posed all the same. Members with overrides, proportions, user stages or live
-    /// clips, and attached ones, are never hidden.
+    /// members keep their time, their placement, their level and what they play, but are not posed:
+    /// their palettes stay as they were. Members with root motion, and those that are watched or
+    /// carry others, are posed and change their level all the same. Members with overrides,
+    /// proportions, user stages or live clips, and attached ones, are never hidden.
     ///
     /// Levels depend on those of the update before: a level changes to a coarser one a little later
     /// than to a finer one. They are part of a [snapshot](Self::snapshot).
@@ -110,9 +110,8 @@ impl State {
         }
         let Self { base, motion, attachments, .. } = self;
         let Base { tables, assets, members, view, .. } = base;
-        let has_live_clips = tables.has_live_clips();
         let view = view.as_ref().map(|view| (view, view.culling()));
-        let choice = Choice { view, tables, has_live_clips, assets, motion, attachments };
+        let choice = Choice { view, tables, assets, motion, attachments };
         let shares = members.all.par_chunks_mut(SHARE).enumerate();
         let changes: Vec<Vec<_>> = shares
             .map(|(share, members)| {
@@ -151,7 +150,6 @@ impl Assets {
 struct Choice<'a> {
     view: Option<(&'a View, Culling)>,
     tables: &'a Tables,
-    has_live_clips: bool,
     assets: &'a Assets,
     motion: &'a RootMotion,
     attachments: &'a Attachments,
@@ -170,58 +168,46 @@ impl Choice<'_> {
     /// Chooses a member's visibility and level, and returns the change of the tables, if any.
     fn update(&self, index: u32, member: &mut MemberState) -> Option<Change> {
         let state = self.assets.character(member)?;
-        let seen = |(view, culling)| self.seen(view, &culling, index, member, state);
-        let now = self.view.map_or_else(Seen::default, seen);
+        let (mut now, mut is_hidden) = (Seen::default(), false);
+        if let Some((view, culling)) = &self.view {
+            let offset = offset(self.motion, self.attachments, index);
+            let (center, radius) = sphere(&member.placement, offset, state.reach);
+            let visibility = match culling.visibility(center, radius) {
+                Visibility::InView => Visibility::InView,
+                beyond if self.tables.is_bounded(index) => beyond,
+                _ => Visibility::InView,
+            };
+            is_hidden = visibility == Visibility::Hidden && self.tables.can_hide(index);
+            now = Seen { visibility, ..member.seen };
+            // Members that are not posed keep their level.
+            if !is_hidden {
+                let px = view.pixels_per_metre_at(center, radius) * member.placement.scale();
+                now.level = level(state, member.seen.level, px, view.error_px);
+            }
+        }
         // Few change, and what is not written does not go back to memory.
         if member.seen != now {
             member.seen = now;
         }
-        let Seen { visibility, level } = member.seen;
-        let is_hidden = visibility == Visibility::Hidden && self.tables.can_hide(index);
-        let reduced = state.reduced_of_level.get(level as usize).copied().unwrap_or_default();
+        let reduced = state.reduced_of_level.get(now.level as usize).copied().unwrap_or_default();
         let is_same = self.tables.is_evaluated_as(index, is_hidden, reduced);
         (!is_same).then_some(Change { member: index, is_hidden, reduced })
     }
+}
 
-    /// Returns whether the sphere of a member's character holds its poses.
-    fn is_bounded(&self, index: u32) -> bool {
-        self.tables.is_bounded(index) && !(self.has_live_clips && self.tables.plays_live(index))
+/// Returns the level of a member that had a level before, of which a metre covers `px` pixels.
+fn level(state: &CharacterState, before: u32, px: f32, error_px: f32) -> u32 {
+    let levels = state.character.levels();
+    let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
+        None => true,
+        Some(coarser) => levels.get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px),
+    };
+    let mut level = before;
+    while !fits(level, error_px) {
+        level -= 1;
     }
-
-    fn seen(
-        &self,
-        view: &View,
-        culling: &Culling,
-        index: u32,
-        member: &MemberState,
-        state: &CharacterState,
-    ) -> Seen {
-        let offset = offset(self.motion, self.attachments, index);
-        let (center, radius) = sphere(&member.placement, offset, state.reach);
-        let visibility = match culling.visibility(center, radius) {
-            Visibility::InView => Visibility::InView,
-            beyond if self.is_bounded(index) => beyond,
-            _ => Visibility::InView,
-        };
-        // Hidden members keep their level.
-        if visibility == Visibility::Hidden && self.tables.can_hide(index) {
-            return Seen { visibility, ..member.seen };
-        }
-        let px = view.pixels_per_metre_at(center, radius) * member.placement.scale();
-        let levels = state.character.levels();
-        let fits = |level: u32, error_px: f32| match level.checked_sub(1) {
-            None => true,
-            Some(coarser) => {
-                levels.get(coarser as usize).is_some_and(|l| l.error_m * px <= error_px)
-            }
-        };
-        let mut level = member.seen.level;
-        while !fits(level, view.error_px) {
-            level -= 1;
-        }
-        while fits(level + 1, HYSTERESIS * view.error_px) {
-            level += 1;
-        }
-        Seen { visibility, level }
+    while fits(level + 1, HYSTERESIS * error_px) {
+        level += 1;
     }
+    level
 }

@@ -1,6 +1,7 @@
 //! The fused schedules: which form a device gets, and how work-groups share out members.
 
 use super::*;
+use crate::program::share_of;
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
@@ -84,7 +85,7 @@ fn batches_cover_bodies_in_turn_with_little_local_memory() {
             let body = if *length == 5 { other } else { populace_device::BodyIndex(0) };
             tables.add_member(body).unwrap();
         }
-        let (share, list) = (16 * (3 * (16 + 3) + 8 * 2 + 48), 2 * 8 * 128);
+        let (share, list) = (16 * share_of(16, false) as u64, 8 * 128);
         let device =
             device_described_as(|info| info.local_memory_bytes = room * share + list + 100);
         let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
@@ -104,11 +105,9 @@ fn batches_cover_bodies_in_turn_with_little_local_memory() {
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn body_too_large_for_local_memory_names_the_remedy() {
-    // Three rows of 16 bytes for each joint of the largest body, padded, what the member plays,
-    // rotations of its steps, and the lists of the group: 64 joints fit, 80 do not.
-    let (rows_of_64, rows_of_80) = (3 * 16 * (64 + 3), 3 * 16 * (80 + 3));
-    let (others, list) = (16 * (8 * 2 + 48), 2 * 8 * 128);
-    let available = rows_of_64 + others + list + 100;
+    // A member's share, and the list of the group: 64 joints fit, 80 do not.
+    let bytes_of = |padded| 16 * share_of(padded, false) as u64 + 8 * 128;
+    let available = bytes_of(64) + 100;
     let device = device_described_as(|info| info.local_memory_bytes = available);
     let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
     let fits = tables_with_chain(64);
@@ -122,7 +121,7 @@ fn body_too_large_for_local_memory_names_the_remedy() {
     let too_large = tables_with_chain(65);
     let error = backend.update(&too_large).unwrap_err();
     let BackendError::BodyTooLarge { joints: 65, bytes, .. } = error else { panic!("{error}") };
-    assert!((rows_of_80 + others..available + 1000).contains(&bytes), "{error}");
+    assert!((bytes_of(80)..bytes_of(80) + 100).contains(&bytes), "{error}");
     let expected = format!(
         "has {available} bytes of local memory, and a body of 65 joints takes {bytes} bytes"
     );

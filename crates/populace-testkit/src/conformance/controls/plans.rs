@@ -153,8 +153,9 @@ pub(super) fn folded_limb(rng: &mut Rng, skeleton: &Skeleton) -> Controls {
     });
     let overrides = overrides.collect();
     let (a, b) = (places[1].length(), places[2].length());
-    let (least, soft) = ((a - b).abs(), rng.between(0.1, 0.4));
-    let distance = least + rng.between(0.05, 0.95) * soft * (a + b - least);
+    let (least, soft) = ((a - b).abs(), rng.between(0.1, 0.3));
+    let near = (least + soft * (a + b - least)).min((1.0 - soft) * (a + b));
+    let distance = least + rng.between(0.05, 0.95) * (near - least);
     let goal = (places[0] + rng.direction() * distance).to_array().map(single);
     let targets = vec![eased(rng, Target::in_model(goal))];
     let limb = Limb { soft: single(soft), pole: None, targets, ..limb_of(rng, &joints) };
