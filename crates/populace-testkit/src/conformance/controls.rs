@@ -28,7 +28,7 @@ pub use checks::{
     check_motion_transitions, check_overrides, check_root_motion, check_user_stages,
 };
 
-/// The clock at the first frame.
+/// The clock at the first frame of most checks.
 const START_SECS: f64 = 6.0;
 /// Ticks between two frames of these checks.
 const ELAPSED: u64 = populace_clip::TICKS_PER_SEC / 30;
@@ -52,6 +52,8 @@ struct ControlScene<'a> {
     crowd: TestCrowd<'a>,
     all: Vec<Controlled>,
     stages: Vec<OracleStage>,
+    /// The clock at the first frame.
+    first_tick: u64,
 }
 
 /// Returns a reading's local transforms.
@@ -90,7 +92,13 @@ impl<'a> ControlScene<'a> {
     }
 
     fn with_slots(name: &'static str, scene: &'a Scene, slots: usize) -> Self {
-        Self { name, crowd: TestCrowd::new(scene, slots), all: Vec::new(), stages: Vec::new() }
+        Self {
+            name,
+            crowd: TestCrowd::new(scene, slots),
+            all: Vec::new(),
+            stages: Vec::new(),
+            first_tick: ticks_from_secs(START_SECS),
+        }
     }
 
     /// Adds a member with controls, and its twin. Returns its place in the list.
@@ -143,7 +151,7 @@ impl<'a> ControlScene<'a> {
         let mut judge = Judge::new(self.name);
         let mut watched = HashMap::new();
         for nth in 0..frames {
-            let tick = ticks_from_secs(START_SECS) + nth * ELAPSED;
+            let tick = self.first_tick + nth * ELAPSED;
             if nth > 0 {
                 change(self, [tick - ELAPSED, tick]);
             }
@@ -173,7 +181,7 @@ impl<'a> ControlScene<'a> {
     /// Returns how far clips have moved a member since before the first frame.
     fn moved(&self, of: &Controlled, noise: &mut Noise) -> DAffine3 {
         let mut travel = OracleTravel::default();
-        let mut end = ticks_from_secs(START_SECS);
+        let mut end = self.first_tick;
         for plan in &of.played {
             self.advance(&mut travel, plan, [end - ELAPSED, end], noise);
             end += ELAPSED;

@@ -14,6 +14,7 @@ mod targets;
 use std::collections::HashMap;
 
 use glam::{DAffine3, DQuat, DVec3};
+use populace_clip::FIRST_TICK;
 use populace_device::{After, Constraint, Controls, Space};
 use populace_model::{JointIndex, Skeleton};
 
@@ -46,9 +47,26 @@ pub struct OracleFrame {
 #[derive(Clone, Copy)]
 pub enum OracleStage {
     /// Runs after Pose.
-    Pose(fn(&mut Local, &[f64; 4])),
+    Pose(fn(&mut Local, &OracleStageInputs)),
     /// Runs after Transform.
-    Transform(fn(&mut DAffine3, &[f64; 4])),
+    Transform(fn(&mut DAffine3, &OracleStageInputs)),
+}
+
+/// What a user stage is given besides the transform.
+pub struct OracleStageInputs {
+    /// The member's values.
+    pub values: [f64; 4],
+    /// The joint, in level order.
+    pub joint: JointIndex,
+    /// Ticks since the crowd began.
+    pub ticks: u64,
+}
+
+impl OracleStageInputs {
+    fn new(values: [f32; 4], joint: JointIndex, tick: u64) -> Self {
+        let ticks = tick.saturating_sub(FIRST_TICK);
+        Self { values: values.map(f64::from), joint, ticks }
+    }
 }
 
 /// A member with its controls.
@@ -131,7 +149,7 @@ impl OracleMember<'_> {
         noise: &mut Noise,
     ) -> (Vec<Local>, Vec<DAffine3>) {
         let mut locals = clips.to_vec();
-        self.override_locals(&mut locals, noise);
+        self.override_locals(&mut locals, frame.tick, noise);
         let count = locals.len();
         let mut descent = Descent {
             of: self,
@@ -288,12 +306,12 @@ impl Descent<'_, '_> {
 
     fn run_stages(&mut self, joint: usize) {
         for used in &self.of.controls.stages {
-            let on = used.joints.iter().any(|at| self.of.source(*at) == joint);
-            if let (true, After::Transform, OracleStage::Transform(run)) =
+            let on = used.joints.iter().find(|at| self.of.source(**at) == joint);
+            if let (Some(on), After::Transform, OracleStage::Transform(run)) =
                 (on, used.after, self.of.stages[used.stage as usize])
             {
                 let mut model = self.model(joint);
-                run(&mut model, &used.values.map(f64::from));
+                run(&mut model, &OracleStageInputs::new(used.values, *on, self.frame.tick));
                 let matrix3 = self.noise.matrix(model.matrix3);
                 let translation = self.noise.vector(model.translation);
                 self.models[joint] = Some(DAffine3 { matrix3, translation });

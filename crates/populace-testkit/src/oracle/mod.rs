@@ -29,7 +29,10 @@ use populace_device::LayerMode;
 use populace_model::{ClipSource, JointSource, Skeleton};
 
 pub use contacts::OracleSteps;
-pub use controls::{OracleFrame, OracleGait, OracleMember, OraclePlace, OracleStage, OracleStance};
+pub use controls::{
+    OracleFrame, OracleGait, OracleMember, OraclePlace, OracleStage, OracleStageInputs,
+    OracleStance,
+};
 pub use evaluate::{Timing, Weighting};
 pub use ground::OracleGround;
 pub use inertialize::{OracleInertialization, OracleSampledState};

@@ -1,7 +1,7 @@
 //! The checks, one for each kind of controls.
 
 use glam::{DMat3, DQuat};
-use populace_clip::{MotionSettings, MotionSource};
+use populace_clip::{FIRST_TICK, MotionSettings, MotionSource, TICKS_PER_SEC, ticks_from_secs};
 use populace_device::layout::Target;
 use populace_device::{After, Backend, Controls, StageUse, UserStage};
 use populace_model::Skeleton;
@@ -10,7 +10,7 @@ use populace_model::convert::single;
 use super::{ControlScene, plans};
 use crate::Rng;
 use crate::conformance::plans::member;
-use crate::oracle::OracleStage;
+use crate::oracle::{OracleStage, OracleStageInputs};
 use crate::scenes::{Scene, body};
 
 /// Members with controls in a check.
@@ -104,6 +104,8 @@ pub fn check_user_stages(backend: &mut dyn Backend) {
     let mut members = ControlScene::new("user stages", &scene);
     let (stages, oracle): (Vec<_>, Vec<_>) = user_stages().into_iter().unzip();
     members.stages = oracle;
+    // A crowd's clock, after 6.4 seconds.
+    members.first_tick = FIRST_TICK + ticks_from_secs(6.4);
     backend.set_stages(&stages).expect("the stages are valid");
     for nth in 0..MEMBERS {
         let body = plans::BODIES[nth % plans::BODIES.len()];
@@ -126,24 +128,31 @@ pub fn check_user_stages(backend: &mut dyn Backend) {
     backend.set_stages(&[]).expect("no stage is valid");
 }
 
-/// A stage that moves, turns and stretches local transforms, and one that lifts joints and turns
-/// them about themselves.
+/// A stage that moves local transforms by the clock, turns and stretches them, and one that lifts
+/// joints and turns them about themselves. Each leaves a number that is out of bounds on some
+/// joints, whose transforms then stay as they were.
 fn user_stages() -> [(Option<UserStage>, OracleStage); 2] {
     let shift = UserStage::new("kit_shift")
         .opencl_c(
             "void kit_shift(StageJoint *joint)
             {
-                joint->translation.x += joint->values.x;
+                const float secs = (float)(joint->ticks % 705600ul) / 705600.0f;
+                joint->translation.x += joint->values.x * (1.0f + secs);
                 joint->rotation = joint->rotation + 0.25f * joint->values;
                 joint->scale.z *= 1.0f + 0.1f * joint->values.y;
+                if (joint->joint % 4 == 1) joint->translation.y = 1e30f;
             }",
         )
         .rust(|joint| {
-            joint.local.translation[0] += joint.values[0];
+            let secs = (joint.ticks % TICKS_PER_SEC) as f32 / TICKS_PER_SEC as f32;
+            joint.local.translation[0] += joint.values[0] * (1.0 + secs);
             for (r, v) in joint.local.rotation.iter_mut().zip(joint.values) {
                 *r += 0.25 * v;
             }
             joint.local.scale[2] *= 1.0 + 0.1 * joint.values[1];
+            if joint.joint.0 % 4 == 1 {
+                joint.local.translation[1] = 1e30;
+            }
         });
     let lift = UserStage::new("kit_lift")
         .opencl_c(
@@ -151,19 +160,30 @@ fn user_stages() -> [(Option<UserStage>, OracleStage); 2] {
             {
                 joint->row1.w += joint->values.y;
                 stage_rotate(joint, joint->values);
+                if (joint->joint % 4 == 2) joint->row2.x = NAN;
             }",
         )
         .rust(|joint| {
             joint.model.rows[1][3] += joint.values[1];
             joint.rotate(joint.values);
+            if joint.joint.0 % 4 == 2 {
+                joint.model.rows[2][0] = f32::NAN;
+            }
         });
     let in_oracle = [
-        OracleStage::Pose(|local, values| {
-            local.translation.x += values[0];
+        OracleStage::Pose(|local, OracleStageInputs { values, joint, ticks }| {
+            if joint.0 % 4 == 1 {
+                return;
+            }
+            let secs = (ticks % TICKS_PER_SEC) as f64 / TICKS_PER_SEC as f64;
+            local.translation.x += values[0] * (1.0 + secs);
             local.rotation += DQuat::from_array(*values) * 0.25;
             local.scale.z *= 1.0 + 0.1 * values[1];
         }),
-        OracleStage::Transform(|model, values| {
+        OracleStage::Transform(|model, OracleStageInputs { values, joint, .. }| {
+            if joint.0 % 4 == 2 {
+                return;
+            }
             model.translation.y += values[1];
             model.matrix3 = DMat3::from_quat(DQuat::from_array(*values)) * model.matrix3;
         }),
@@ -206,7 +226,7 @@ pub fn check_attachments(backend: &mut dyn Backend) {
     members.judge(backend);
 }
 
-/// Checks root motion: cycles forwards and backwards, clips that begin or change their weight within
+/// Checks root motion: cycles forwards and backwards, several of them in a frame, clips that begin or change their weight within
 /// a frame, layers with masks, and clips without motion beside others.
 ///
 /// # Panics
@@ -215,11 +235,17 @@ pub fn check_attachments(backend: &mut dyn Backend) {
 pub fn check_root_motion(backend: &mut dyn Backend) {
     let (scene, mut rng) = (moving(Scene::new(), 1, 6), Rng::new(77));
     let mut members = ControlScene::new("root motion", &scene);
-    let clips: Vec<usize> = (0..scene.clips.len()).collect();
+    let all: Vec<usize> = (0..scene.clips.len()).collect();
+    let moves = |clip: &usize| scene.clips[*clip].clip.root_motion().is_some();
+    let moving: Vec<usize> = all.iter().copied().filter(moves).collect();
     for nth in 0..MEMBERS {
         let body = plans::BODIES[nth % plans::BODIES.len()];
-        let mut plan = member(&mut rng, &scene, body, &clips, 3);
+        let clips = if nth % 3 == 0 { &all } else { &moving };
+        let mut plan = member(&mut rng, &scene, body, clips, 3);
         plans::change_within_frames(&mut rng, &mut plan);
+        if nth % 2 == 0 {
+            plans::hurry(&mut plan);
+        }
         members.add_plan(&mut rng, plan, moved_by_clips(nth));
     }
     members.judge(backend);

@@ -200,6 +200,15 @@ pub(super) fn change_within_frames(rng: &mut Rng, plan: &mut MemberPlan) {
     }
 }
 
+/// Plays loops so fast that they pass the end of their clips within a frame.
+pub(super) fn hurry(plan: &mut MemberPlan) {
+    for play in &mut plan.plays {
+        if let Timing::Loop { speed, .. } = &mut play.timing {
+            *speed *= 40.0;
+        }
+    }
+}
+
 /// A member with one clip in each of `layers` layers, which replace each other.
 pub(super) fn travelling(
     rng: &mut Rng,
@@ -266,11 +275,18 @@ pub(in crate::conformance) fn transform(rng: &mut Rng) -> Trs {
 pub(super) fn overrides(rng: &mut Rng, skeleton: &Skeleton, most: usize) -> Vec<JointOverride> {
     let count = 1 + rng.below(most);
     let joints = joints(rng, skeleton, count);
-    let given = |joint| JointOverride {
-        joint,
-        space: if rng.chance(0.5) { Space::Local } else { Space::Model },
-        transform: transform(rng),
-        weight: if rng.chance(0.3) { 1.0 } else { single(rng.between(0.0, 1.0)) },
+    let given = |(nth, joint)| {
+        let mut given = JointOverride {
+            joint,
+            space: if rng.chance(0.5) { Space::Local } else { Space::Model },
+            transform: transform(rng),
+            weight: if rng.chance(0.3) { 1.0 } else { single(rng.between(0.0, 1.0)) },
+        };
+        // The same rotation, in the other hemisphere.
+        if nth % 2 == 1 {
+            given.transform.rotation = given.transform.rotation.map(|part| -part);
+        }
+        given
     };
-    joints.into_iter().map(given).collect()
+    joints.into_iter().enumerate().map(given).collect()
 }

@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3, DQuat, DVec3};
 use populace_device::{After, Space};
 use populace_model::Trs;
 
-use super::{OracleMember, OracleStage, short_part_of};
+use super::{OracleMember, OracleStage, OracleStageInputs, short_part_of};
 use crate::oracle::Local;
 use crate::oracle::noise::Noise;
 use crate::oracle::transform::parent_from_joint;
@@ -20,7 +20,7 @@ pub(super) fn given(trs: &Trs) -> Local {
 
 impl OracleMember<'_> {
     /// Applies overrides in local space, then stages after Pose, to the local transforms of clips.
-    pub(super) fn override_locals(&self, locals: &mut [Local], noise: &mut Noise) {
+    pub(super) fn override_locals(&self, locals: &mut [Local], tick: u64, noise: &mut Noise) {
         for o in self.controls.overrides.iter().filter(|o| o.space == Space::Local) {
             let (local, part) = (&mut locals[self.source(o.joint)], f64::from(o.weight));
             let to = given(&o.transform);
@@ -32,7 +32,7 @@ impl OracleMember<'_> {
             let OracleStage::Pose(run) = self.stages[used.stage as usize] else { continue };
             for joint in &used.joints {
                 let local = &mut locals[self.source(*joint)];
-                run(local, &used.values.map(f64::from));
+                run(local, &OracleStageInputs::new(used.values, *joint, tick));
                 local.translation = noise.vector(local.translation);
                 local.rotation = noise.rotation(local.rotation.normalize());
                 local.scale = noise.vector(local.scale);
