@@ -96,8 +96,8 @@ typedef struct {
     uint share, stride;
 } Batch;
 
-// Returns the first members of a list that have one body and have room in local memory. src/program.rs
-// tells how each divides its share.
+// Returns the first members of a list that have one body and fit into local memory. `share_of` in
+// src/program.rs describes a member's share.
 INLINE Batch batch_of(const Grouped *tables, __local const Place *places, uint listed, bool plain,
                       uint room, __local float4 *memory)
 {

@@ -144,7 +144,7 @@ impl Fused {
         page: &Page,
         events: &mut Vec<Event>,
     ) -> Result<(), ClError> {
-        // Members of later phases have constraint programs.
+        // The other kernel takes all members of later phases. Nearly all have constraint programs.
         let plain = self.plain.as_ref().filter(|_| frame.phase_first == 0);
         let kernels = plain.map(|kernel| (kernel, true)).into_iter().chain([(&self.whole, false)]);
         for (kernel, plain) in kernels {

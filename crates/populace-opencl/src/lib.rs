@@ -7,9 +7,9 @@
 //!
 //! - *staged*: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3, with one
 //!   work-item for each joint, through global memory;
-//! - *fused*: one kernel from slots to palettes. Its *wide* form, for CPUs, computes sixteen members
-//!   of a body side by side in one work-item. Its *grouped* form, for GPUs, computes up to eight in one
-//!   work-group, and those that only mix clips in a kernel of their own.
+//! - *fused*: one kernel from slots to palettes. Its *wide* form, for CPUs, computes sixteen
+//!   members of a body side by side in one work-item. Its *grouped* form, for GPUs, computes up to
+//!   eight in one work-group, and those that only mix clips in a kernel of their own.
 //!
 //! libOpenCL is loaded at run time. Without it [`devices`] returns [`BackendError::NoRuntime`].
 //!

@@ -28,16 +28,16 @@ pub(crate) struct GroupShape {
     pub(crate) batch: usize,
 }
 
-/// Elements of local memory for each slot. `Playing` takes 28 of their 32 bytes.
+/// Elements of local memory for each slot, enough for a `Playing` of 28 bytes.
 const PLAYING_ELEMENTS: usize = 2;
 /// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
 /// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette
 /// that are computed at once then come from all 32 banks.
 const STRIDE_PAST_BODY: usize = 3;
 
-/// Returns the elements of a member's share of a group's local memory: three arrays of rows, what it
-/// plays, and rotations of its steps unless it is plain. The number is odd, so that the same row of
-/// eight members comes from all 32 banks. `padded` is a multiple of 16.
+/// Returns the elements of a member's share of a group's local memory: three arrays of rows, what
+/// it plays, and rotations of its steps unless it is plain. The number is odd, so that the same row
+/// of eight members comes from all 32 banks. `padded` is a multiple of 16.
 pub(crate) fn share_of(padded: usize, plain: bool) -> usize {
     let rotations = if plain { 0 } else { MAX_STEP_ROTATIONS as usize };
     3 * (padded + STRIDE_PAST_BODY) + PLAYING_ELEMENTS * MAX_SLOTS as usize + rotations

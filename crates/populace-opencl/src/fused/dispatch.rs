@@ -17,8 +17,8 @@ const ITEMS_PER_CORE: usize = 32;
 /// Work-groups of the grouped form for each core: enough to balance the load, and few enough that
 /// each fills its batches.
 const GROUPS_PER_CORE: usize = 8;
-/// Batches that a group computes one after another, at most. Longer runs leave cores idle at the end
-/// of a frame.
+/// Longest run of the grouped form, in full batches. Longer ones leave cores idle at the end of a
+/// frame.
 const BATCHES_MOST: usize = 6;
 /// Members side by side in the lanes of a work-item of the wide form.
 const LANES: usize = JOINT_BLOCK as usize;
@@ -156,13 +156,15 @@ impl Dispatch {
             }
             Self::Grouped { cores, shape, padded, room, .. } => {
                 let share = share_of(*padded, plain);
-                let batch = shape.batch.min(*room / share);
+                // Where only few of the largest body fit, others of the crowd fill whole batches.
+                let fit = *room / share;
+                let batch = if 2 * fit < shape.batch { shape.batch } else { shape.batch.min(fit) };
                 let run = members.div_ceil(cores * GROUPS_PER_CORE).next_multiple_of(batch);
                 // Groups of less than six work-items have fewer than six places.
                 let run = run.min(BATCHES_MOST * batch).min(shape.group);
                 let launch = launch.count("member_count", members).count("run", run);
                 let size = WorkSize::line(members.div_ceil(run) * shape.group, shape.group);
-                (local_memory(launch, batch * share), size)
+                (local_memory(launch, (shape.batch * share).min(*room)), size)
             }
         }
     }

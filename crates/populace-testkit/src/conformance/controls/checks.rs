@@ -51,8 +51,8 @@ pub fn check_gaze(backend: &mut dyn Backend) {
     });
 }
 
-/// Checks two-bone limbs, with goals in and out of reach and so near that they fold, with and without
-/// a pole, whose ends keep their rotation or follow.
+/// Checks two-bone limbs, with goals in and out of reach and so near that they fold, with and
+/// without a pole, whose ends keep their rotation or follow.
 ///
 /// # Panics
 ///
@@ -104,7 +104,7 @@ pub fn check_user_stages(backend: &mut dyn Backend) {
     let mut members = ControlScene::new("user stages", &scene);
     let (stages, oracle): (Vec<_>, Vec<_>) = user_stages().into_iter().unzip();
     members.stages = oracle;
-    // A crowd's clock, after 6.4 seconds.
+    // 6.4 s on a crowd's clock, which stages read. All ramps of targets have ended by then.
     members.first_tick = FIRST_TICK + ticks_from_secs(6.4);
     backend.set_stages(&stages).expect("the stages are valid");
     for nth in 0..MEMBERS {
@@ -226,8 +226,9 @@ pub fn check_attachments(backend: &mut dyn Backend) {
     members.judge(backend);
 }
 
-/// Checks root motion: cycles forwards and backwards, several of them in a frame, clips that begin or change their weight within
-/// a frame, layers with masks, and clips without motion beside others.
+/// Checks root motion: cycles forwards and backwards, of which some end within a frame, clips that
+/// begin or change their weight within a frame, layers with masks, and clips without motion beside
+/// others.
 ///
 /// # Panics
 ///

@@ -135,8 +135,8 @@ fn limb_of(rng: &mut Rng, joints: &[JointIndex]) -> Limb {
     }
 }
 
-/// A limb from a root on, whose goal is so near that it folds: nearer than it would reach without
-/// easing, down to the difference of its bones. Overrides give its joints their places.
+/// A limb from a root on, whose goal is so near that it folds: in the part of its reach in which it
+/// eases, down to the difference of its bones. Overrides give its joints their places.
 pub(super) fn folded_limb(rng: &mut Rng, skeleton: &Skeleton) -> Controls {
     let end = run(rng, skeleton, 3, 3)[2];
     let mut joints = vec![end];
@@ -154,8 +154,7 @@ pub(super) fn folded_limb(rng: &mut Rng, skeleton: &Skeleton) -> Controls {
     let overrides = overrides.collect();
     let (a, b) = (places[1].length(), places[2].length());
     let (least, soft) = ((a - b).abs(), rng.between(0.1, 0.3));
-    let near = (least + soft * (a + b - least)).min((1.0 - soft) * (a + b));
-    let distance = least + rng.between(0.05, 0.95) * (near - least);
+    let distance = least + rng.between(0.05, 0.95) * soft * (a + b - least);
     let goal = (places[0] + rng.direction() * distance).to_array().map(single);
     let targets = vec![eased(rng, Target::in_model(goal))];
     let limb = Limb { soft: single(soft), pole: None, targets, ..limb_of(rng, &joints) };
@@ -200,7 +199,7 @@ pub(super) fn change_within_frames(rng: &mut Rng, plan: &mut MemberPlan) {
     }
 }
 
-/// Plays loops so fast that they pass the end of their clips within a frame.
+/// Plays loops 40 times as fast, so that most pass the end of their clips within a frame.
 pub(super) fn hurry(plan: &mut MemberPlan) {
     for play in &mut plan.plays {
         if let Timing::Loop { speed, .. } = &mut play.timing {
