@@ -7,9 +7,8 @@ use populace::{ClipPlayback, LayerMode, LayerSettings, MemberId, Placement, Targ
 use crate::determinism::constrain;
 use crate::fixture::{Scene, everywhere, joint};
 
-/// Spawns members with constraints, a layer, and an inertialized transition. Each of the first four
-/// but the very first hangs on the one before it, so that there are several phases; the others
-/// share the first phase.
+/// Spawns members with constraints, a layer, and an inertialized transition; each but the first
+/// hangs on the one before it, so that there are several phases.
 fn members(scene: &mut Scene) -> Vec<MemberId> {
     let mut members: Vec<MemberId> = Vec::new();
     for number in 0..4_u8 {
@@ -31,25 +30,7 @@ fn members(scene: &mut Scene) -> Vec<MemberId> {
         scene.edit(member).look_at(Target::Point([3.0, 1.0, 2.0]), Weight::FULL).expect("a gaze");
         members.push(member);
     }
-    members.extend(members_side_by_side(scene));
     members
-}
-
-/// Spawns two members with constraints and two that only mix clips.
-fn members_side_by_side(scene: &mut Scene) -> [MemberId; 4] {
-    [0_u8, 1, 2, 3].map(|number| {
-        let member = scene.member(Placement::at([f32::from(number), 0.0, 2.0]));
-        let (walk, sway) = (scene.clip("walk"), scene.clip("sway"));
-        let play = |mut member: populace::MemberMut<'_>| {
-            member.play(walk, ClipPlayback::looping().phase(0.1 * f32::from(number)))?;
-            member.blend(sway, ClipPlayback::looping().weight(0.3))
-        };
-        play(scene.edit(member)).expect("clips that play");
-        if number < 2 {
-            constrain(scene, member, 0, None);
-        }
-        member
-    })
 }
 
 #[test]
