@@ -72,7 +72,7 @@ pub struct Tables {
     asset_runs: HashMap<(Asset, u32), Runs>,
     /// Soles of bodies that have some, by body.
     soles_of_bodies: HashMap<u32, Soles>,
-    /// Whether a live clip was ever added.
+    /// Set once a live clip is added, and kept when it is removed.
     had_live_clips: bool,
 }
 

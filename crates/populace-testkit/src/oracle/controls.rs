@@ -52,7 +52,7 @@ pub enum OracleStage {
     Transform(fn(&mut DAffine3, &OracleStageInputs)),
 }
 
-/// What a user stage is given besides the transform.
+/// Inputs of a user stage besides the transform.
 pub struct OracleStageInputs {
     /// The member's values.
     pub values: [f64; 4],
