@@ -85,6 +85,11 @@ impl View {
     /// Returns the planes that tell what can be seen.
     #[must_use]
     pub fn culling(&self) -> Culling {
+        // The way to the far end of the shadow on the ground beneath a body of radius 1.
+        let shadow = self.to_sun.map(|[x, y, z]| {
+            let level = (x * x + z * z).sqrt();
+            ([x, y, z], (2.0 / y.max(level / LONGEST_SHADOW)).max(0.0))
+        });
         let mut culling =
             Culling { normal: [[0.0; LANES]; 3], offset: [f32::MAX; LANES], shadow: [0.0; LANES] };
         for (lane, [x, y, z, offset]) in self.planes.into_iter().enumerate() {
@@ -92,10 +97,7 @@ impl View {
                 culling.normal[axis][lane] = of_normal;
             }
             culling.offset[lane] = offset;
-            if let Some([sx, sy, sz]) = self.to_sun {
-                // To the far end of the shadow on the ground beneath a body of radius 1.
-                let level = (sx * sx + sz * sz).sqrt();
-                let along = (2.0 / sy.max(level / LONGEST_SHADOW)).max(0.0);
+            if let Some(([sx, sy, sz], along)) = shadow {
                 culling.shadow[lane] = (-along * (x * sx + y * sy + z * sz)).max(0.0);
             }
         }

@@ -41,6 +41,14 @@ fn run(rng: &mut Rng, skeleton: &Skeleton, least: usize, most: usize) -> Vec<Joi
     }
 }
 
+/// Returns the joints from a root down to a joint.
+fn from_root(skeleton: &Skeleton, end: JointIndex) -> Vec<JointIndex> {
+    let mut joints = vec![end];
+    joints.extend(skeleton.ancestors(end));
+    joints.reverse();
+    joints
+}
+
 /// Returns one to three targets of all kinds but joints. Together they may weigh more than 1.
 fn targets(rng: &mut Rng) -> Vec<Target> {
     (0..1 + rng.below(3)).map(|_| target(rng)).collect()
@@ -80,9 +88,7 @@ pub(super) fn gaze_at(rng: &mut Rng, skeleton: &Skeleton, targets: Vec<Target>) 
 /// front and within the limits, or at steep directions, up or down.
 pub(super) fn gaze_from_root(rng: &mut Rng, skeleton: &Skeleton) -> Constraint {
     let end = run(rng, skeleton, 1, 1)[0];
-    let mut joints = vec![end];
-    joints.extend(skeleton.ancestors(end));
-    joints.reverse();
+    let mut joints = from_root(skeleton, end);
     joints.truncate(1 + rng.below(6));
     let targets = if rng.chance(0.5) {
         let [x, y, z] = [rng.between(-2.0, 2.0), rng.between(-0.8, 0.8), rng.between(8.0, 12.0)];
@@ -139,9 +145,7 @@ fn limb_of(rng: &mut Rng, joints: &[JointIndex]) -> Limb {
 /// eases, down to the difference of its bones. Overrides give its joints their places.
 pub(super) fn folded_limb(rng: &mut Rng, skeleton: &Skeleton) -> Controls {
     let end = run(rng, skeleton, 3, 3)[2];
-    let mut joints = vec![end];
-    joints.extend(skeleton.ancestors(end));
-    joints.reverse();
+    let mut joints = from_root(skeleton, end);
     joints.truncate(3);
     let mut places = Vec::new();
     let overrides = joints.iter().map(|joint| {
