@@ -33,8 +33,8 @@ pub enum Visibility {
     InView,
     /// It is out of view, but its shadow may be seen.
     ShadowOnly,
-    /// Neither it nor its shadow can be seen. It is not posed, unless it has root motion, is watched
-    /// or carries others.
+    /// Neither it nor its shadow can be seen. It is not posed, unless it has root motion, is
+    /// watched or carries others.
     Hidden,
 }
 
