@@ -5,8 +5,8 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-long native-faults fuzz soak conformance gpu-budget setup setup-tests
-.PHONY: lint doc release
+.PHONY: demo test test-slow test-long native-faults fuzz soak conformance gpu-budget
+.PHONY: setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail. Says at its end
 # how many tests passed, and how many checks on how many devices they ran.
@@ -14,8 +14,15 @@ test:
 	@sh scripts/setup.sh --check || true
 	@bash -o pipefail -c 'cargo test --workspace --no-fail-fast 2>&1 | sh scripts/count-tests.sh'
 
-# Faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
-test-long:
+# Test programs that take minutes (the program as users run it, its window, independent references)
+# and the conformance suite in more shapes of devices.
+test-slow:
+	@sh scripts/setup.sh --check || true
+	cargo test --workspace --no-fail-fast --test program --test interop --test reference --test window
+	cargo test --workspace --no-fail-fast --lib -- --ignored ::slow::
+
+# The slow tests, and faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
+test-long: test-slow
 	cargo test -p populace-opencl --lib faults -- --ignored
 	cargo test -p populace --test device_faults -- --ignored
 

@@ -17,6 +17,11 @@
 // Oracle   populace-testkit/src/oracle
 // Twin of populace-native/src/fused.rs: same arithmetic.
 
+// Parents are ready before their children read them. Race detectors are tested without it.
+#ifndef LEVEL_BARRIER
+#define LEVEL_BARRIER barrier(CLK_LOCAL_MEM_FENCE)
+#endif
+
 // clang-format off
 // Parameters that all kernels share, in the order in which src/fused.rs sets them: members and
 // their bodies; what they play; clips and stored poses; levels and joint maps; the clock and the
@@ -204,7 +209,7 @@ INLINE void batch_models(const Grouped *tables, const Batch *batch, bool plain,
         if (item % BATCH < batch->count)
             for (uint joint = level[l] + item / BATCH; joint < level[l + 1]; joint += JOINTS)
                 descend(tables, batch, item % BATCH, joint, plain);
-        barrier(CLK_LOCAL_MEM_FENCE);
+        LEVEL_BARRIER;
     }
 }
 

@@ -21,15 +21,23 @@ mod three_native_devices_staged {
     ));
 }
 
-mod first_native_device_has_all_members {
-    populace_testkit::fused_conformance!(super::natives(super::Schedule::Fused, &[1.0, 0.0]));
-}
+/// More shares.
+mod slow {
+    use super::*;
 
-mod first_and_last_native_device_have_no_members {
-    populace_testkit::fused_conformance!(super::natives(
-        super::Schedule::Fused,
-        &[0.0, 0.7, 0.3, 0.0]
-    ));
+    mod first_native_device_has_all_members {
+        populace_testkit::fused_conformance!(
+            super::natives(super::Schedule::Fused, &[1.0, 0.0]),
+            ignore = "make test-slow"
+        );
+    }
+
+    mod first_and_last_native_device_have_no_members {
+        populace_testkit::fused_conformance!(
+            super::natives(super::Schedule::Fused, &[0.0, 0.7, 0.3, 0.0]),
+            ignore = "make test-slow"
+        );
+    }
 }
 
 #[test]
@@ -90,25 +98,30 @@ mod with_opencl {
         );
     }
 
-    mod native_and_opencl_staged {
-        populace_testkit::backend_conformance!(
-            super::native_and_opencl(super::Schedule::Staged, Some([0.4, 0.6])),
-            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-        );
-    }
+    /// More shares and schedules.
+    mod slow {
+        use super::*;
 
-    mod halves_of_an_opencl_device {
-        populace_testkit::fused_conformance!(
-            super::halves(super::Schedule::Fused, None),
-            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-        );
-    }
+        mod native_and_opencl_staged {
+            populace_testkit::backend_conformance!(
+                super::native_and_opencl(super::Schedule::Staged, Some([0.4, 0.6])),
+                ignore = "make test-slow"
+            );
+        }
 
-    mod opencl_has_all_members_and_native_the_palettes {
-        populace_testkit::fused_conformance!(
-            super::native_and_opencl(super::Schedule::Fused, Some([0.0, 1.0])),
-            cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-        );
+        mod halves_of_an_opencl_device {
+            populace_testkit::fused_conformance!(
+                super::halves(super::Schedule::Fused, None),
+                ignore = "make test-slow"
+            );
+        }
+
+        mod opencl_has_all_members_and_native_the_palettes {
+            populace_testkit::fused_conformance!(
+                super::native_and_opencl(super::Schedule::Fused, Some([0.0, 1.0])),
+                ignore = "make test-slow"
+            );
+        }
     }
 
     /// Tests run on PoCL, which gives the same bits as the native device.

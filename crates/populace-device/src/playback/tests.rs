@@ -102,6 +102,38 @@ fn slot_packs_layer_and_mode() {
 }
 
 #[test]
+fn live_slots_and_those_of_machines_hold_delay_and_instance() {
+    let live = Slot::live(5, 70, 48);
+    assert_eq!((live.mode(), live.bound_clip, live.delay_ticks()), (SLOT_LIVE, 5, 48));
+    assert_eq!((live.start_tick, live.weight_tick, live.weight_at(70)), (70, 70, 1.0));
+    for which in [0, 1] {
+        let machine = Slot::machine(6, which, 70);
+        assert_eq!((machine.machine_instance(), machine.bound_clip & 1), (Some(6), which));
+    }
+    assert_eq!(live.machine_instance(), None);
+}
+
+#[test]
+fn looping_slots_count_the_ends_they_pass() {
+    for (duration, speed) in [(0.5, 3.0), (1.25, 0.4), (0.5, -2.0), (1.25, -0.7), (1.0, 0.0)] {
+        for phase in [0.0, 0.25, 0.999] {
+            let slot = Slot::looping(0, 100, duration, phase, speed);
+            for secs in [0.0, 0.1, 0.3, 1.0, 1.7, 25.0] {
+                let (from, to) = (100 + TICKS_PER_SEC / 3, ticks_from_secs(1.0 + secs));
+                let to = to.max(from);
+                let at = i128::from(slot.phase_at(from));
+                let way = i128::from(to - from) * i128::from(slot.phase_rate.cast_signed());
+                // Backwards, the end is passed once the phase falls below 0.
+                let passed = ((at + way) >> 64).unsigned_abs();
+                let found = slot.cycles_between(from, to);
+                assert_eq!(u128::from(found), passed, "{duration} {speed} {phase} {secs}");
+            }
+        }
+    }
+    assert_eq!(Slot::once(0, 0, 0.1, 1.0).cycles_between(0, TICKS_PER_SEC), 0);
+}
+
+#[test]
 fn layer_packs_mask_and_mode() {
     for (mode, additive) in [(LayerMode::Override, false), (LayerMode::Additive, true)] {
         for mask in [None, Some(0), Some(77), Some(LAYER_MASK - 1)] {
@@ -120,6 +152,27 @@ fn weight_ramps_and_stops() {
     assert_eq!(slot.weight_at(TICKS_PER_SEC), 1.0);
     assert!((slot.weight_at(TICKS_PER_SEC * 5 / 4) - 0.625).abs() < 1e-6);
     assert_eq!(slot.weight_at(TICKS_PER_SEC * 9), 0.25);
+}
+
+#[test]
+fn weights_that_change_at_once_keep_the_earlier_one_only_to_fall() {
+    let mut slot = Slot::held(0, 0, 0.0);
+    for (from, to, kept) in [(1.0, 0.25, 1.0), (0.25, 1.0, 1.0)] {
+        slot.ramp_weight(100, from, to, 0.0);
+        assert_eq!((slot.start_weight, slot.weight_rate, slot.end_weight), (kept, 0.0, to));
+        assert_eq!((slot.weight_at(100), slot.mean_weight(100, 200)), (to, to));
+        assert_eq!(slot.mean_weight(100, 100), to);
+        assert_eq!(slot.mean_weight(50, 150), 0.5 * (kept + to));
+    }
+}
+
+#[test]
+fn ramps_are_known_by_their_end_and_length() {
+    let mut slot = Slot::held(0, 0, 0.0);
+    slot.ramp_weight(100, 1.0, 0.25, 0.5);
+    let known = [(0.25, 0.5), (0.5, 0.5), (0.25, 0.4), (0.5, 0.4)]
+        .map(|(to, secs)| slot.ramps_to(to, secs));
+    assert_eq!(known, [true, false, false, false]);
 }
 
 #[test]

@@ -11,6 +11,8 @@ pub mod affine;
 pub mod angle;
 pub mod quat;
 mod real;
+#[cfg(test)]
+mod tests;
 pub mod vec3;
 
 pub use affine::{Affine, components};

@@ -12,30 +12,8 @@ mod conformance {
     populace_testkit::backend_conformance!(super::staged(3));
 }
 
-mod conformance_on_1_thread {
-    populace_testkit::backend_conformance!(super::staged(1));
-}
-
 mod conformance_fused {
     populace_testkit::fused_conformance!(super::fused(3, super::Machine::detect()));
-}
-
-mod conformance_fused_on_16_threads {
-    populace_testkit::fused_conformance!(super::fused(16, super::Machine::detect()));
-}
-
-mod conformance_fused_of_4_lanes {
-    populace_testkit::fused_conformance!(super::fused(
-        1,
-        super::Machine::of_lanes(super::MemberLanes::Four)
-    ));
-}
-
-mod conformance_fused_of_8_lanes {
-    populace_testkit::fused_conformance!(super::fused(
-        1,
-        super::Machine::of_lanes(super::MemberLanes::Eight)
-    ));
 }
 
 mod conformance_fused_of_16_lanes_in_narrow_registers {
@@ -46,6 +24,36 @@ mod conformance_fused_of_16_lanes_in_narrow_registers {
             lanes: super::MemberLanes::Sixteen
         }
     ));
+}
+
+/// More numbers of threads and lanes.
+mod slow {
+    use super::*;
+
+    mod conformance_on_1_thread {
+        populace_testkit::backend_conformance!(super::staged(1), ignore = "make test-slow");
+    }
+
+    mod conformance_fused_on_16_threads {
+        populace_testkit::fused_conformance!(
+            super::fused(16, super::Machine::detect()),
+            ignore = "make test-slow"
+        );
+    }
+
+    mod conformance_fused_of_4_lanes {
+        populace_testkit::fused_conformance!(
+            super::fused(1, super::Machine::of_lanes(super::MemberLanes::Four)),
+            ignore = "make test-slow"
+        );
+    }
+
+    mod conformance_fused_of_8_lanes {
+        populace_testkit::fused_conformance!(
+            super::fused(1, super::Machine::of_lanes(super::MemberLanes::Eight)),
+            ignore = "make test-slow"
+        );
+    }
 }
 
 #[test]

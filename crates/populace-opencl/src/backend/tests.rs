@@ -114,17 +114,6 @@ fn parts_divide_the_compute_units_equally() {
     }
 }
 
-mod conformance_on_a_part {
-    populace_testkit::fused_conformance!(
-        super::OpenClBackend::new(
-            &super::half(2).expect("a second half"),
-            super::Schedule::FusedWide
-        )
-        .expect("a backend"),
-        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-    );
-}
-
 /// A context without valid handles. A driver without the extension must refuse it unseen.
 #[derive(Debug)]
 struct NoContext;
@@ -173,36 +162,52 @@ mod conformance_fused_grouped {
     );
 }
 
-/// Groups smaller than most bodies and levels, so that every loop runs more than once.
-mod conformance_fused_in_small_groups {
-    populace_testkit::fused_conformance!(
-        super::OpenClBackend::with_shape(
-            &super::device(),
-            super::Schedule::FusedGrouped,
-            super::small_groups()
-        )
-        .expect("a backend"),
-        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-    );
-}
-
 fn small_groups() -> DispatchShape {
     let mut shape = crate::staged::GPU_SHAPE;
     (shape.group, shape.fused_group) = (16, 16);
     shape
 }
 
-/// The settings for GPUs, on any device.
-mod conformance_with_gpu_shape {
-    populace_testkit::backend_conformance!(
-        super::OpenClBackend::with_shape(
-            &super::device(),
-            super::Schedule::Staged,
-            crate::staged::GPU_SHAPE
-        )
-        .expect("a backend"),
-        cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")
-    );
+/// More shapes of groups, and a part of the device.
+mod slow {
+    use super::*;
+
+    /// Groups smaller than most bodies and levels, so that every loop runs more than once.
+    mod conformance_fused_in_small_groups {
+        populace_testkit::fused_conformance!(
+            super::OpenClBackend::with_shape(
+                &super::device(),
+                super::Schedule::FusedGrouped,
+                super::small_groups()
+            )
+            .expect("a backend"),
+            ignore = "make test-slow"
+        );
+    }
+
+    /// The settings for GPUs, on any device.
+    mod conformance_with_gpu_shape {
+        populace_testkit::backend_conformance!(
+            super::OpenClBackend::with_shape(
+                &super::device(),
+                super::Schedule::Staged,
+                crate::staged::GPU_SHAPE
+            )
+            .expect("a backend"),
+            ignore = "make test-slow"
+        );
+    }
+
+    mod conformance_on_a_part {
+        populace_testkit::fused_conformance!(
+            super::OpenClBackend::new(
+                &super::half(2).expect("a second half"),
+                super::Schedule::FusedWide
+            )
+            .expect("a backend"),
+            ignore = "make test-slow"
+        );
+    }
 }
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]

@@ -132,7 +132,6 @@ faults! {
         targets_do_not_ease: "w * w * (3.0f - 2.0f * w)" => "w";
         targets_begin_early: "tick > target.weight_tick ? tick - target.weight_tick : 0" =>
             "tick - target.weight_tick";
-        rotations_move_joints: "    result.s7 = m.s7;\n" => "";
     }
     check_limbs {
         limbs_straighten_at_once: "far = length - length * soft" => "far = length";
@@ -155,13 +154,15 @@ faults! {
         ends_do_not_keep: "PUT(keeps_end, lane, own->keeps_end ? 1.0f : 0.0f);" => "";
         ends_are_undone_in_the_wrong_order: "quat_conjugate(quat_mul(second, first))" =>
             "quat_conjugate(quat_mul(first, second))";
-        limbs_ignore_weights: "first = quat_choose(partly, quat_part(first, weight), first);" => "";
+        limbs_ignore_weights: "quat_choose(partly, quat_part(rotation, weight), rotation)" =>
+            "rotation";
         places_have_no_scale: "direction_to_model(control, d) * (1.0f / control.place.w)" =>
             "direction_to_model(control, d)";
         goals_are_not_weighted: "sum = add_scaled(sum, place, own);" =>
             "sum = add_scaled(sum, place, 1.0f);";
     }
     check_chains {
+        rotations_move_joints: "    result.s7 = m.s7;\n" => "";
         chains_stop_early: "pass < CHAIN_PASSES" => "pass < 1u";
         chains_leave_their_root: "            points[0] = places[0];\n" => "";
         chains_turn_twice: "rotation_mul(rotation, rotated_by)" =>
@@ -232,16 +233,17 @@ faults! {
             "stands[foot] ? none : near;";
         stands_count_as_steps: "CONTACT_WHOLE * duration_secs" => "2.0f * duration_secs";
         pelvises_rise_at_once: "elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS)" => "1.0f";
-        pelvises_sink_too_far: "length * (1.0f - soft), most = length * MAX_PELVIS_SINK" =>
-            "length * (0.99f - soft), most = length * MAX_PELVIS_SINK";
+        pelvises_sink_too_far: "length * (1.0f - legs->soft), most = length * MAX_PELVIS_SINK" =>
+            "length * (0.99f - legs->soft), most = length * MAX_PELVIS_SINK";
     }
     check_live_clips {
         streams_have_no_delay: "shown = tick > delay ? tick - delay : 0" => "shown = tick";
-        rings_do_not_wrap: "(behind > clip.newest_row ? clip.ring_rows : 0)" => "0";
+        rings_wrap_a_row_early: "(behind > clip.newest_row ? clip.ring_rows : 0)" =>
+            "(behind > clip.newest_row ? clip.ring_rows - 1 : 0)";
         newest_rows_are_a_step_away: "older > 0 ? clip.per_row_tick : clip.per_newest_tick" =>
             "clip.per_row_tick";
         streams_show_what_was_overwritten: "if (behind > oldest || behind == 0)" =>
-            "if (behind == 0)";
+            "if (behind > oldest + 1 || behind == 0)";
         streams_jump_from_row_to_row: "*between = (float)(uint)past *" =>
             "*between = 0.0f *";
         streams_play_backwards: "(behind - 1) * clip.row_ticks - older :" =>
