@@ -5,8 +5,8 @@ demo:
 	@sh scripts/setup.sh --ask
 	cargo run -p populace-cli -- demo --out populace-demo.png
 
-.PHONY: demo test test-slow test-long native-faults fuzz soak conformance gpu-budget
-.PHONY: setup setup-tests lint doc release
+.PHONY: demo test test-slow test-long native-faults mutants fuzz soak conformance
+.PHONY: gpu-budget setup setup-tests lint doc release
 
 # Installs nothing: a missing driver is named here, and the tests that need it fail. Says at its end
 # how many tests passed, and how many checks on how many devices they ran.
@@ -29,6 +29,10 @@ test-long: test-slow
 # Single faults in the Rust text of stages, in a copy of the workspace: each must be noticed.
 native-faults:
 	python3 -B scripts/native-faults.py
+
+# Changes of the leaf arithmetic, each of which a unit test must notice. Needs cargo-mutants.
+mutants:
+	CARGO_PROFILE_DEV_OPT_LEVEL=0 CARGO_PROFILE_DEV_DEBUG=0 cargo mutants --output target/mutants
 
 # All fuzz targets, TIME seconds each. Needs the nightly toolchain and cargo-fuzz.
 fuzz:

@@ -1,6 +1,7 @@
 //! Properties of options: hair cuts, hats, glasses and bags that members can hide or swap.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::OnceLock;
 
 use populace_cast::{Look, option_of, people as outfits, person, person_with_options};
 use populace_character::{Character, Part};
@@ -13,9 +14,13 @@ fn triangles(part: &Part) -> usize {
 }
 
 /// Returns all people in all options, in several outfits.
-fn dressed() -> Vec<(Look, Character)> {
-    let looks = (0..6).flat_map(|n| Look::presets().into_iter().map(move |look| look.in_outfit(n)));
-    looks.map(|look| (look.clone(), person_with_options(&look).unwrap())).collect()
+fn dressed() -> &'static [(Look, Character)] {
+    static DRESSED: OnceLock<Vec<(Look, Character)>> = OnceLock::new();
+    DRESSED.get_or_init(|| {
+        let outfits = |n| Look::presets().into_iter().map(move |look| look.in_outfit(n));
+        let looks = (0..6).flat_map(outfits);
+        looks.map(|look| (look.clone(), person_with_options(&look).unwrap())).collect()
+    })
 }
 
 #[test]
@@ -40,12 +45,12 @@ fn whatever_is_worn_together_stays_under_6000_triangles() {
 #[test]
 fn people_wear_one_of_each_group_and_always_hair() {
     for (look, full) in dressed() {
-        let plain = person(&look).unwrap();
+        let plain = person(look).unwrap();
         let names = |character: &Character| -> Vec<String> {
             let names = character.parts.iter().map(|part| part.node_name.clone());
             names.filter(|name| option_of(name).is_some()).collect()
         };
-        let (worn, all) = (names(&plain), names(&full));
+        let (worn, all) = (names(&plain), names(full));
         assert_eq!(worn, look.worn_parts(), "{}", look.name);
         assert!(all.starts_with(&worn), "{}: worn options are not first", look.name);
         let unique: BTreeSet<&String> = all.iter().collect();
@@ -87,7 +92,7 @@ fn every_option_is_closed_and_faces_outwards() {
         let options = character.parts.iter().filter(|part| option_of(&part.node_name).is_some());
         for option in options {
             let name = format!("{} {}", look.name, option.node_name);
-            let surface = Surface::of_parts(&character, |part| part.node_name == option.node_name);
+            let surface = Surface::of_parts(character, |part| part.node_name == option.node_name);
             let mut edges: HashMap<(usize, usize), i32> = HashMap::new();
             let mut volume = 0.0;
             for t in &surface.triangles {
@@ -114,7 +119,7 @@ fn hats_and_glasses_move_with_the_head() {
             if !matches!(option_of(&part.node_name), Some(("hat" | "glasses", _))) {
                 continue;
             }
-            let surface = Surface::of_parts(&character, |p| p.node_name == part.node_name);
+            let surface = Surface::of_parts(character, |p| p.node_name == part.node_name);
             let least =
                 (0..surface.rest.len()).map(|v| surface.weight(v, head)).fold(1.0, f64::min);
             assert!(least > 0.99, "{} {}: {least}", look.name, part.node_name);

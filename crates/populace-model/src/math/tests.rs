@@ -20,7 +20,7 @@ fn numbers<const N: usize>() -> impl Strategy<Value = [f32; N]> {
 fn rotation() -> impl Strategy<Value = [f32; 4]> {
     numbers::<4>()
         .prop_filter("a direction", |q| quat::dot(*q, *q) > 0.1)
-        .prop_map(|q| f64math::normalized(q))
+        .prop_map(f64math::normalized)
 }
 
 fn direction() -> impl Strategy<Value = [f32; 3]> {
@@ -188,7 +188,8 @@ proptest! {
         assert_near(quat::mul(a, b), (da * db).to_array());
         assert_near(quat::conjugate(a), da.conjugate().to_array());
         assert_near(quat::normalize_or(r.map(|v| v * 7.0), quat::identity()), double(r));
-        prop_assert_eq!((quat::choose::<f32>(true, a, b), quat::choose::<f32>(false, a, b)), (a, b));
+        let chosen = [true, false].map(|which| quat::choose::<f32>(which, a, b));
+        prop_assert_eq!(chosen, [a, b]);
         let sign: f32 = if x.dot(y) < 0.0 { -1.0 } else { 1.0 };
         prop_assert_eq!((quat::side(a, b), quat::hemisphere(a, b)), (sign, a.map(|v| v * sign)));
     }
@@ -206,7 +207,8 @@ proptest! {
         assert_near([vec3::length(a)], [x.length()]);
         assert_near(vec3::unit_or(vec3::scale(unit, 7.0), [0.0; 3]), double(unit));
         assert_near(vec3::across(a, unit), x.reject_from_normalized(u).to_array());
-        prop_assert_eq!((vec3::choose::<f32>(true, a, b), vec3::choose::<f32>(false, a, b)), (a, b));
+        let chosen = [true, false].map(|which| vec3::choose::<f32>(which, a, b));
+        prop_assert_eq!(chosen, [a, b]);
         let beside = f64math::vec3(vec3::any_across(unit));
         prop_assert!((beside.length() - 1.0).abs() < 1e-5 && beside.dot(u).abs() < 1e-5);
     }

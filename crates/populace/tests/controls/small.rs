@@ -8,15 +8,15 @@ use crate::determinism::constrain;
 use crate::fixture::{Scene, everywhere, joint};
 
 /// Members of each phase, which a work-group computes side by side.
-const EACH: usize = 8;
+const EACH: u8 = 8;
 
 /// Spawns members with constraints, a layer, and an inertialized transition in two phases: each of
 /// the second hangs on one of the first. Some more only play a clip.
 fn members(scene: &mut Scene) -> Vec<MemberId> {
     let mut members: Vec<MemberId> = Vec::new();
-    for number in 0..2 * EACH as u8 {
+    for number in 0..2 * EACH {
         let member = scene.member(Placement::at([f32::from(number), 0.0, 0.0]));
-        let above = members.len().checked_sub(EACH).map(|nth| members[nth]);
+        let above = members.len().checked_sub(EACH.into()).map(|nth| members[nth]);
         let (walk, sway) = (scene.clip("walk"), scene.clip("sway"));
         let play = |mut member: populace::MemberMut<'_>| {
             member.play(walk, ClipPlayback::looping().phase(0.2))?;
@@ -34,11 +34,11 @@ fn members(scene: &mut Scene) -> Vec<MemberId> {
         scene.edit(member).look_at(Target::Point([3.0, 1.0, 2.0]), Weight::FULL).expect("a gaze");
         members.push(member);
     }
-    for number in 0..EACH as u8 {
+    for number in 0..EACH {
         let member = scene.member(Placement::at([0.0, 0.0, f32::from(number)]));
         let walk = scene.clip("walk");
         let phase = 0.1 + 0.2 * f32::from(number);
-        let play = ClipPlayback::looping().phase(phase.into());
+        let play = ClipPlayback::looping().phase(phase);
         scene.edit(member).play(walk, play).expect("a clip that plays");
         members.push(member);
     }
