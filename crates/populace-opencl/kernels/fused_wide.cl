@@ -82,7 +82,15 @@ INLINE uint take_desk(volatile __global uint *is_taken, uint count)
 {
     uint desk = 0;
     while (atomic_xchg(is_taken + desk, 1u) != 0u) desk = desk + 1 < count ? desk + 1 : 0;
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
     return desk;
+}
+
+// Frees a desk after all stores to it.
+INLINE void free_desk(volatile __global uint *is_taken, uint desk)
+{
+    mem_fence(CLK_GLOBAL_MEM_FENCE);
+    atomic_xchg(is_taken + desk, 0u);
 }
 
 // Returns whether a frame evaluates a member.
@@ -316,7 +324,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         if (all.controls[0] != NONE) descend(&all, &constraint_tables, joints);
         write_palettes(&all, entries + all.body.entry_first, joints, to);
     }
-    atomic_xchg(is_taken + desk, 0u);
+    free_desk(is_taken, desk);
 }
 
 // Computes samples, local transforms and model_from_joint of one member, for reading back.

@@ -131,6 +131,10 @@ fn looping_slots_count_the_ends_they_pass() {
         }
     }
     assert_eq!(Slot::once(0, 0, 0.1, 1.0).cycles_between(0, TICKS_PER_SEC), 0);
+    // A quarter of a cycle back in each tick, from a quarter: the first tick ends on the start.
+    let still = Slot::looping(0, 0, 1.0, 0.25, 0.0);
+    let back = Slot { phase_rate: (1_u64 << 62).wrapping_neg(), ..still };
+    assert_eq!([1, 2, 5, 6].map(|to| back.cycles_between(0, to)), [0, 1, 1, 2]);
 }
 
 #[test]

@@ -7,8 +7,9 @@ use populace::{ClipPlayback, LayerMode, LayerSettings, MemberId, Placement, Targ
 use crate::determinism::constrain;
 use crate::fixture::{Scene, everywhere, joint};
 
-/// Members of each phase, which a work-group computes side by side.
-const EACH: u8 = 8;
+/// Members of each phase, which a work-group computes side by side. More would take several
+/// work-items of the wide form, whose locks on scratch memory race detectors do not know.
+const EACH: u8 = 4;
 
 /// Spawns members with constraints, a layer, and an inertialized transition in two phases: each of
 /// the second hangs on one of the first. Some more only play a clip.
