@@ -265,6 +265,23 @@ mod tests {
     }
 
     #[test]
+    fn rates_are_the_least_that_end_on_their_tick() {
+        for ticks in (1..200_000).step_by(7) {
+            let (found, whole) = (per_tick(ticks), ticks as f32);
+            assert!(whole * found >= 1.0 && whole * found.next_down() < 1.0, "{ticks}: {found}");
+        }
+        assert!(per_tick(0) >= 1.0);
+    }
+
+    #[test]
+    fn clips_of_the_clock_alone_can_be_inertialized() {
+        let all = [SLOT_LOOP, SLOT_ONCE, SLOT_HELD, SLOT_LIVE, SLOT_MACHINE, SLOT_INERTIALIZATION];
+        let can =
+            all.map(|mode| Slot { layer_and_mode: mode, ..Slot::default() }.can_inertialize());
+        assert_eq!(can, [true, true, true, false, false, false]);
+    }
+
+    #[test]
     fn far_row_is_never_the_nearest() {
         for (at, far) in [(0.0, 1), (0.4, 1), (0.5, 0), (2.75, 2), (4.0, 3), (9.0, 4)] {
             assert_eq!(far_row(at, 4), far, "{at}");

@@ -121,6 +121,33 @@ mod tests {
     }
 
     #[test]
+    fn tied_slots_have_the_speed_of_their_stream_or_none() {
+        let tied = [Slot::live(0, NOW, 9), Slot::held(0, NOW, 0.5), Slot::machine(0, 0, NOW)];
+        assert_eq!(tied.map(|slot| slot.speed(2.0)), [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn backward_loops_end_when_their_phase_is_used_up() {
+        let still = Slot::looping(0, NOW, 2.0, 0.0, 0.0);
+        // 2^32 of 2^64 parts of a cycle are left, and one passes in each tick.
+        let slow = Slot { start_phase: 1, phase_rate: 1_u64.wrapping_neg(), ..still };
+        assert_eq!(slow.end_tick(NOW), Some(NOW + (1 << 32)));
+        let halves = Slot { phase_rate: (1_u64 << 63).wrapping_neg(), ..still };
+        assert_eq!(halves.end_tick(NOW), Some(NOW + 2), "a whole cycle from phase 0");
+    }
+
+    #[test]
+    fn once_turns_back_on_its_way_and_starts_anew_at_its_start() {
+        let mut slot = Slot::once(0, NOW, 2.0, 1.0);
+        slot.set_speed(NOW, 2.0, 0.5, true);
+        assert_eq!((slot.start_tick, slot.end_tick(NOW)), (NOW, Some(NOW + 4 * SEC)));
+        slot.set_speed(NOW + SEC, 2.0, -1.0, true);
+        assert_time(&slot, NOW + SEC, 0.5);
+        assert_time(&slot, NOW + SEC + SEC / 4, 0.25);
+        assert_time(&slot, NOW + 2 * SEC, 0.0);
+    }
+
+    #[test]
     fn loop_continues_from_its_time_at_any_speed() {
         let mut slot = Slot::looping(0, NOW, 2.0, 0.25, 1.0);
         let before = slot.time_at(NOW + SEC, 0.0, 2.0);
