@@ -25,7 +25,7 @@ SMALL = ["-p", "populace", "--test", "controls", "small_scene_of_everything_give
 # "a > b ? a - b : 0"; llvm.experimental.noalias.scope.decl, which inlining leaves behind; and
 # llvm.prefetch.
 FOR_OCLGRIND = "-cl-opt-disable -D always_inline=noinline -D __builtin_prefetch(at)="
-WITHOUT_BARRIERS = "-D LEVEL_BARRIER="
+WITHOUT_LEVEL_BARRIERS = "-D LEVEL_BARRIER="
 
 
 def with_driver(library, folder, *libraries):
@@ -70,20 +70,21 @@ def oclgrind(folder):
     passed, found = races(env, log)
     if not passed or found:
         sys.exit("\n".join(["the small scene fails on Oclgrind, or races:", *found[:9]]))
-    _, found = races(env, log, WITHOUT_BARRIERS)
+    _, found = races(env, log, WITHOUT_LEVEL_BARRIERS)
     if not found:
         sys.exit("Oclgrind reports no race where levels of the hierarchy have no barrier")
-    print(f"oclgrind: the small scene is equal and has no race; {len(found)} without barriers")
+    print(f"oclgrind: the small scene is equal and has no race; {len(found)} "
+          "where levels of the hierarchy have no barrier")
 
 
 def whole_suite(driver, env, *options):
-    sum_of = 0
+    total = 0
     for which in [(), ("--ignored", "::slow::")]:
         passed, count = tests(ALL, env, *which, *options)
         if not passed or count == 0:
             sys.exit(f"{driver}: tests fail")
-        sum_of += count
-    print(f"{driver}: {sum_of} tests passed")
+        total += count
+    print(f"{driver}: {total} tests passed")
 
 
 def intel(folder):

@@ -99,6 +99,7 @@ mod with_opencl {
     }
 
     /// More shares and schedules.
+    #[cfg(not(skip_opencl))]
     mod slow {
         use super::*;
 

@@ -190,7 +190,7 @@ proptest! {
         assert_near(quat::normalize_or(r.map(|v| v * 7.0), quat::identity()), double(r));
         let chosen = [true, false].map(|which| quat::choose::<f32>(which, a, b));
         prop_assert_eq!(chosen, [a, b]);
-        let sign: f32 = if x.dot(y) < 0.0 { -1.0 } else { 1.0 };
+        let sign: f32 = if quat::dot(a, b) < 0.0 { -1.0 } else { 1.0 };
         prop_assert_eq!((quat::side(a, b), quat::hemisphere(a, b)), (sign, a.map(|v| v * sign)));
     }
 
@@ -216,6 +216,8 @@ proptest! {
     #[test]
     fn rotations(q in rotation(), v in numbers::<3>(), from in direction(), to in direction()) {
         assert_near(vec3::rotated(q, v), (f64math::quat(q) * f64math::vec3(v)).to_array());
+        // Between nearly opposite vectors, single precision has no direction to turn in.
+        prop_assume!(vec3::dot(from, to) > -0.999);
         let arc = f64math::quat(vec3::between(from, to, [0.0, 1.0, 0.0]));
         let (start, end) = (f64math::vec3(from), f64math::vec3(to));
         assert_near(f64math::to_f32((arc * start).to_array()), end.to_array());
@@ -234,7 +236,7 @@ proptest! {
         };
         let told = f64math::quat(q);
         assert_near(vec3::part_as_told(q, k), part(told));
-        assert_near(vec3::part_of(q, k), part(if half.cos() < 0.0 { -told } else { told }));
+        assert_near(vec3::part_of(q, k), part(if told.w < 0.0 { -told } else { told }));
     }
 
     #[test]

@@ -162,15 +162,16 @@ mod conformance_fused_grouped {
     );
 }
 
-fn small_groups() -> DispatchShape {
-    let mut shape = crate::staged::GPU_SHAPE;
-    (shape.group, shape.fused_group) = (16, 16);
-    shape
-}
-
 /// More shapes of groups, and a part of the device.
+#[cfg(not(skip_opencl))]
 mod slow {
     use super::*;
+
+    fn small_groups() -> DispatchShape {
+        let mut shape = crate::staged::GPU_SHAPE;
+        (shape.group, shape.fused_group) = (16, 16);
+        shape
+    }
 
     /// Groups smaller than most bodies and levels, so that every loop runs more than once.
     mod conformance_fused_in_small_groups {
