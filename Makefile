@@ -14,12 +14,14 @@ test:
 	@sh scripts/setup.sh --check || true
 	@bash -o pipefail -c 'cargo test --workspace --no-fail-fast 2>&1 | sh scripts/count-tests.sh'
 
-# Test programs that take minutes (the program as users run it, its window, independent references)
-# and the conformance suite in more shapes of devices.
+# Test programs that take long (the program as users run it, its window, independent references,
+# random sequences of calls, the street, and more), and tests in modules named `slow`, such as the
+# conformance suite in more shapes of devices.
 test-slow:
 	@sh scripts/setup.sh --check || true
-	cargo test --workspace --no-fail-fast --test program --test interop --test reference --test window
-	cargo test --workspace --no-fail-fast --lib -- --ignored ::slow::
+	cargo test --workspace --no-fail-fast --test program --test interop --test reference \
+		--test window --test sequences --test street --test skate --test motions --test prepare
+	cargo test --workspace --no-fail-fast --lib --test conformance --test script -- --ignored slow::
 
 # The slow tests, and faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
 test-long: test-slow

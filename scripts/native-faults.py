@@ -35,8 +35,8 @@ def run(check):
     """Runs a check on the staged schedule. Returns whether it passed, and what it said."""
     config = [option for setting in PROFILE for option in ("--config", setting)]
     env = {**os.environ, "CARGO_TARGET_DIR": str(FOLDER / "target")}
-    done = subprocess.run(["cargo", "test", "-q", "-p", "populace-native", "--lib", *config, "--",
-                           "--exact", f"backend::tests::conformance::{check}"], cwd=COPY, env=env,
+    done = subprocess.run(["cargo", "test", "-q", "-p", "populace-native", "--test", "conformance",
+                           *config, "--", "--exact", f"conformance::{check}"], cwd=COPY, env=env,
                           text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     return done.returncode == 0 and "1 passed" in done.stdout, done.stdout
 

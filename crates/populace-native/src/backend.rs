@@ -69,6 +69,16 @@ impl NativeBackend {
     /// [`BackendError::Failed`] if the system cannot start the threads, for
     /// [`Schedule::FusedGrouped`], which is for GPUs, and for another `POPULACE_LANES`.
     pub fn new(threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
+        Self::on(machine()?, threads, schedule)
+    }
+
+    /// Like [`new`](Self::new), with the registers and lanes of `machine`.
+    ///
+    /// # Errors
+    ///
+    /// [`BackendError::Failed`] if the system cannot start the threads, and for
+    /// [`Schedule::FusedGrouped`], which is for GPUs.
+    pub fn on(machine: Machine, threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
         if schedule == Schedule::FusedGrouped {
             return Err(failed(
                 "use the schedule fused-grouped",
@@ -84,7 +94,7 @@ impl NativeBackend {
         Ok(Self {
             pool,
             schedule,
-            machine: machine()?,
+            machine,
             scratch,
             reading: Reading::default(),
             last: None,
@@ -399,6 +409,3 @@ impl PaletteSource for NativeBackend {
         Ok(())
     }
 }
-
-#[cfg(test)]
-mod tests;

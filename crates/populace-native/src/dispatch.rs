@@ -41,15 +41,19 @@ pub(crate) enum Dispatch {
 
 /// Members side by side in the fused schedule, one in each lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum MemberLanes {
+pub enum MemberLanes {
+    /// Lanes of SSE and NEON.
     Four = 4,
+    /// Lanes of AVX2.
     Eight = 8,
+    /// Lanes of AVX-512.
     Sixteen = 16,
 }
 
-/// Registers, and the members that the fused schedule puts side by side in them.
+/// Registers, and the members that the fused schedule puts side by side in them. Results are the
+/// same in all.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Machine {
+pub struct Machine {
     pub(crate) registers: Dispatch,
     pub(crate) lanes: MemberLanes,
 }
@@ -65,16 +69,25 @@ const fn is_compiled<W: Work>(lanes: usize) -> bool {
 
 impl Machine {
     /// Puts as many members side by side as the widest registers of this machine have lanes.
-    pub(crate) fn detect() -> Self {
+    #[must_use]
+    pub fn detect() -> Self {
         let registers = Dispatch::detect();
         Self { registers, lanes: registers.lanes() }
     }
 
     /// Puts a number of members side by side, in registers of as many lanes if this machine has
     /// them.
-    pub(crate) fn of_lanes(lanes: MemberLanes) -> Self {
+    #[must_use]
+    pub fn of_lanes(lanes: MemberLanes) -> Self {
         let found = Dispatch::available().into_iter().find(|registers| registers.lanes() == lanes);
-        Self { registers: found.unwrap_or(Dispatch::Baseline), lanes }
+        found.map_or(Self::narrow(lanes), |registers| Self { registers, lanes })
+    }
+
+    /// Puts a number of members side by side, in the registers that every processor of the
+    /// architecture has.
+    #[must_use]
+    pub fn narrow(lanes: MemberLanes) -> Self {
+        Self { registers: Dispatch::Baseline, lanes }
     }
 }
 

@@ -14,7 +14,7 @@ use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, PoseBlock, Seat};
 use crate::constraints::{Alone, Programs, step_rotations};
-use crate::dispatch::{Dispatch, Machine, MemberLanes, Work};
+use crate::dispatch::{Dispatch, Machine, MemberLanes};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::{LANES, Lanes, Simd};
@@ -26,7 +26,6 @@ use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 use crate::transposition::Square;
-use crate::widths::JointLanes;
 
 /// `Float4` elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
@@ -69,11 +68,10 @@ impl Hierarchy for InPlace<'_> {
 
 /// Computes a member's `model_from_joint` into the scratch. Passes the local transforms of each
 /// block to `keep`, with the index of its first joint.
-#[inline(always)]
 pub(crate) fn member_models(
     of: MemberInputs,
     scratch: &mut Scratch,
-    mut keep: impl FnMut(usize, &Local<Lanes>),
+    keep: &mut dyn FnMut(usize, &Local<Lanes>),
 ) {
     let MemberInputs { inputs, member, dispatch } = of;
     let tables = inputs.tables;
@@ -104,31 +102,16 @@ pub(crate) fn member_models(
         .descend::<f32>();
 }
 
-/// Writes one member's palette.
-#[inline(always)]
-fn write_palette(of: MemberInputs, scratch: &mut Scratch, palette: &mut [Float4]) {
-    let tables = of.inputs.tables;
-    let body = body_of(tables, of.member);
-    member_models(of, scratch, |_, _| {});
+/// Writes the palette of one member.
+fn write_palette(inputs: &FrameInputs, dispatch: Dispatch, seat: &mut Seat, scratch: &mut Scratch) {
+    let (tables, member) = (inputs.tables, seat.member);
+    let body = body_of(tables, member);
+    member_models(MemberInputs { inputs, member, dispatch }, scratch, &mut |_, _| {});
     let first = body.entry_first as usize;
     let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];
-    for (entry, matrix) in entries.iter().zip(palette.as_chunks_mut::<3>().0) {
+    for (entry, matrix) in entries.iter().zip(seat.palette.as_chunks_mut::<3>().0) {
         let joint_from_bind = Affine { rows: [entry.row0.0, entry.row1.0, entry.row2.0] };
         *matrix = scratch.models[entry.joint as usize].mul(&joint_from_bind).rows.map(Float4);
-    }
-}
-
-/// Call of [`write_palette`].
-struct WritePalette<'a> {
-    of: MemberInputs<'a>,
-    scratch: &'a mut Scratch,
-    palette: &'a mut [Float4],
-}
-
-impl Work for WritePalette<'_> {
-    #[inline(always)]
-    fn run<J: JointLanes>(self) {
-        write_palette(self.of, self.scratch, self.palette);
     }
 }
 
@@ -145,19 +128,13 @@ fn write_groups<const COUNT: usize>(
     for seats in seats.chunks_mut(COUNT) {
         if seats.len() * 4 < COUNT {
             for seat in seats {
-                write_alone(inputs, registers, seat, scratch);
+                write_palette(inputs, registers, seat, scratch);
             }
         } else {
             let body = body_of(inputs.tables, seats[0].member);
             registers.run(Group::<COUNT> { inputs, registers, body, seats, scratch });
         }
     }
-}
-
-/// Writes the palette of one member.
-fn write_alone(inputs: &FrameInputs, registers: Dispatch, seat: &mut Seat, scratch: &mut Scratch) {
-    let of = MemberInputs { inputs, member: seat.member, dispatch: registers };
-    registers.run(WritePalette { of, scratch, palette: seat.palette });
 }
 
 /// Writes the palettes of the frame's members.

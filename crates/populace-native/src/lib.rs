@@ -74,3 +74,4 @@ mod reading;
 mod backend;
 
 pub use backend::NativeBackend;
+pub use dispatch::{Machine, MemberLanes};

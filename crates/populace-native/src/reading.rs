@@ -3,7 +3,7 @@
 use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
 
-use crate::dispatch::{Dispatch, Work};
+use crate::dispatch::Dispatch;
 use crate::errors::failed;
 use crate::frame::FrameInputs;
 use crate::fused::{MemberInputs, member_models};
@@ -12,7 +12,6 @@ use crate::machines::slot_now;
 use crate::members::{body_of, member_slots};
 use crate::scratch::Scratch;
 use crate::slot::sample_of;
-use crate::widths::JointLanes;
 
 /// Stage buffers of one member, as of the last frame.
 #[derive(Default)]
@@ -24,28 +23,6 @@ pub(crate) struct Reading {
     locals: Vec<[Float4; 3]>,
     /// Holds the models of the joints.
     scratch: Scratch,
-}
-
-/// Evaluation of one member, with its local transforms.
-struct Evaluate<'a> {
-    of: MemberInputs<'a>,
-    scratch: &'a mut Scratch,
-    locals: &'a mut [[Float4; 3]],
-}
-
-impl Work for Evaluate<'_> {
-    #[inline(always)]
-    fn run<J: JointLanes>(self) {
-        member_models(self.of, self.scratch, |first, local| {
-            for (lane, joint) in self.locals.iter_mut().skip(first).take(LANES).enumerate() {
-                *joint = [
-                    Float4::from_xyz(local.t.map(|v| v.0[lane])),
-                    Float4(local.r.map(|v| v.0[lane])),
-                    Float4::from_xyz(local.s.map(|v| v.0[lane])),
-                ];
-            }
-        });
-    }
 }
 
 impl Reading {
@@ -64,7 +41,15 @@ impl Reading {
         locals.clear();
         locals.resize(body_of(tables, member).joint_count as usize, [Float4::default(); 3]);
         let of = MemberInputs { inputs, member, dispatch };
-        dispatch.run(Evaluate { of, scratch, locals });
+        member_models(of, scratch, &mut |first, local| {
+            for (lane, joint) in locals.iter_mut().skip(first).take(LANES).enumerate() {
+                *joint = [
+                    Float4::from_xyz(local.t.map(|v| v.0[lane])),
+                    Float4(local.r.map(|v| v.0[lane])),
+                    Float4::from_xyz(local.s.map(|v| v.0[lane])),
+                ];
+            }
+        });
         // Its writes were applied when the frame ran.
         scratch.writes.clear();
         self.member = Some(member);

@@ -1,9 +1,10 @@
 // transform.cl - Transform stage (Lister & Day 2012, section 3, fig. 1): composes one level of
 // local transforms with their parents, and runs constraint programs.
 //
-// NDRange  (joints of the widest level at this depth, a run of members), padded to whole
+// NDRange  joints of the widest level at this depth, for each member of a run, padded to whole
 //          work-groups; one enqueue for each phase, level and run; members of other phases are
-//          skipped
+//          skipped. Groups have one size at all levels, since some drivers compile a kernel anew
+//          for each size
 // Reads    translations, rotations, scales; rows of the level above; controls and the tables that
 //          they index; watched joints that earlier phases wrote
 // Writes   row0, row1, row2 of model_from_joint (a rotated child under non-uniform scale shears, so
@@ -17,7 +18,7 @@ __kernel void transform(
     __global const Member *members, __global const Body *bodies, __global const uint *parents,
     __global const uint *levels,
     // Level, range and phase.
-    uint level, uint member_first, uint member_end, uint phase,
+    uint level, uint level_width, uint member_first, uint member_end, uint phase,
     // Local transforms.
     __global const float4 *translations, __global const float4 *rotations,
     __global const float4 *scales,
@@ -35,13 +36,13 @@ __kernel void transform(
     // Output.
     __global float4 *row0, __global float4 *row1, __global float4 *row2)
 {
-    const uint owner = member_first + (uint)get_global_id(1);
+    const uint item = (uint)get_global_id(0), owner = member_first + item / level_width;
     if (owner >= member_end || members[owner].body == NONE) return;
     const Member member = members[owner];
     if (member_phase(member) != phase) return;
     const Body body = bodies[member.posed];
     if (level >= body.level_count) return;
-    const uint joint = levels[body.level_first + level] + (uint)get_global_id(0);
+    const uint joint = levels[body.level_first + level] + item % level_width;
     if (joint >= levels[body.level_first + level + 1]) return;
 
     const uint first = member.joint_first, place = first + joint,

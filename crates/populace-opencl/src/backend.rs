@@ -161,7 +161,7 @@ impl OpenClBackend {
             let items = page.len().div_ceil(floor.per_item);
             let launch =
                 Launch::of(&floor.kernel).buffer("palette", page).count("count", page.len());
-            events.push(launch.run(&self.queue, WorkSize::line(items, group))?);
+            events.push(launch.run(&self.queue, WorkSize::of(items, group))?);
         }
         waits::for_queue(&self.queue)?;
         Ok(time_ms(&[events]).unwrap_or(0.0))

@@ -14,18 +14,18 @@ use crate::handles::{CommandQueue, Event, Kernel};
 /// `CL_KERNEL_ARG_INFO_NOT_AVAILABLE`.
 const NO_ARGUMENT_INFO: i32 = -19;
 
-/// The work-items of a launch, and of each of its work-groups, in two dimensions.
+/// The work-items of a launch, and of each of its work-groups.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WorkSize {
-    pub(crate) global: [usize; 2],
-    /// Divides `global` in each dimension.
-    pub(crate) local: [usize; 2],
+    global: usize,
+    /// Divides `global`.
+    local: usize,
 }
 
 impl WorkSize {
-    /// One dimension: `count` work-items, padded to whole groups of `group`.
-    pub(crate) fn line(count: usize, group: usize) -> Self {
-        Self { global: [count.next_multiple_of(group), 1], local: [group, 1] }
+    /// `count` work-items, padded to whole groups of `group`.
+    pub(crate) fn of(count: usize, group: usize) -> Self {
+        Self { global: count.next_multiple_of(group), local: group }
     }
 }
 
@@ -124,17 +124,17 @@ impl<'a> Launch<'a> {
             "{:?}",
             self.kernel.function_name()
         );
-        let (global, local) = (size.global.as_ptr(), size.local.as_ptr());
-        // SAFETY: both sizes have the two dimensions named; every argument was set just now, and
-        // buffers are freed only after the queue is done with them, since the driver counts
-        // references, and `InteropPages` waits before it gives back other memory.
+        let (global, local) = (&raw const size.global, &raw const size.local);
+        // SAFETY: both sizes are one number, for the one dimension named; every argument was set
+        // just now, and buffers are freed only after the queue is done with them, since the driver
+        // counts references, and `InteropPages` waits before it gives back other memory.
         // Kernels stay inside their buffers: each compares its index with a count given as an
         // argument, the backend refuses to run before its buffers hold what the tables do, and
         // `Tables` takes only indices that point into itself. Users' stages are given a struct of
         // their own and no buffer; that they stay within it is for those who write them, as
         // `UserStage` says.
         let event = unsafe {
-            queue.enqueue_nd_range_kernel(self.kernel.get(), 2, ptr::null(), global, local, &[])
+            queue.enqueue_nd_range_kernel(self.kernel.get(), 1, ptr::null(), global, local, &[])
         };
         event.map(Event::from)
     }

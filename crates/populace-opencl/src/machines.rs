@@ -122,7 +122,7 @@ impl Machines {
             .ulong("tick", frame.tick)
             .count("machine_instance_count", count)
             .buffer("running", &self.running);
-        launch.run(queue, WorkSize::line(count, self.group)).map(Some)
+        launch.run(queue, WorkSize::of(count, self.group)).map(Some)
     }
 }
 

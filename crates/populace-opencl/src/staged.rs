@@ -132,7 +132,7 @@ impl Staged {
             .ulong("tick", frame.tick)
             .count("slot_count", count)
             .buffer("samples", &self.buffers.samples)
-            .run(context.queue, WorkSize::line(count, self.shape.group))
+            .run(context.queue, WorkSize::of(count, self.shape.group))
     }
 
     fn pose(&self, context: &FrameContext, frame: Frame) -> Result<Event, ClError> {
@@ -168,7 +168,7 @@ impl Staged {
             .buffer("translations", &self.buffers.translations)
             .buffer("rotations", &self.buffers.rotations)
             .buffer("scales", &self.buffers.scales)
-            .run(context.queue, WorkSize::line(count, self.shape.group))
+            .run(context.queue, WorkSize::of(count, self.shape.group))
     }
 
     fn transform_level(
@@ -178,17 +178,14 @@ impl Staged {
         level: Level,
         members: Range<usize>,
     ) -> Result<Event, ClError> {
-        // A work-group holds the whole width of a level if it can, and as many members as then fit.
-        let wide = level.width.min(self.shape.group);
-        let local = [wide, (self.shape.group / wide).max(1)];
-        let global =
-            [level.width.next_multiple_of(local[0]), members.len().next_multiple_of(local[1])];
+        let size = WorkSize::of(level.width * members.len(), self.shape.group);
         let launch = Launch::of(&self.transform)
             .buffer("members", &context.tables.members.buffer)
             .buffer("bodies", &context.tables.bodies.buffer)
             .buffer("parents", &context.tables.parents.buffer)
             .buffer("levels", &context.tables.levels.buffer)
             .count("level", level.index)
+            .count("level_width", level.width)
             .count("member_first", members.start)
             .count("member_end", members.end)
             .uint("phase", frame.phase_first)
@@ -211,7 +208,7 @@ impl Staged {
             .buffer("row0", &self.buffers.models[0])
             .buffer("row1", &self.buffers.models[1])
             .buffer("row2", &self.buffers.models[2])
-            .run(context.queue, WorkSize { global, local })
+            .run(context.queue, size)
     }
 
     fn transform(
@@ -250,7 +247,7 @@ impl Staged {
             .uint("member_first", frame.place_first)
             .uint("member_end", frame.place_end)
             .buffer("palette", page.palette)
-            .run(context.queue, WorkSize::line(page.entry_count, self.shape.group))
+            .run(context.queue, WorkSize::of(page.entry_count, self.shape.group))
     }
 
     fn enqueue(

@@ -227,7 +227,7 @@ impl BatchUploader<'_> {
             .uint("element_words", narrow(size_of::<T>() / size_of::<u32>())?)
             .uint("word_count", narrow(word_count)?)
             .words("table", to)
-            .run(self.queue, WorkSize::line(word_count, self.group))?;
+            .run(self.queue, WorkSize::of(word_count, self.group))?;
         Ok(())
     }
 }

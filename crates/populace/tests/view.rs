@@ -2,7 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use populace::character::{Character, Level, Region};
 use populace::interop::{View, Visibility};
@@ -15,12 +15,17 @@ use populace::{
 const JOINTS_LEFT: u8 = 20;
 
 /// A man with two coarser levels, of which only errors and joints matter here.
-fn man() -> Character {
-    let man = populace_cast::cast().unwrap().remove(1);
-    let meshes: Vec<_> = man.parts.iter().map(|part| part.mesh.clone()).collect();
-    let level = |error_m, joint_count| Level { error_m, meshes: meshes.clone(), joint_count };
-    let all = man.skeleton.joint_count();
-    man.with_levels(vec![level(0.01, all), level(0.04, JOINTS_LEFT.into())]).unwrap()
+fn man() -> Arc<Character> {
+    static MAN: OnceLock<Arc<Character>> = OnceLock::new();
+    let make = || {
+        let man = populace_cast::cast().unwrap().remove(1);
+        let meshes: Vec<_> = man.parts.iter().map(|part| part.mesh.clone()).collect();
+        let level = |error_m, joint_count| Level { error_m, meshes: meshes.clone(), joint_count };
+        let all = man.skeleton.joint_count();
+        let levels = vec![level(0.01, all), level(0.04, JOINTS_LEFT.into())];
+        Arc::new(man.with_levels(levels).unwrap())
+    };
+    Arc::clone(MAN.get_or_init(make))
 }
 
 /// A view from the origin along -z, a quarter turn wide and high, of 1000 pixels for a metre at a
@@ -51,7 +56,7 @@ impl Scene {
     /// Members at positions, each of which walks.
     fn new(device: Device, schedule: Schedule, positions: &[[f32; 3]]) -> Self {
         let mut crowd = Crowd::builder().device(device).schedule(schedule).build().unwrap();
-        let id = crowd.add_character(Arc::new(man())).unwrap();
+        let id = crowd.add_character(man()).unwrap();
         let walk = crowd.clip(id, "Walk").unwrap();
         let members = positions
             .iter()
@@ -143,7 +148,7 @@ fn visible_members_are_listed_in_runs_with_what_a_renderer_needs() {
     let far = [0.0, -1.0, -30.0];
     let mut scene =
         Scene::new(Device::native(), Schedule::Fused, &[far, BEHIND, AHEAD, far, AHEAD]);
-    let id = scene.crowd.add_character(Arc::new(man())).unwrap();
+    let id = scene.crowd.add_character(man()).unwrap();
     let other = scene.crowd.spawn(id, Placement::at(AHEAD)).unwrap();
     scene.crowd.set_view(Some(view(1.0))).unwrap();
     scene.crowd.update(0.1).unwrap();

@@ -14,16 +14,16 @@ fn natives(schedule: Schedule, shares: &[f64]) -> SplitBackend {
     SplitBackend::new(backends, Some(shares.to_vec()))
 }
 
-mod three_native_devices_staged {
-    populace_testkit::backend_conformance!(super::natives(
-        super::Schedule::Staged,
-        &[0.2, 0.5, 0.3]
-    ));
-}
-
-/// More shares.
+/// Shares of native devices.
 mod slow {
     use super::*;
+
+    mod three_native_devices_staged {
+        populace_testkit::backend_conformance!(
+            super::natives(super::Schedule::Staged, &[0.2, 0.5, 0.3]),
+            ignore = "make test-slow"
+        );
+    }
 
     mod first_native_device_has_all_members {
         populace_testkit::fused_conformance!(

@@ -93,17 +93,26 @@ fn palettes_keep_their_bits_on_two_native_devices() {
     check(&devices.into(), Schedule::Fused);
 }
 
-#[test]
-fn palettes_keep_their_bits_on_opencl_staged() {
-    check(&Device::opencl(0).into(), Schedule::Staged);
-}
+/// On OpenCL, whose kernels with users' stages take long to build.
+#[cfg(not(skip_opencl))]
+mod slow {
+    use super::*;
 
-#[test]
-fn palettes_keep_their_bits_on_opencl_fused_wide() {
-    check(&Device::opencl(0).into(), Schedule::FusedWide);
-}
+    #[test]
+    #[ignore = "make test-slow"]
+    fn palettes_keep_their_bits_on_opencl_staged() {
+        check(&Device::opencl(0).into(), Schedule::Staged);
+    }
 
-#[test]
-fn palettes_keep_their_bits_on_opencl_fused_grouped() {
-    check(&Device::opencl(0).into(), Schedule::FusedGrouped);
+    #[test]
+    #[ignore = "make test-slow"]
+    fn palettes_keep_their_bits_on_opencl_fused_wide() {
+        check(&Device::opencl(0).into(), Schedule::FusedWide);
+    }
+
+    #[test]
+    #[ignore = "make test-slow"]
+    fn palettes_keep_their_bits_on_opencl_fused_grouped() {
+        check(&Device::opencl(0).into(), Schedule::FusedGrouped);
+    }
 }

@@ -45,10 +45,7 @@ fn shared_structs_have_the_same_layout() {
     let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
     let out =
         crate::buffer::Buffer::<u32>::new(&device, expected.len(), "the probe's answers").unwrap();
-    Launch::of(&kernel)
-        .buffer("out", &out)
-        .run(&queue, crate::launch::WorkSize::line(1, 1))
-        .unwrap();
+    Launch::of(&kernel).buffer("out", &out).run(&queue, crate::launch::WorkSize::of(1, 1)).unwrap();
     let mut answers = vec![0; expected.len()];
     out.read(&queue, 0, &mut answers).unwrap();
     assert_eq!(answers, expected, "{structs:#?}");
@@ -298,10 +295,7 @@ fn number_by(folder: &std::path::Path, source: &str) -> u32 {
     let program = device.build(source).unwrap();
     let (kernel, queue) = (Kernel::create(&program, "number").unwrap(), device.queue().unwrap());
     let out = crate::buffer::Buffer::<u32>::new(&device, 1, "a number").unwrap();
-    Launch::of(&kernel)
-        .buffer("out", &out)
-        .run(&queue, crate::launch::WorkSize::line(1, 1))
-        .unwrap();
+    Launch::of(&kernel).buffer("out", &out).run(&queue, crate::launch::WorkSize::of(1, 1)).unwrap();
     let mut answer = [0];
     out.read(&queue, 0, &mut answer).unwrap();
     answer[0]

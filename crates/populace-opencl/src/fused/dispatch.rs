@@ -152,7 +152,7 @@ impl Dispatch {
                     .count("desk_count", *cores)
                     .buffer("is_taken", is_taken)
                     .buffer("desks", desks);
-                (launch, WorkSize::line(members.div_ceil(run), 1))
+                (launch, WorkSize::of(members.div_ceil(run), 1))
             }
             Self::Grouped { cores, shape, padded, room, .. } => {
                 let share = share_of(*padded, plain);
@@ -163,7 +163,7 @@ impl Dispatch {
                 // Groups of less than six work-items have fewer than six places.
                 let run = run.min(BATCHES_MOST * batch).min(shape.group);
                 let launch = launch.count("member_count", members).count("run", run);
-                let size = WorkSize::line(members.div_ceil(run) * shape.group, shape.group);
+                let size = WorkSize::of(members.div_ceil(run) * shape.group, shape.group);
                 (local_memory(launch, (shape.batch * share).min(*room)), size)
             }
         }
@@ -172,10 +172,10 @@ impl Dispatch {
     /// Sets the scratch memory of the kernel of one member, and returns its work size.
     pub(super) fn member<'a>(&self, launch: Launch<'a>) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { desks, .. } => (launch.buffer("desks", desks), WorkSize::line(1, 1)),
+            Self::Wide { desks, .. } => (launch.buffer("desks", desks), WorkSize::of(1, 1)),
             Self::Grouped { shape, padded, .. } => {
                 let memory = share_of(*padded, false);
-                (local_memory(launch, memory), WorkSize::line(1, shape.group))
+                (local_memory(launch, memory), WorkSize::of(1, shape.group))
             }
         }
     }

@@ -83,7 +83,7 @@ fn scale_ratio_to_no_number_is_one() {
         let program = device.build(&source).unwrap();
         let (kernel, queue) = (Kernel::create(&program, "probe").unwrap(), device.queue().unwrap());
         let out = Buffer::<u32>::new(&device, wanted.len(), "the probe's answers").unwrap();
-        Launch::of(&kernel).buffer("out", &out).run(&queue, WorkSize::line(1, 1)).unwrap();
+        Launch::of(&kernel).buffer("out", &out).run(&queue, WorkSize::of(1, 1)).unwrap();
         let mut found = vec![0; wanted.len()];
         out.read(&queue, 0, &mut found).unwrap();
         assert_eq!(found, wanted, "{form:?}");

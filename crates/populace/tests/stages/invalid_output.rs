@@ -3,7 +3,7 @@
 use populace::{After, StageUse, Target, Weight};
 use populace::{Gaze, GazeLimits};
 
-use crate::fixture::{DIVIDE, Scene, at, everywhere, stage};
+use crate::fixture::{DIVIDE, Scene, at, everywhere};
 
 /// Makes the second member look at the first.
 fn look(crowd: &mut Scene) {
@@ -20,17 +20,16 @@ fn look(crowd: &mut Scene) {
 #[test]
 fn invalid_stage_output_is_discarded() {
     for (devices, schedule) in everywhere() {
-        for after in [After::Pose, After::Transform] {
+        for (nth, after) in [After::Pose, After::Transform].into_iter().enumerate() {
             for (kind, bad) in
                 [("NaN", [0.0, 0.0]), ("infinite", [1.0, 0.0]), ("large", [-2e9, 1.0])]
             {
                 let context = format!("{devices} {schedule}, {after:?}, {kind}");
                 let mut plain = Scene::on(devices.clone(), schedule);
-                let mut staged = Scene::on(devices.clone(), schedule);
-                let divide = staged.crowd.add_stage(after, stage()).expect("a stage");
+                let (mut staged, stages) = Scene::staged(devices.clone(), schedule);
                 let first = staged.members[0];
                 let how = StageUse::on_all().with_values([bad[0], bad[1], DIVIDE, 0.0]);
-                staged.edit(first).set_stage(divide, how).expect("a stage use");
+                staged.edit(first).set_stage(stages[nth], how).expect("a stage use");
                 for crowd in [&mut plain, &mut staged] {
                     look(crowd);
                     crowd.update(0.6);
@@ -47,9 +46,8 @@ fn invalid_stage_output_is_discarded() {
 fn overflowing_scale_reaches_no_other_member() {
     for (devices, schedule) in everywhere() {
         let context = format!("{devices} {schedule}");
-        let mut staged = Scene::on(devices.clone(), schedule);
+        let (mut staged, [bend, _]) = Scene::staged(devices.clone(), schedule);
         let mut plain = Scene::on(devices, schedule);
-        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
         let huge = [0.0, 0.0, 0.0, 1.0, 9e8];
         staged.crowd.set_stage_parameters(bend, &huge).expect("parameters");
         let first = staged.members[0];

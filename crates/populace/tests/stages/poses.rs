@@ -7,7 +7,6 @@ use populace::{After, StageUse, Trs};
 
 use crate::fixture::{
     BEND, JOINTS, LIFT, MEMBERS, REPORT, Scene, affine, assert_models, at, everywhere, skeleton,
-    stage,
 };
 
 /// Returns stage parameters: a unit quaternion and one more number.
@@ -47,9 +46,8 @@ fn assert_others(staged: &mut Scene, plain: &mut Scene, changed: &[usize], conte
 fn pose_stage_changes_chosen_joints_and_their_descendants() {
     for (devices, schedule) in everywhere() {
         let context = format!("{devices} {schedule}");
-        let (mut staged, mut plain) =
-            (Scene::on(devices.clone(), schedule), Scene::on(devices, schedule));
-        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
+        let (mut staged, [bend, _]) = Scene::staged(devices.clone(), schedule);
+        let mut plain = Scene::on(devices, schedule);
         let chosen = [at(3), at(17), at(17), at(8)];
         for nth in [1, 4] {
             let how = StageUse::on(chosen).with_values([0.01 * nth as f32, 0.0, BEND, 0.0]);
@@ -91,9 +89,8 @@ fn pose_stage_changes_chosen_joints_and_their_descendants() {
 fn transform_stage_changes_chosen_joints_and_descendants() {
     for (devices, schedule) in everywhere() {
         let context = format!("{devices} {schedule}");
-        let (mut staged, mut plain) =
-            (Scene::on(devices.clone(), schedule), Scene::on(devices, schedule));
-        let lift = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
+        let (mut staged, [_, lift]) = Scene::staged(devices.clone(), schedule);
+        let mut plain = Scene::on(devices, schedule);
         let chosen = [2, 16];
         for nth in [0, 5] {
             let how = StageUse::on(chosen.map(at)).with_values([0.0, 0.1 * nth as f32, LIFT, 0.0]);
@@ -122,25 +119,21 @@ fn transform_stage_changes_chosen_joints_and_descendants() {
 }
 
 #[test]
-fn rust_and_opencl_c_give_equal_bits_on_all_schedules() {
+fn rust_and_opencl_c_give_equal_bits() {
     let run = |(devices, schedule): &(populace::Devices, _)| {
-        let mut staged = Scene::on(devices.clone(), *schedule);
-        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
-        let lift = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
-        let report = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
-        for (stage, last) in [(bend, 1.2), (lift, 0.3)] {
+        let (mut staged, [bend, second]) = Scene::staged(devices.clone(), *schedule);
+        for (stage, last) in [(bend, 1.2), (second, 0.3)] {
             staged.crowd.set_stage_parameters(stage, &parameters(1.0, last)).expect("parameters");
         }
         for (nth, member) in staged.members.clone().into_iter().enumerate().skip(1) {
-            let values = |action| [0.02, 0.3, action, nth as f32];
-            let how = [StageUse::on_all(), StageUse::on((3..12).map(at)), StageUse::on([at(20)])];
-            for ((stage, action), how) in
-                [(bend, BEND), (lift, LIFT), (report, REPORT)].into_iter().zip(how)
-            {
-                staged
-                    .edit(member)
-                    .set_stage(stage, how.with_values(values(action)))
-                    .expect("a stage use");
+            let (action, joints) = match nth % 2 {
+                0 => (LIFT, StageUse::on((3..12).map(at))),
+                _ => (REPORT, StageUse::on([at(20)])),
+            };
+            let uses = [(bend, BEND, StageUse::on_all()), (second, action, joints)];
+            for (stage, action, how) in uses {
+                let how = how.with_values([0.02, 0.3, action, nth as f32]);
+                staged.edit(member).set_stage(stage, how).expect("a stage use");
             }
         }
         staged.update(0.3);
@@ -158,8 +151,7 @@ fn rust_and_opencl_c_give_equal_bits_on_all_schedules() {
 fn stage_gets_member_joint_and_time_even_after_days() {
     for (devices, schedule) in everywhere() {
         let context = format!("{devices} {schedule}");
-        let mut staged = Scene::on(devices, schedule);
-        let report = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
+        let (mut staged, [_, report]) = Scene::staged(devices, schedule);
         let mut given = [0.0; 16];
         given[15] = 4.5;
         staged.crowd.set_stage_parameters(report, &given).expect("parameters");
@@ -192,10 +184,8 @@ fn stage_gets_member_joint_and_time_even_after_days() {
 fn cleared_or_removed_stage_has_no_effect() {
     for (devices, schedule) in everywhere() {
         let context = format!("{devices} {schedule}");
-        let (mut staged, mut plain) =
-            (Scene::on(devices.clone(), schedule), Scene::on(devices, schedule));
-        let bend = staged.crowd.add_stage(After::Pose, stage()).expect("a stage");
-        let lift = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
+        let (mut staged, [bend, lift]) = Scene::staged(devices.clone(), schedule);
+        let mut plain = Scene::on(devices, schedule);
         staged.crowd.set_stage_parameters(bend, &parameters(1.0, 1.0)).expect("parameters");
         staged.crowd.set_stage_parameters(lift, &parameters(1.0, 1.0)).expect("parameters");
         let (first, second) = (staged.members[0], staged.members[1]);
@@ -225,8 +215,8 @@ fn cleared_or_removed_stage_has_no_effect() {
         step(&mut staged, &[0]);
         staged.crowd.remove(bend).expect("a stage");
         step(&mut staged, &[]);
-        // A new stage takes the index of the removed one; no member uses it yet.
-        let report = staged.crowd.add_stage(After::Transform, stage()).expect("a stage");
+        // New stages take the indices of the removed ones; no member uses them yet.
+        let [report, _] = staged.add_stages([After::Transform, After::Pose]);
         assert!(
             staged.crowd.set_stage_parameters(bend, &[]).is_err(),
             "a removed stage can be used"

@@ -294,7 +294,7 @@ fn compare_in_lanes(lanes: usize) {
             .buffer("inputs", &given)
             .buffer("outputs", &out)
             .uint("function", u32::try_from(number).unwrap())
-            .run(&queue, WorkSize::line(ITEMS / lanes, 16))
+            .run(&queue, WorkSize::of(ITEMS / lanes, 16))
             .unwrap();
         out.read(&queue, 0, &mut found).unwrap();
         let (mut different, mut first) = (0, None);

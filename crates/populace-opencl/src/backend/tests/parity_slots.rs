@@ -189,7 +189,7 @@ fn slot_functions_give_equal_bits() {
         .buffer("slots", &of_slots)
         .buffer("arguments", &of_words)
         .buffer("results", &out)
-        .run(&queue, WorkSize::line(ITEMS, 16))
+        .run(&queue, WorkSize::of(ITEMS, 16))
         .unwrap();
     let mut found = vec![0; ITEMS * RESULTS];
     out.read(&queue, 0, &mut found).unwrap();

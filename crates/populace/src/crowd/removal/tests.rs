@@ -109,26 +109,31 @@ fn cycle(crowd: &mut Crowd, joints: usize) {
     }
 }
 
-#[test]
-fn ten_thousand_cycles_leave_memory_where_it_was() {
-    let mut crowd = crowd();
-    let stays = crowd.add_character(chain(3)).unwrap();
-    let clip = crowd.clip(stays, "nod").unwrap();
-    let member = spawn(&mut crowd, stays);
-    crowd.member_mut(member).unwrap().play(clip, ClipPlayback::looping()).unwrap();
-    crowd.update(0.1).unwrap();
-    let before = elements(&crowd);
-    cycle(&mut crowd, 5);
-    let (after, memory) = (elements(&crowd), crowd.device_info().memory_bytes);
-    assert_eq!(after, before, "one cycle left elements behind");
-    for n in 0..10_000 {
-        cycle(&mut crowd, 2 + n % 4);
+mod slow {
+    use super::*;
+
+    #[test]
+    #[ignore = "make test-slow"]
+    fn ten_thousand_cycles_leave_memory_where_it_was() {
+        let mut crowd = crowd();
+        let stays = crowd.add_character(chain(3)).unwrap();
+        let clip = crowd.clip(stays, "nod").unwrap();
+        let member = spawn(&mut crowd, stays);
+        crowd.member_mut(member).unwrap().play(clip, ClipPlayback::looping()).unwrap();
+        crowd.update(0.1).unwrap();
+        let before = elements(&crowd);
+        cycle(&mut crowd, 5);
+        let (after, memory) = (elements(&crowd), crowd.device_info().memory_bytes);
+        assert_eq!(after, before, "one cycle left elements behind");
+        for n in 0..10_000 {
+            cycle(&mut crowd, 2 + n % 4);
+        }
+        assert_eq!((elements(&crowd), crowd.device_info().memory_bytes), (before, memory));
+        let state = &crowd.state;
+        assert!(state.base.assets.clips.len() <= 5 && state.base.assets.characters.len() <= 2);
+        assert!(state.base.assets.bound_clips.len() == 1 && state.base.assets.replaced.is_empty());
+        crowd.member_mut(member).unwrap().palette().unwrap();
     }
-    assert_eq!((elements(&crowd), crowd.device_info().memory_bytes), (before, memory));
-    let state = &crowd.state;
-    assert!(state.base.assets.clips.len() <= 5 && state.base.assets.characters.len() <= 2);
-    assert!(state.base.assets.bound_clips.len() == 1 && state.base.assets.replaced.is_empty());
-    crowd.member_mut(member).unwrap().palette().unwrap();
 }
 
 #[test]
