@@ -20,7 +20,8 @@ test:
 test-slow:
 	@sh scripts/setup.sh --check || true
 	cargo test --workspace --no-fail-fast --test program --test interop --test reference \
-		--test window --test sequences --test street --test skate --test motions --test prepare
+		--test window --test sequences --test street --test skate --test motions \
+		--test prepare --test stages
 	cargo test --workspace --no-fail-fast --lib --test conformance --test script -- --ignored slow::
 
 # The slow tests, and faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
