@@ -3,8 +3,7 @@
 //
 // NDRange  joints of the widest level at this depth, for each member of a run, padded to whole
 //          work-groups; one enqueue for each phase, level and run; members of other phases are
-//          skipped. Groups have one size at all levels, since some drivers compile a kernel anew
-//          for each size
+//          skipped. All levels use one size of group: some drivers compile a kernel once per size
 // Reads    translations, rotations, scales; rows of the level above; controls and the tables that
 //          they index; watched joints that earlier phases wrote
 // Writes   row0, row1, row2 of model_from_joint (a rotated child under non-uniform scale shears, so

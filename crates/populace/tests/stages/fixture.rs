@@ -18,8 +18,8 @@ pub(crate) const JOINTS: usize = 21;
 /// Members of the crowd.
 pub(crate) const MEMBERS: usize = 6;
 
-/// Text of the stage in OpenCL C. Tests add it twice, so that all use one program, which is built
-/// once. A member's third value chooses what it does.
+/// Text of the stage in OpenCL C. Most tests add it twice, so that they use one program, which is
+/// built once. A member's third value chooses what it does.
 pub(crate) const TEXT: &str = "
 static float4 product(float4 a, float4 b)
 {
@@ -242,8 +242,7 @@ impl Scene {
     }
 }
 
-/// Returns devices and schedules, and pairs of devices for one crowd. The kernels of the grouped form
-/// take long to build, and the conformance suite checks stages on them too.
+/// Returns all devices and schedules, and some pairs of devices for one crowd.
 pub(crate) fn everywhere() -> Vec<(Devices, Schedule)> {
     let native = || Devices::from(Device::Native { threads: 2 });
     #[cfg_attr(
@@ -254,7 +253,7 @@ pub(crate) fn everywhere() -> Vec<(Devices, Schedule)> {
     #[cfg(all(feature = "opencl", not(skip_opencl)))]
     {
         let both = || Devices::from([Device::Native { threads: 1 }, Device::opencl(0)]);
-        for schedule in [Schedule::Staged, Schedule::FusedWide] {
+        for schedule in [Schedule::Staged, Schedule::FusedWide, Schedule::FusedGrouped] {
             all.push((Device::opencl(0).into(), schedule));
         }
         all.extend([(both(), Schedule::Staged), (both(), Schedule::Fused)]);
