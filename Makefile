@@ -1,5 +1,5 @@
-# `make demo` sets the machine up, builds, and draws a street. `make test` builds and runs all
-# tests.
+# `make demo` sets the machine up, builds, and draws a street. `make test` builds and tests the
+# libraries, `make test-slow` the program and whatever takes long.
 
 demo:
 	@sh scripts/setup.sh --ask
@@ -12,17 +12,22 @@ demo:
 # how many tests passed, and how many checks on how many devices they ran.
 test:
 	@sh scripts/setup.sh --check || true
-	@bash -o pipefail -c 'cargo test --workspace --no-fail-fast 2>&1 | sh scripts/count-tests.sh'
+	@sh scripts/run-tests.sh $(LIBRARIES)
 
-# Test programs that take long (the program as users run it, its window, independent references,
-# random sequences of calls, the street, and more), and tests in modules named `slow`, such as the
-# conformance suite in more shapes of devices.
+LIBRARIES := --workspace --exclude populace-cli --exclude populace-viewer
+
+# Test programs of the libraries that take long, such as the street; tests in modules named `slow`,
+# such as the conformance suite in more shapes of devices; and the program as users run it, its
+# window, random sequences of calls, and independent references.
 test-slow:
 	@sh scripts/setup.sh --check || true
-	cargo test --workspace --no-fail-fast --test program --test interop --test reference \
-		--test window --test sequences --test street --test skate --test motions \
+	cargo test $(LIBRARIES) --no-fail-fast --test street --test skate --test motions \
 		--test prepare --test stages
-	cargo test --workspace --no-fail-fast --lib --test conformance --test script -- --ignored slow::
+	cargo test $(LIBRARIES) --no-fail-fast --lib --test conformance --test script \
+		-- --ignored slow::
+	cargo test -p populace-cli -p populace-viewer --no-fail-fast --lib --test cast \
+		--test interop --test program --test python --test reference --test retarget \
+		--test sequences --test window
 
 # The slow tests, and faults on purpose, in kernels and in calls to OpenCL. For nightly runs.
 test-long: test-slow

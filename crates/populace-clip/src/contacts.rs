@@ -40,13 +40,14 @@ impl Contacts {
         if feet.is_empty() || rows.times.len() < 2 {
             return Self::default();
         }
-        let parents = skeleton.parents();
-        let positions: Vec<Vec<DVec3>> = (0..rows.times.len())
-            .map(|row| {
-                let locals = skeleton.joints().map(|j| rows.local(j, row, 0.0).affine());
-                let models = f64math::model_from_joints(parents, locals);
-                feet.iter().map(|foot| models[foot.index()].translation).collect()
+        let position = |row: usize, foot: JointIndex| {
+            let chain = std::iter::successors(Some(foot), |joint| skeleton.parent(*joint));
+            chain.fold(DVec3::ZERO, |point, joint| {
+                rows.local(joint, row, 0.0).affine().transform_point3(point)
             })
+        };
+        let positions: Vec<Vec<DVec3>> = (0..rows.times.len())
+            .map(|row| feet.iter().map(|foot| position(row, *foot)).collect())
             .collect();
         let lowest =
             |foot: usize| positions.iter().map(|p| p[foot].y).fold(f64::INFINITY, f64::min);

@@ -104,6 +104,7 @@ fn sample(track: &Track, secs: f64, side: Side) -> [f64; 4] {
     let u = (secs - f64::from(times[key])) / span;
     match track.interpolation {
         Interpolation::Step => value(key),
+        Interpolation::Linear if u == 0.0 => value(key),
         Interpolation::Linear if u == 1.0 => value(next),
         Interpolation::Linear if track.property == Property::Rotation => {
             slerp(value(key), value(next), u)

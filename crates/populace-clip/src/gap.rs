@@ -132,8 +132,9 @@ fn between(a: &Local, b: &Local, u: f64) -> Local {
 /// is taken at 0.2113 of the way (1/2 - 1/sqrt(12), where their series first differ most), with 2%
 /// added because the location shifts for larger angles.
 fn nlerp_error_rad(a: DQuat, b: DQuat) -> f64 {
-    let half_angle = a.dot(b).abs().min(1.0).acos();
+    let cos = a.dot(b).abs().min(1.0);
+    let (half_angle, sin) = (cos.acos(), (1.0 - cos * cos).sqrt());
     let u = 0.211_324_865;
-    let nlerp = (u * half_angle.sin()).atan2(1.0 - u + u * half_angle.cos());
+    let nlerp = (u * sin).atan2(1.0 - u + u * cos);
     1.02 * 2.0 * (u * half_angle - nlerp).abs()
 }

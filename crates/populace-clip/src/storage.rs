@@ -7,7 +7,7 @@
 //! planes of all 16 columns. Devices may read columns that do not move; the words there must be
 //! finite as floats, because only finite values times 0 are 0.
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec4};
 use populace_model::{JointIndex, Property, Trs, f64math};
 
 use crate::curves::Local;
@@ -236,32 +236,38 @@ impl Storage {
         }
     }
 
-    /// Decodes a component of a stored row as devices do.
-    fn component(&self, row: usize, column: usize, property: Property, component: usize) -> f64 {
+    /// Decodes a property of a stored row as devices do. The fourth component of vectors is 0.
+    fn values(&self, row: usize, column: usize, property: Property) -> [f64; 4] {
         let range = &self.ranges[column][property as usize];
-        let offset = f64::from(range.offset[component]);
+        let mut values = range.offset.map(f64::from);
         if range.step == 0.0 {
-            return offset;
+            return values;
         }
-        let word = |word: usize| self.words[row * self.stride + word];
-        let n = match self.location(column, property, component) {
-            Location::Float(at) => f64::from(f32::from_bits(word(at))),
-            Location::Half(at, shift) => f64::from(word(at) >> shift & 0xffff),
-        };
-        offset + f64::from(range.step) * n
+        let words = &self.words[row * self.stride..][..self.stride];
+        for (component, value) in values.iter_mut().enumerate().take(property.width()) {
+            let n = match self.location(column, property, component) {
+                Location::Float(at) => f64::from(f32::from_bits(words[at])),
+                Location::Half(at, shift) => f64::from(words[at] >> shift & 0xffff),
+            };
+            *value += f64::from(range.step) * n;
+        }
+        values
     }
 
     /// Interpolates a joint's local transform between two stored rows as devices do; `u` is 0 at
     /// the first row and 1 at the second.
     pub(crate) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
-        let mix = |property, component| {
-            let at = |row| self.component(row, joint.index(), property, component);
-            at(row) * (1.0 - u) + at(next) * u
+        let mix = |property| {
+            let first = self.values(row, joint.index(), property);
+            if u == 0.0 {
+                return first;
+            }
+            let second = self.values(next, joint.index(), property);
+            std::array::from_fn(|c| first[c] * (1.0 - u) + second[c] * u)
         };
-        let vector = |property| DVec3::from_array(std::array::from_fn(|c| mix(property, c)));
+        let vector = |property| DVec4::from_array(mix(property)).truncate();
         Local {
-            rotation: DQuat::from_array(std::array::from_fn(|c| mix(Property::Rotation, c)))
-                .normalize(),
+            rotation: DQuat::from_array(mix(Property::Rotation)).normalize(),
             translation: vector(Property::Translation),
             scale: vector(Property::Scale),
         }

@@ -18,6 +18,10 @@ mod conformance {
     populace_testkit::backend_conformance!(super::staged(3));
 }
 
+mod broken {
+    populace_testkit::broken_conformance!(super::staged(3));
+}
+
 mod conformance_fused {
     populace_testkit::fused_conformance!(super::fused(3, super::Machine::detect()));
 }

@@ -10,8 +10,8 @@ use populace::interop::PaletteSource;
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{Affine, JointIndex};
 use populace::{
-    CharacterId, ClipPlayback, Crowd, Device, Devices, DevicesError, Error, MemberId, Placement,
-    Schedule, Split, Trs,
+    CharacterId, ClipPlayback, Crowd, Device, Devices, DevicesError, Error, Instance, MemberId,
+    Placement, Schedule, Split, Trs,
 };
 use populace_device::layout::Float4;
 use populace_testkit::Rng;
@@ -83,8 +83,8 @@ impl Scene {
         self.crowd.update(0.03).unwrap();
     }
 
-    /// Asserts that palettes and joints equal those of a twin on one device. Palettes are read
-    /// member by member and from their pages.
+    /// Asserts that palettes and joints equal those of a twin on one device: palettes of all
+    /// members from their pages, and palettes, joints and poses of every seventh member by itself.
     #[track_caller]
     fn assert_same(&mut self, twin: &mut Self, when: &str) {
         let mut pages: [Vec<Vec<Float4>>; 2] = Default::default();
@@ -93,23 +93,26 @@ impl Scene {
                 crowd.with_page(page, &mut |elements| pages.push(elements.to_vec())).unwrap();
             }
         }
-        let firsts: Vec<u32> = self.crowd.instances().map(|i| i.palette_first).collect();
-        assert_eq!(firsts, twin.crowd.instances().map(|i| i.palette_first).collect::<Vec<_>>());
+        let places = |crowd: &Crowd| -> Vec<_> {
+            let entries = |i: &Instance| i.character.palette.len();
+            crowd.instances().map(|i| (i.palette_first as usize, entries(&i))).collect()
+        };
+        let found = places(&self.crowd);
+        assert_eq!(found, places(&twin.crowd));
         let ids = |crowd: &Crowd| crowd.members().map(|m| m.id()).collect::<Vec<_>>();
         let pairs = ids(&self.crowd).into_iter().zip(ids(&twin.crowd));
-        for (nth, ((ours, theirs), first)) in pairs.zip(firsts).enumerate() {
-            let palette = twin.crowd.member_mut(theirs).unwrap().palette().unwrap();
-            assert!(
-                self.crowd.member_mut(ours).unwrap().palette().unwrap() == palette,
-                "{when}: member {nth}"
-            );
-            let first = first as usize * 3;
-            for (entry, matrix) in palette.iter().enumerate() {
-                let at = first + entry * 3;
-                let rows = [0, 1, 2].map(|row| pages[0][0][at + row].0);
-                assert!(rows == matrix.rows, "{when}: entry {entry} of member {nth} in its page");
-            }
+        for (nth, ((ours, theirs), (first, entries))) in pairs.zip(found).enumerate() {
+            let elements = first * 3..(first + entries) * 3;
+            let [page, twin_page] = [0, 1].map(|of| &pages[of][0][elements.clone()]);
+            assert!(page == twin_page, "{when}: member {nth} in its page");
             if nth % 7 == 0 {
+                let palette = twin.crowd.member_mut(theirs).unwrap().palette().unwrap();
+                assert!(
+                    self.crowd.member_mut(ours).unwrap().palette().unwrap() == palette,
+                    "{when}: member {nth}"
+                );
+                let rows = palette.iter().flat_map(|matrix| matrix.rows);
+                assert!(rows.eq(page.iter().map(|e| e.0)), "{when}: palette of member {nth}");
                 let joints = self.crowd.member_mut(ours).unwrap().model_from_joints().unwrap();
                 assert!(
                     joints == twin.crowd.member_mut(theirs).unwrap().model_from_joints().unwrap(),

@@ -2,7 +2,7 @@
 //! number is [`Broken`](crate::Broken).
 //!
 //! A failing check panics with the member, joint and number, and its error.
-//! [`backend_conformance!`](crate::backend_conformance) expands to two tests per check.
+//! [`backend_conformance!`](crate::backend_conformance) expands to one test per check.
 
 mod agreement;
 mod blend;
@@ -40,8 +40,7 @@ pub use sampling::{
 };
 pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 
-/// Expands to two `#[test]`s per check of the conformance suite: one on a staged backend, which
-/// must pass, and one on its broken copy, which must fail.
+/// Expands to one `#[test]` per check of the conformance suite, on a staged backend.
 ///
 /// The first argument is an expression that creates the backend; it is evaluated at least once per
 /// test. Further arguments, such as `cfg_attr(no_device, ignore = "why")`, become attributes of all
@@ -49,12 +48,8 @@ pub use stages::{check_pages, check_transform_alone, check_write_back_alone};
 #[macro_export]
 macro_rules! backend_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
-        $crate::fused_conformance! { $backend $(, $attribute)* }
-        $crate::fused_conformance! { @checks [$($attribute),*] $backend;
-            one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
-            one check_write_back_alone
-                write_back_alone_holds write_back_alone_can_fail palette_rounding;
-        }
+        $crate::conformance_checks! { holds [$($attribute),*] $backend }
+        $crate::conformance_checks_of_stages! { holds [$($attribute),*] $backend }
     };
 }
 
@@ -63,7 +58,29 @@ macro_rules! backend_conformance {
 #[macro_export]
 macro_rules! fused_conformance {
     ($backend:expr $(, $attribute:meta)* $(,)?) => {
-        $crate::fused_conformance! { @checks [$($attribute),*] $backend;
+        $crate::conformance_checks! { holds [$($attribute),*] $backend }
+    };
+}
+
+/// Expands to one `#[test]` per check that compares numbers: on a [`Broken`](crate::Broken) copy of
+/// a staged backend, the check must fail. Numbers are changed as they are read back, so every
+/// backend gives the same result, and one is enough. Arguments are those of
+/// [`backend_conformance!`](crate::backend_conformance).
+#[macro_export]
+macro_rules! broken_conformance {
+    ($backend:expr $(, $attribute:meta)* $(,)?) => {
+        $crate::conformance_checks! { can_fail [$($attribute),*] $backend }
+        $crate::conformance_checks_of_stages! { can_fail [$($attribute),*] $backend }
+    };
+}
+
+/// The checks of all backends: how many backends a check needs, its function, its test, and, if it
+/// compares numbers, the test on a broken backend and the number that is wrong there.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! conformance_checks {
+    ($test:ident $attributes:tt $backend:expr) => {
+        $crate::conformance_tests! { $test $attributes $backend;
             one check_clock clock_holds clock_can_fail rotation;
             one check_weights weights_hold weights_can_fail weight;
             one check_sampling_at_keys sampling_at_keys_holds sampling_at_keys_can_fail translation;
@@ -81,18 +98,18 @@ macro_rules! fused_conformance {
             one check_retarget retarget_holds retarget_can_fail coarse_rotation;
             one check_inertialization
                 inertialization_holds inertialization_can_fail coarse_rotation;
-            scene check_gaze gaze_holds;
-            scene check_limbs limbs_hold;
-            scene check_chains chains_hold;
-            scene check_overrides overrides_hold;
-            scene check_user_stages user_stages_hold;
-            scene check_attachments attachments_hold;
-            scene check_root_motion root_motion_holds;
-            scene check_motion_transitions motion_transitions_hold;
-            scene check_motion_of_others motion_of_others_holds;
-            scene check_machines machines_hold;
-            scene check_feet feet_hold;
-            scene check_live_clips live_clips_hold;
+            one check_gaze gaze_holds;
+            one check_limbs limbs_hold;
+            one check_chains chains_hold;
+            one check_overrides overrides_hold;
+            one check_user_stages user_stages_hold;
+            one check_attachments attachments_hold;
+            one check_root_motion root_motion_holds;
+            one check_motion_transitions motion_transitions_hold;
+            one check_motion_of_others motion_of_others_holds;
+            one check_machines machines_hold;
+            one check_feet feet_hold;
+            one check_live_clips live_clips_hold;
             one check_pages pages_hold pages_can_fail palette_bit;
             one check_growth growth_holds growth_can_fail palette;
             one check_long_run long_run_holds long_run_can_fail rotation;
@@ -100,27 +117,54 @@ macro_rules! fused_conformance {
             many check_churn churn_holds churn_can_fail palette_bit;
         }
     };
-    (@checks $attributes:tt $backend:expr;
+}
+
+/// The checks that run one stage alone.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! conformance_checks_of_stages {
+    ($test:ident $attributes:tt $backend:expr) => {
+        $crate::conformance_tests! { $test $attributes $backend;
+            one check_transform_alone transform_alone_holds transform_alone_can_fail model_rounding;
+            one check_write_back_alone
+                write_back_alone_holds write_back_alone_can_fail palette_rounding;
+        }
+    };
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! conformance_tests {
+    ($test:ident $attributes:tt $backend:expr;
         $($kind:ident $check:ident $holds:ident $($can_fail:ident $wrong:ident)?;)*) => {
-        $( $crate::fused_conformance! {
-            @check $attributes $kind $backend, $check $holds $($can_fail $wrong)?
+        $( $crate::conformance_test! {
+            $test $attributes $kind $backend, $check $holds $($can_fail $wrong)?
         } )*
     };
-    (@check [$($attribute:meta),*] scene $backend:expr, $check:ident $holds:ident) => {
+}
+
+#[doc(hidden)]
+#[macro_export]
+macro_rules! conformance_test {
+    (holds [$($attribute:meta),*]
+        many $backend:expr, $check:ident $holds:ident $($can_fail:ident $wrong:ident)?) => {
+        #[test]
+        $(#[$attribute])*
+        fn $holds() {
+            $crate::conformance::$check(&mut || ::std::boxed::Box::new($backend));
+        }
+    };
+    (holds [$($attribute:meta),*]
+        $one:ident $backend:expr, $check:ident $holds:ident $($can_fail:ident $wrong:ident)?) => {
         #[test]
         $(#[$attribute])*
         fn $holds() {
             $crate::conformance::$check(&mut $backend);
         }
     };
-    (@check [$($attribute:meta),*]
+    (can_fail [$($attribute:meta),*] one $backend:expr, $check:ident $holds:ident) => {};
+    (can_fail [$($attribute:meta),*]
         one $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
-        #[test]
-        $(#[$attribute])*
-        fn $holds() {
-            $crate::conformance::$check(&mut $backend);
-        }
-
         #[test]
         $(#[$attribute])*
         #[should_panic(expected = "off by")]
@@ -129,14 +173,8 @@ macro_rules! fused_conformance {
             $crate::conformance::$check(&mut broken);
         }
     };
-    (@check [$($attribute:meta),*]
+    (can_fail [$($attribute:meta),*]
         many $backend:expr, $check:ident $holds:ident $can_fail:ident $wrong:ident) => {
-        #[test]
-        $(#[$attribute])*
-        fn $holds() {
-            $crate::conformance::$check(&mut || ::std::boxed::Box::new($backend));
-        }
-
         #[test]
         $(#[$attribute])*
         #[should_panic(expected = "off by")]

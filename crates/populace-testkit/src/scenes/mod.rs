@@ -8,6 +8,7 @@ mod motion;
 mod walkers;
 
 use std::collections::HashMap;
+use std::sync::LazyLock;
 
 use populace_character::PaletteEntry;
 use populace_clip::Clip;
@@ -90,12 +91,16 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Creates six bodies and fifteen clips; see [`body`] and [`clip`].
+    /// Returns six bodies and fifteen clips; see [`body`] and [`clip`]. They are made once in a
+    /// process and copied, because making them takes longer than most checks.
     #[must_use]
     pub fn new() -> Self {
-        let bodies = bodies::all();
-        let clips = clips::all(&bodies);
-        Self { bodies, clips, retargets: HashMap::new() }
+        static MADE: LazyLock<Scene> = LazyLock::new(|| {
+            let bodies = bodies::all();
+            let clips = clips::all(&bodies);
+            Scene { bodies, clips, retargets: HashMap::new() }
+        });
+        MADE.clone()
     }
 
     /// Returns the clips that have a tight bound at every time, not only at keys.

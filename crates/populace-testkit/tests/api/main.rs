@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 use library::Library;
 
-const RENEW: &str = "POPULACE_RENEW_API=1 cargo test -p populace-cli --test api";
+const RENEW: &str = "POPULACE_RENEW_API=1 cargo test -p populace-testkit --test api";
 
 #[test]
 fn public_items_are_those_of_the_lists() {

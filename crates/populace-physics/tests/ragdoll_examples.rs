@@ -4,8 +4,7 @@
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs an example of `populace-physics`. `cargo test --workspace` builds it; tests of this crate alone
-/// need `cargo build -p populace-physics --examples` first.
+/// Runs an example. `cargo test` builds it, but `cargo test --test ragdoll_examples` does not.
 fn run(example: &str, file: &Path, frames: &str) -> Output {
     let test = std::env::current_exe().expect("a path");
     let built = test.ancestors().nth(2).expect("tests lie in a folder of their own");

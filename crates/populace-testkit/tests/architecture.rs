@@ -134,7 +134,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
         .parent()
         .and_then(Path::parent)
-        .expect("crates/populace-cli lies two down")
+        .expect("crates/populace-testkit lies two down")
 }
 
 #[test]
