@@ -1,6 +1,6 @@
 #!/bin/sh
-# Builds the test programs of `cargo test "$@"` and runs them two at a time, because most of them use
-# one core; then the documentation tests. Prints how many tests passed, and how many checks of the
+# Builds the test programs of `cargo test "$@"` and runs two at a time, because most of them use one
+# core; then the documentation tests. Prints how many tests passed, and how many checks of the
 # conformance suite on how many devices are among them. Fails at the end if any program failed.
 set -eu
 

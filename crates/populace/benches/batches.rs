@@ -1,4 +1,5 @@
-//! Batch calls against calls for one member, at 10,000 members: `cargo bench -p populace`.
+//! Calls for one member, and the batch calls for the same, at 10,000 members:
+//! `cargo bench -p populace --bench batches`.
 //!
 //! Both are run in turns; the table shows medians in nanoseconds for a member, and their ratio.
 
@@ -8,7 +9,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use populace::{
-    Affine, BlendSpace, BlendSpacePlayback, ClipPlayback, Crowd, Device, Error, JointIndex,
+    Affine, BlendSpace, BlendSpacePlayback, ClipId, ClipPlayback, Crowd, Device, Error, JointIndex,
     MachinePlayback, MemberId, ParameterId, Placement, Schedule, SpacePoint, StateMachine,
     StatePlayback, doc_fixture,
 };
@@ -19,6 +20,7 @@ const ROUNDS: usize = 15;
 struct Scene {
     crowd: Crowd,
     members: Vec<MemberId>,
+    clips: [ClipId; 2],
     speed: ParameterId,
     /// Arguments of the calls: one list for even numbers, one for odd.
     placements: [Vec<(MemberId, Placement)>; 2],
@@ -62,18 +64,19 @@ impl Scene {
             [0, 1].map(|odd| numbered().map(|(n, m)| (m, placement(n + odd))).collect());
         let values = [0.3, 0.9].map(|value| numbered().map(|(_, m)| (m, value)).collect());
         let joints = numbered().map(|(_, member)| (member, JointIndex(0))).collect();
-        Ok(Self { crowd, speed, placements, values, joints, members })
+        let clips = [idle, walk];
+        Ok(Self { crowd, clips, speed, placements, values, joints, members })
     }
 }
 
 /// A call on all members, for the `nth` time. It returns members to despawn afterwards.
 type Call = fn(&mut Scene, usize) -> Result<Vec<MemberId>, Error>;
 
-/// Times both calls in turns and prints the medians.
-fn compare(name: &str, scene: &mut Scene, [single, batch]: [Call; 2]) -> Result<(), Error> {
-    let mut times = [Vec::new(), Vec::new()];
+/// Times calls in turns and returns their medians in nanoseconds for a member.
+fn medians<const N: usize>(scene: &mut Scene, calls: [Call; N]) -> Result<[f64; N], Error> {
+    let mut times = calls.map(|_| Vec::new());
     for round in 0..ROUNDS {
-        for (nth, call) in [single, batch].into_iter().enumerate() {
+        for (nth, call) in calls.into_iter().enumerate() {
             let start = Instant::now();
             let new = call(scene, 2 * round + nth)?;
             times[nth].push(start.elapsed().as_nanos() as f64 / MEMBERS as f64);
@@ -81,12 +84,27 @@ fn compare(name: &str, scene: &mut Scene, [single, batch]: [Call; 2]) -> Result<
             scene.crowd.update(0.01)?;
         }
     }
-    let [single, batch] = times.map(|mut times| {
+    Ok(times.map(|mut times| {
         times.sort_by(f64::total_cmp);
         times[ROUNDS / 2]
-    });
+    }))
+}
+
+/// Times both calls in turns and prints the medians.
+fn compare(name: &str, scene: &mut Scene, calls: [Call; 2]) -> Result<(), Error> {
+    let [single, batch] = medians(scene, calls)?;
     println!("{name:<24} {single:>9.1} {batch:>9.1} {:>7.1}", single / batch);
     Ok(())
+}
+
+/// Starts the other clip on each member, with a crossfade that is over when the next one begins.
+fn crossfade(scene: &mut Scene, nth: usize) -> Result<Vec<MemberId>, Error> {
+    let Scene { crowd, members, clips, .. } = scene;
+    let clip = clips[nth / 2 % 2];
+    for id in &*members {
+        crowd.member_mut(*id)?.play(clip, ClipPlayback::looping().fade_in_secs(0.005))?;
+    }
+    Ok(Vec::new())
 }
 
 const SPAWN: [Call; 2] = [
@@ -187,5 +205,8 @@ fn main() -> Result<(), Error> {
     compare("palettes", &mut fused, PALETTES)?;
     compare("joints, fused", &mut fused, JOINTS)?;
     compare("joints, staged", &mut Scene::new(Schedule::Staged, false)?, JOINTS)?;
-    compare("machine parameters", &mut Scene::new(Schedule::Fused, true)?, PARAMETER)
+    compare("machine parameters", &mut Scene::new(Schedule::Fused, true)?, PARAMETER)?;
+    let [play] = medians(&mut Scene::new(Schedule::Fused, true)?, [crossfade])?;
+    println!("{:<24} {play:>9.1}", "play with a crossfade");
+    Ok(())
 }

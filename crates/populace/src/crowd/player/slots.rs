@@ -47,6 +47,11 @@ pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
         || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
 }
 
+/// Returns whether a slot is free whatever the others weigh. It has no share of its layer.
+fn is_vacant(slot: &Slot, tick: u64) -> bool {
+    faded_out(slot, tick) && !slot.inertializes(tick)
+}
+
 impl Player {
     pub(crate) fn started(&self, base: &Base, member_index: u32, index: usize) -> Started {
         self.started[base.tables.slot_range(member_index).start + index]
@@ -74,14 +79,15 @@ impl Player {
 
     /// Returns the free slot of least weight.
     pub(crate) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
-        let shares = self.slot_shares(base, member_index, tick);
-        let slots = base
-            .slots(member_index)
-            .iter()
-            .enumerate()
-            .filter(|(index, _)| shares[*index].is_none());
+        let slots = base.slots(member_index);
         // A slot that was cut since the last update still contributes root motion up to the cut.
         let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > base.clock.tick;
+        let first = slots.iter().position(|slot| is_vacant(slot, tick) && !played(slot));
+        if first.is_some() {
+            return first;
+        }
+        let shares = self.slot_shares(base, member_index, tick);
+        let slots = slots.iter().enumerate().filter(|(index, _)| shares[*index].is_none());
         let weight = |slot: &Slot| match faded_out(slot, tick) {
             true if played(slot) => -1.0,
             true => -2.0,
@@ -102,6 +108,10 @@ impl Player {
         tick: u64,
         plan: impl Fn(&Slot, Started) -> Plan,
     ) -> Result<Option<u64>, Error> {
+        let vacant = base.slots(member_index).iter().filter(|slot| is_vacant(slot, tick));
+        if vacant.take(needed).count() == needed {
+            return Ok(None);
+        }
         let shares = self.slot_shares(base, member_index, tick);
         let plans = self.plans(base, member_index, plan);
         let free = count_free(base.slots(member_index), &shares, &plans, tick);
