@@ -88,11 +88,7 @@ impl Player {
         }
         let shares = self.slot_shares(base, member_index, tick);
         let slots = slots.iter().enumerate().filter(|(index, _)| shares[*index].is_none());
-        let weight = |slot: &Slot| match faded_out(slot, tick) {
-            true if played(slot) => -1.0,
-            true => -2.0,
-            false => slot.weight_at(tick),
-        };
+        let weight = |slot: &Slot| if faded_out(slot, tick) { -1.0 } else { slot.weight_at(tick) };
         slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
     }
 
