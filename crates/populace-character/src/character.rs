@@ -7,7 +7,7 @@ use populace_clip::Clip;
 use populace_model::{Affine, JointIndex, Skeleton, f64math};
 
 use crate::options::{PartOption, find_options};
-use crate::{Error, Material};
+use crate::{Error, Image, Material};
 
 /// A distinct pair of a joint and a bind matrix that vertices use. Two skins may bind one joint
 /// differently, rigid parts use the identity, and joints without vertices have no entry.
@@ -72,17 +72,6 @@ pub struct Part {
     pub material: Option<usize>,
     /// The triangles.
     pub mesh: Mesh,
-}
-
-/// A decoded image, straight alpha. Colours are sRGB; other textures hold numbers.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image {
-    /// Pixels across, at least 1.
-    pub width: u32,
-    /// Pixels down, at least 1.
-    pub height: u32,
-    /// `width x height x 4` bytes, rows from the top.
-    pub rgba: Vec<u8>,
 }
 
 /// A skin as used by one mesh node of the file, for palettes in the file's own order.

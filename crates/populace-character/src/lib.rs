@@ -7,6 +7,7 @@
 
 mod character;
 mod error;
+mod image;
 mod joints_needed;
 mod material;
 mod options;
@@ -15,10 +16,11 @@ mod rehang;
 mod sole_points;
 
 pub use character::{
-    Bounds, Character, CharacterSource, Image, Influences, Level, Mesh, PaletteEntry, Part,
-    SkinInstance, vertex_reach_m,
+    Bounds, Character, CharacterSource, Influences, Level, Mesh, PaletteEntry, Part, SkinInstance,
+    vertex_reach_m,
 };
 pub use error::Error;
+pub use image::{Image, linear_from_srgb};
 pub use joints_needed::joints_needed;
 pub use material::{AlphaMode, Material, Texture, TextureFilter, Wrap};
 pub use options::{MAX_OPTIONS, PartOption};

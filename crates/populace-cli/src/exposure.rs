@@ -1,13 +1,14 @@
 //! Averages of pictures, as film in a camera makes them: in linear light.
 
-use populace::character::Image;
+use populace::character::{Image, linear_from_srgb};
 
 /// Largest number of linear light.
 const FULL: f64 = 65535.0;
 
 /// Pictures that are averaged.
 pub(crate) struct Exposure {
-    linear_from_srgb: [u32; 256],
+    /// Linear light of each byte of sRGB.
+    light: [u32; 256],
     first: Option<Image>,
     /// Sums of linear light by channel, if there are several pictures.
     sums: Vec<u32>,
@@ -16,12 +17,12 @@ pub(crate) struct Exposure {
 
 impl Exposure {
     pub(crate) fn new() -> Self {
-        Self { linear_from_srgb: linear_from_srgb(), first: None, sums: Vec::new(), count: 0 }
+        Self { light: light_of_bytes(), first: None, sums: Vec::new(), count: 0 }
     }
 
     /// Adds a picture. All have the same size.
     pub(crate) fn add(&mut self, picture: Image) {
-        let light = |byte: &u8| self.linear_from_srgb[usize::from(*byte)];
+        let light = |byte: &u8| self.light[usize::from(*byte)];
         self.count += 1;
         match &self.first {
             None => self.first = Some(picture),
@@ -50,25 +51,22 @@ impl Exposure {
 
     /// Returns the byte of sRGB whose light is nearest.
     fn nearest(&self, light: u32) -> u8 {
-        let above = self.linear_from_srgb.partition_point(|of_byte| *of_byte <= light);
+        let above = self.light.partition_point(|of_byte| *of_byte <= light);
         let [low, high] = [above.saturating_sub(1), above.min(255)];
-        let [to_low, to_high] = [low, high].map(|at| self.linear_from_srgb[at].abs_diff(light));
+        let [to_low, to_high] = [low, high].map(|at| self.light[at].abs_diff(light));
         u8::try_from(if to_high < to_low { high } else { low }).unwrap_or(u8::MAX)
     }
 }
 
-/// Returns the linear light of each byte of sRGB (IEC 61966-2-1).
-fn linear_from_srgb() -> [u32; 256] {
+/// Returns the linear light of each byte of sRGB.
+fn light_of_bytes() -> [u32; 256] {
     std::array::from_fn(|byte| {
-        let value = byte as f64 / 255.0;
-        let linear =
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) };
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "from 0 to 65535"
+            reason = "byte is below 256; light is from 0 to 65535"
         )]
-        let light = (linear * FULL).round() as u32;
+        let light = (linear_from_srgb(byte as u8) * FULL).round() as u32;
         light
     })
 }

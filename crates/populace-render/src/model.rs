@@ -1,5 +1,6 @@
 //! A character on the graphics device: its meshes, materials and textures.
 
+mod baked;
 mod contacts;
 mod maps;
 mod sides;
@@ -7,14 +8,14 @@ mod together;
 
 use std::rc::Rc;
 
-use glam::Vec3;
-use populace_character::{Character, Image, Material, Mesh, Part, RegionFinder};
+use glam::{Vec3, Vec4};
+use populace_character::{AlphaMode, Character, Image, Material, Mesh, Part, RegionFinder};
 use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{ModelInfo, determinant};
 use crate::gl::{Buffer, Coding, Cull, Gl, Sampling, Texture};
-use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
+use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vector4, Vertex};
 
 pub(crate) use contacts::Contacts;
 pub(crate) use maps::{MapTextures, Maps};
@@ -79,6 +80,10 @@ pub(crate) struct ModelLevel {
 /// body covers fewer than 200 pixels, if errors are below a pixel.
 const COARSE: f32 = 0.005;
 
+/// A level with at least this error, in heights of the character, has opaque textures in the colours
+/// of its vertices. It is drawn where a body covers fewer than 67 pixels, and an eye less than one.
+const BAKED: f32 = 0.015;
+
 /// Radius in metres beyond which a character is a place, such as a house.
 const PLACE_M: f32 = 4.0;
 
@@ -112,7 +117,8 @@ impl Model {
         let mut levels = Vec::with_capacity(meshes.len());
         for (error_m, meshes) in meshes {
             let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
-            let drawn = surfaces.drawn_together(&meshes, is_coarse);
+            let is_baked = is_coarse && error_m >= BAKED * character.height_m();
+            let drawn = surfaces.drawn_together(&meshes, is_coarse, is_baked);
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
                 let (texture, maps) = textures.of(&together.like, &character.images)?;
@@ -155,14 +161,24 @@ impl<'a> Surfaces<'a> {
         Self { character, regions, mirrored }
     }
 
-    /// Sorts meshes of parts by how they are drawn.
-    fn drawn_together(&self, meshes: &[(usize, &Mesh)], is_coarse: bool) -> Vec<DrawnTogether> {
+    /// Sorts meshes of parts by how they are drawn. With `is_baked`, colours of vertices replace
+    /// opaque textures.
+    fn drawn_together(
+        &self,
+        meshes: &[(usize, &Mesh)],
+        is_coarse: bool,
+        is_baked: bool,
+    ) -> Vec<DrawnTogether> {
         let character = self.character;
         let mut drawn: Vec<DrawnTogether> = Vec::new();
         for &(part, mesh) in meshes.iter().filter(|(_, mesh)| !mesh.indices.is_empty()) {
             let material = character.parts[part].material;
-            let material =
+            let mut material =
                 material.map_or_else(Material::default, |m| character.materials[m].clone());
+            if is_coarse {
+                material = without_details(material);
+            }
+            let colors = self.colors(mesh, &mut material, is_baked);
             let regions = self.regions.regions(part, mesh);
             let option = character.option_of(part).map_or(0, |option| option + 1);
             let option = u8::try_from(option).unwrap_or(0);
@@ -176,10 +192,38 @@ impl<'a> Surfaces<'a> {
                     drawn.push(DrawnTogether::new(like));
                     drawn.len() - 1
                 });
-                drawn[index].append(mesh, &indices, &material, &marks);
+                drawn[index].append(mesh, &indices, &colors, &marks);
             }
         }
         drawn
+    }
+
+    /// Returns the colours of a mesh's vertices: those of the material times those of the mesh.
+    /// With `is_baked`, an opaque texture is in them too, and is taken out of the material.
+    fn colors(&self, mesh: &Mesh, material: &mut Material, is_baked: bool) -> Vec<Vector4> {
+        let base = Vec4::from(material.base_color);
+        let of_vertex = |vertex| mesh.colors.get(vertex).map_or(base, |c| base * Vec4::from(*c));
+        let mut colors: Vec<Vec4> = (0..mesh.positions.len()).map(of_vertex).collect();
+        let is_replaced = is_baked && material.alpha == AlphaMode::Opaque && !mesh.uvs.is_empty();
+        if let Some(texture) = material.base_color_texture.take_if(|_| is_replaced) {
+            let image = &self.character.images[texture.image];
+            for (color, baked) in colors.iter_mut().zip(baked::colors(mesh, &texture, image)) {
+                *color *= baked.extend(1.0);
+            }
+        }
+        colors.into_iter().map(|color| color.to_array()).collect()
+    }
+}
+
+/// Takes out of a material what only light at each pixel needs.
+fn without_details(material: Material) -> Material {
+    Material {
+        metallic_roughness_texture: None,
+        normal_texture: None,
+        normal_scale: 1.0,
+        occlusion_texture: None,
+        occlusion_strength: 1.0,
+        ..material
     }
 }
 

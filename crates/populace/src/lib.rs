@@ -83,7 +83,8 @@ pub mod character {
     pub use populace_character::{
         AlphaMode, Bounds, Character, CharacterSource, Error, Image, Influences, Level,
         MAX_OPTIONS, Material, Mesh, PaletteEntry, Part, PartOption, Region, RegionFinder,
-        SkinInstance, Texture, TextureFilter, Wrap, joints_needed, sole_points, vertex_reach_m,
+        SkinInstance, Texture, TextureFilter, Wrap, joints_needed, linear_from_srgb, sole_points,
+        vertex_reach_m,
     };
 }
 

@@ -5,7 +5,7 @@ use populace_model::{Role, RoleMap, Side, f64math};
 
 use super::Region;
 use crate::character::rest_place;
-use crate::{Character, Image, Material, Mesh, Texture, Wrap};
+use crate::{Character, Material, Mesh, Texture};
 
 /// Most of the luminance of a skin's median tone by which a texel may differ from it.
 const TONE_SPREAD: f64 = 0.55;
@@ -104,11 +104,8 @@ impl<'a> RegionFinder<'a> {
     }
 
     fn texel(&self, texture: &Texture, uv: [f32; 2]) -> Option<[u8; 3]> {
-        let image: &Image = self.character.images.get(texture.image)?;
-        let column = texel_index(uv[0], image.width, texture.wrap_u);
-        let row = texel_index(uv[1], image.height, texture.wrap_v);
-        let first = 4 * (row * image.width as usize + column);
-        image.rgba.get(first..first + 3)?.try_into().ok()
+        let [red, green, blue, _] = self.character.images.get(texture.image)?.texel(texture, uv);
+        Some([red, green, blue])
     }
 
     /// Returns the role of the palette entry that moves a vertex most.
@@ -153,23 +150,6 @@ impl<'a> RegionFinder<'a> {
         tones.sort_by(f64::total_cmp);
         (tones.len() >= FACE_VERTICES).then(|| tones[tones.len() / 2])
     }
-}
-
-/// Returns the index of the texel at a texture coordinate.
-fn texel_index(at: f32, size: u32, wrap: Wrap) -> usize {
-    let at = f64::from(at);
-    let within = match wrap {
-        Wrap::Repeat => at.rem_euclid(1.0),
-        Wrap::MirroredRepeat => 1.0 - (at.rem_euclid(2.0) - 1.0).abs(),
-        Wrap::ClampToEdge => at.clamp(0.0, 1.0),
-    };
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "not negative, and bounded by the next line"
-    )]
-    let index = (within * f64::from(size)) as usize;
-    index.min(size.saturating_sub(1) as usize)
 }
 
 /// Returns the luminance of an sRGB texel (ITU-R BT.601), from 0 to 255.

@@ -18,8 +18,6 @@ const MAPS: usize = 4;
 /// Their defines, and from `FIRST_UNIT` on their texture units.
 const DEFINES: [&str; MAPS] = ["SUBSTANCE_MAP", "NORMAL_MAP", "OCCLUSION_MAP", "EMISSIVE_MAP"];
 const FIRST_UNIT: u32 = 3;
-/// Index of the texture that surfaces with light from their vertices sample too.
-const EMISSIVE: usize = 3;
 
 /// The textures beside the base colour, in the order of [`Maps`].
 pub(crate) type MapTextures = [Option<Rc<Texture>>; MAPS];
@@ -39,14 +37,9 @@ impl Maps {
 }
 
 impl ModelPart {
-    /// Returns what a shader samples beside the base colour. With `vertex_lit`, it does not need
-    /// what changes light on the surface.
-    pub(crate) fn sampled_maps(&self, vertex_lit: bool) -> Maps {
-        let mut sampled = [0, 1, 2, 3].map(|map: usize| self.maps[map].is_some());
-        if vertex_lit {
-            sampled = [false, false, false, sampled[EMISSIVE]];
-        }
-        Maps { sampled, emits: self.emits }
+    /// Returns what a shader samples beside the base colour.
+    pub(crate) fn sampled_maps(&self) -> Maps {
+        Maps { sampled: [0, 1, 2, 3].map(|map: usize| self.maps[map].is_some()), emits: self.emits }
     }
 
     /// Binds the textures that a shader samples.

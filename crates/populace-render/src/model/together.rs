@@ -11,7 +11,7 @@ use super::sides::Sides;
 use super::{Alpha, MapTextures, ModelPart, Skin};
 use crate::Error;
 use crate::gl::{Buffer, BufferUse, Gl, Texture};
-use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vertex};
+use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vector4, Vertex};
 
 /// Part of a surface that holes take at most for its back to be left out of a coarse level.
 const COARSE_HOLES: f64 = 0.1;
@@ -89,12 +89,13 @@ impl DrawnTogether {
         Self { like, vertices: Vec::new(), influences, indices: Vec::new() }
     }
 
-    /// Appends triangles of a mesh with the vertices that they use.
+    /// Appends triangles of a mesh with the vertices that they use. `colors` and `marks`
+    /// are those of all its vertices.
     pub(super) fn append(
         &mut self,
         mesh: &Mesh,
         indices: &[u32],
-        material: &Material,
+        colors: &[Vector4],
         marks: &[Bytes4],
     ) {
         let width = mesh.influences.per_vertex;
@@ -102,12 +103,11 @@ impl DrawnTogether {
         let mut new_of_old = HashMap::new();
         for old in indices.iter().map(|index| *index as usize) {
             let new = *new_of_old.entry(old).or_insert_with(|| {
-                let color = mesh.colors.get(old).copied().unwrap_or([1.0; 4]);
                 self.vertices.push(Vertex {
                     position: mesh.positions[old],
                     normal: mesh.normals[old],
                     uv: mesh.uvs.get(old).copied().unwrap_or_default(),
-                    color: [0, 1, 2, 3].map(|c: usize| material.base_color[c] * color[c]),
+                    color: colors[old],
                     marks: marks[old],
                 });
                 let range = old * width..(old + 1) * width;

@@ -131,7 +131,7 @@ impl Renderer {
                 let (alpha, influences) = (part.alpha, part.influences);
                 let textured = part.texture.is_some();
                 let vertex_lit = level.is_coarse;
-                let maps = part.sampled_maps(vertex_lit);
+                let maps = part.sampled_maps();
                 if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
                     continue;
                 }

@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use populace_character::{
-    AlphaMode, Character, Image, Material, Mesh, Texture, TextureFilter, Wrap,
+    AlphaMode, Character, CharacterSource, Image, Level, Material, Mesh, Texture, TextureFilter,
+    Wrap,
 };
 use populace_device::MemberLook;
 use populace_model::Affine;
@@ -58,6 +59,37 @@ fn mip_levels_average_linear_light() {
     let drawn = rig.draw(&[instance(&quad, transform([0.0; 3], 0.0, [0.5; 3]), 0)]);
     drawn.expect(0.0, 0.0, [srgb(0.5), 0, 0]);
     drawn.expect(0.3, -0.2, [srgb(0.5), 0, 0]);
+}
+
+/// In a coarse level, an opaque texture is in the colours of the vertices. One that masks is not,
+/// since holes have the shape of its texels.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn coarse_levels_blend_opaque_textures_between_vertices() {
+    let row: Vec<u8> =
+        (0..64).flat_map(|x| if x < 32 { [255, 0, 0, 255] } else { [0, 0, 255, 255] }).collect();
+    let image = Image { width: 64, height: 64, rgba: row.repeat(64) };
+    let quad = textured(image, TextureFilter::Linear);
+    let mut rig = Rig::new();
+    rig.upload(&[Affine::IDENTITY]);
+    for alpha in [AlphaMode::Opaque, AlphaMode::Mask { cutoff: 0.5 }] {
+        let mut pieces = CharacterSource::clone(&quad);
+        pieces.materials[0].alpha = alpha;
+        let level = Level { error_m: 0.1, meshes: vec![quad_mesh(0)], joint_count: 1 };
+        let quad = Character::new(pieces).unwrap().with_levels(vec![level]).unwrap();
+        let quad = Arc::new(quad);
+        let mut one = instance(&quad, Affine::IDENTITY, 0);
+        let drawn = rig.draw(std::slice::from_ref(&one));
+        drawn.expect(-0.1, 0.0, [255, 0, 0]);
+        drawn.expect(0.1, 0.0, [0, 0, 255]);
+        one.level = 1;
+        let drawn = rig.draw(&[one]);
+        if alpha == AlphaMode::Opaque {
+            drawn.expect(0.0, 0.0, [srgb(0.5), 0, srgb(0.5)]);
+        } else {
+            drawn.expect(-0.1, 0.0, [255, 0, 0]);
+        }
+    }
 }
 
 #[test]

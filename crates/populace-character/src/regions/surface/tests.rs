@@ -1,7 +1,7 @@
 use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 use super::*;
-use crate::{CharacterSource, Influences, PaletteEntry, Part, TextureFilter};
+use crate::{CharacterSource, Image, Influences, PaletteEntry, Part, TextureFilter, Wrap};
 
 const SKIN: [u8; 3] = [200, 150, 125];
 const HAIR: [u8; 3] = [60, 40, 25];
@@ -131,13 +131,4 @@ fn name_of_a_material_comes_before_its_texture() {
     let character = character(&body(), "Wolf3D_Outfit_Top");
     let regions = RegionFinder::new(&character).regions(0, &character.parts[0].mesh);
     assert!(regions.iter().all(|r| *r == Region::Top));
-}
-
-#[test]
-fn texels_are_found_beyond_the_edges() {
-    let at = |at, wrap| texel_index(at, 4, wrap);
-    assert_eq!([at(1.3, Wrap::Repeat), at(-0.1, Wrap::Repeat)], [1, 3]);
-    assert_eq!([at(1.1, Wrap::MirroredRepeat), at(-0.3, Wrap::MirroredRepeat)], [3, 1]);
-    assert_eq!([at(7.0, Wrap::ClampToEdge), at(-7.0, Wrap::ClampToEdge)], [3, 0]);
-    assert_eq!(at(1.0, Wrap::Repeat), 0);
 }
