@@ -1,5 +1,5 @@
-//! Members of one body side by side, each in a lane of its own: a whole frame of as many members as
-//! the processor's registers have lanes.
+//! Members of one body side by side, each in a lane of its own: a whole frame of up to
+//! sixteen members, as many at once as the processor's registers have lanes.
 //!
 //! Sixteen joints go through short passes: poses of each member with joints in lanes, transposed;
 //! matrices; the hierarchy, unless constraint programs lead members down it after all blocks. The
@@ -18,13 +18,13 @@ use crate::dispatch::{Dispatch, Work};
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::joint::Posing;
-use crate::lanes::{LANES, Lanes, Members, Simd, lane_of, load, store, vectors};
+use crate::lanes::{ABREAST, LANES, Lanes, Members, Simd, lane_of, load, store, vectors};
 use crate::matrices::{MATRIX, product, rotated};
 use crate::members::{parents_of, steps_of};
 use crate::playback::Play;
 use crate::rows::Joints;
 use crate::scratch::Scratch;
-use crate::transposition::Square;
+use crate::transposition::transpose;
 use crate::widths::JointLanes;
 
 /// Components of a local transform: translation, rotation, scale.
@@ -59,34 +59,16 @@ impl Work for PoseBlock<'_> {
     }
 }
 
-/// Transposes what each member's joints hold to what each joint's members hold.
-#[inline(always)]
-fn transpose<const COUNT: usize>(posed: &[Lanes], locals: &mut [Simd<COUNT>], registers: Dispatch)
-where
-    Simd<COUNT>: Square<COUNT>,
-{
-    let components = posed.chunks_exact(COUNT).zip(locals.chunks_exact_mut(LANES));
-    for (members, joints) in components {
-        for (piece, joints) in joints.as_chunks_mut::<COUNT>().0.iter_mut().enumerate() {
-            let mut rows = [Simd([0.0; COUNT]); COUNT];
-            for (row, member) in rows.iter_mut().zip(members) {
-                row.0.copy_from_slice(&member.0[piece * COUNT..][..COUNT]);
-            }
-            *joints = Square::transposed(&rows, registers);
-        }
-    }
-}
-
 /// Transforms of each joint of members side by side.
-struct SideBySide<'a, const COUNT: usize>(&'a mut [[Simd<COUNT>; MATRIX]]);
+struct SideBySide<'a>(&'a mut [[Lanes; MATRIX]]);
 
 /// Transforms of one of the members side by side.
-struct InLane<'a, const COUNT: usize> {
-    joints: &'a mut [[Simd<COUNT>; MATRIX]],
+struct InLane<'a> {
+    joints: &'a mut [[Lanes; MATRIX]],
     lane: usize,
 }
 
-impl<const COUNT: usize> InLane<'_, COUNT> {
+impl InLane<'_> {
     #[inline(always)]
     fn transform(&self, joint: usize) -> Affine {
         let mut transform = Affine::IDENTITY;
@@ -96,7 +78,7 @@ impl<const COUNT: usize> InLane<'_, COUNT> {
     }
 }
 
-impl<const COUNT: usize> Hierarchy for InLane<'_, COUNT> {
+impl Hierarchy for InLane<'_> {
     #[inline(always)]
     fn model_of(&self, joint: usize) -> Affine {
         self.transform(joint)
@@ -115,7 +97,9 @@ impl<const COUNT: usize> Hierarchy for InLane<'_, COUNT> {
     }
 }
 
-impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
+impl Company<ABREAST> for SideBySide<'_> {
+    type Members<J: JointLanes> = J::Members;
+
     #[inline(always)]
     fn member(&mut self, lane: usize) -> impl Hierarchy {
         InLane { joints: &mut *self.0, lane }
@@ -127,7 +111,7 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
             return;
         }
         let parent = parents[joint] as usize;
-        for lane in (0..COUNT).step_by(R::COUNT) {
+        for lane in (0..ABREAST).step_by(R::COUNT) {
             let local: [R; MATRIX] = load(&self.0[joint], lane);
             let model = product(&load(&self.0[parent], lane), &local);
             store(&model, &mut self.0[joint], lane);
@@ -135,8 +119,8 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
     }
 
     #[inline(always)]
-    fn rotate<R: Members>(&mut self, joint: usize, rotations: &[Simd<COUNT>; 4]) {
-        for lane in (0..COUNT).step_by(R::COUNT) {
+    fn rotate<R: Members>(&mut self, joint: usize, rotations: &[Lanes; 4]) {
+        for lane in (0..ABREAST).step_by(R::COUNT) {
             let model: [R; MATRIX] = load(&self.0[joint], lane);
             store(&rotated(&model, load(rotations, lane)), &mut self.0[joint], lane);
         }
@@ -153,7 +137,7 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
     }
 
     #[inline(always)]
-    fn lower(&mut self, joint: usize, drops: &Simd<COUNT>) {
+    fn lower(&mut self, joint: usize, drops: &Lanes) {
         for (height, drop) in self.0[joint][7].0.iter_mut().zip(drops.0) {
             *height -= drop;
         }
@@ -162,33 +146,29 @@ impl<const COUNT: usize> Company<COUNT> for SideBySide<'_, COUNT> {
 
 /// Computes the matrices of a block of joints from their local transforms.
 #[inline(always)]
-fn compose<R: Members, const COUNT: usize>(
-    locals: &[Simd<COUNT>],
-    block: &mut [[Simd<COUNT>; MATRIX]],
-) {
+fn compose<R: Members>(locals: &[Lanes], block: &mut [[Lanes; MATRIX]]) {
     for (at, matrix) in block.iter_mut().enumerate() {
-        let mut all = [Simd([0.0; COUNT]); COMPONENTS];
-        for (component, vector) in all.iter_mut().enumerate() {
-            *vector = locals[component * LANES + at];
+        for first in (0..ABREAST).step_by(R::COUNT) {
+            let mut all = [R::splat(0.0); COMPONENTS];
+            for (nth, component) in all.iter_mut().enumerate() {
+                *component = R::load(&locals[nth * LANES + at].0[first..]);
+            }
+            let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz] = all;
+            store(&components([tx, ty, tz], [rx, ry, rz, rw], [sx, sy, sz]), matrix, first);
         }
-        let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz]: [R; COMPONENTS] = load(&all, 0);
-        let composed = components([tx, ty, tz], [rx, ry, rz, rw], [sx, sy, sz]);
-        store(&composed, matrix, 0);
     }
 }
 
 /// Writes the palettes of a block of entries.
 #[inline(always)]
-fn write_block<R: Members, const COUNT: usize>(
+fn write_block<R: Members>(
     entries: &[Entry],
-    models: &[[Simd<COUNT>; MATRIX]],
-    matrices: &mut [Simd<COUNT>],
+    models: &[[Lanes; MATRIX]],
+    matrices: &mut [Lanes],
     registers: Dispatch,
     block: usize,
     seats: &mut [Seat],
-) where
-    Simd<COUNT>: Square<COUNT>,
-{
+) {
     let matrices_of = matrices.as_chunks_mut::<MATRIX>().0;
     for (entry, matrix) in entries.iter().zip(matrices_of.iter_mut()) {
         let rows = [entry.row0.0, entry.row1.0, entry.row2.0];
@@ -196,23 +176,26 @@ fn write_block<R: Members, const COUNT: usize>(
         for (value, element) in bind.iter_mut().zip(rows.as_flattened()) {
             *value = R::splat(*element);
         }
-        let model: [R; MATRIX] = load(&models[entry.joint as usize], 0);
-        store(&product(&model, &bind), matrix, 0);
+        for first in (0..ABREAST).step_by(R::COUNT) {
+            let model: [R; MATRIX] = load(&models[entry.joint as usize], first);
+            store(&product(&model, &bind), matrix, first);
+        }
     }
     for padding in matrices_of.iter_mut().skip(entries.len()) {
-        *padding = [Simd([0.0; COUNT]); MATRIX];
+        *padding = [Simd([0.0; ABREAST]); MATRIX];
     }
-    for (piece, square) in matrices.as_chunks::<COUNT>().0.iter().enumerate() {
-        let rows = Square::transposed(square, registers);
+    let mut rows = [Simd([0.0; ABREAST]); ABREAST];
+    for (piece, square) in matrices.as_chunks::<ABREAST>().0.iter().enumerate() {
+        transpose(square, &mut rows, registers);
         for (row, seat) in rows.iter().zip(seats.iter_mut()) {
             let numbers: &mut [f32] = bytemuck::cast_slice_mut(seat.palette);
-            numbers[block * BLOCK + piece * COUNT..][..COUNT].copy_from_slice(&row.0);
+            numbers[block * BLOCK + piece * ABREAST..][..ABREAST].copy_from_slice(&row.0);
         }
     }
 }
 
-/// Members of one body whose programs are alike, at most one for each lane.
-pub(crate) struct Group<'a, 'b, const COUNT: usize> {
+/// At most [`ABREAST`] members of one body whose programs are alike.
+pub(crate) struct Group<'a, 'b> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     pub(crate) registers: Dispatch,
     pub(crate) body: &'a Body,
@@ -220,40 +203,33 @@ pub(crate) struct Group<'a, 'b, const COUNT: usize> {
     pub(crate) scratch: &'a mut Scratch,
 }
 
-impl<const COUNT: usize> Work for Group<'_, '_, COUNT>
-where
-    Simd<COUNT>: Square<COUNT>,
-{
-    const LANES: Option<usize> = Some(COUNT);
-
+impl Work for Group<'_, '_> {
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        if J::Members::COUNT == COUNT {
-            self.write_palettes::<J::Members>();
-        } else {
-            self.write_palettes::<Simd<COUNT>>();
-        }
+        self.write_palettes::<J::Members>();
     }
 }
 
-impl<const COUNT: usize> Group<'_, '_, COUNT>
-where
-    Simd<COUNT>: Square<COUNT>,
-{
-    /// Writes the members' palettes. `R` holds a number for each member.
+impl Group<'_, '_> {
+    /// Writes the members' palettes. `R` holds a number for each of some members.
     #[inline(always)]
     fn write_palettes<R: Members>(self) {
         let Self { inputs, registers, body, seats, scratch } = self;
         let Scratch { desk, rotations, writes, .. } = scratch;
         let rotations = step_rotations(rotations);
         let tables = inputs.tables;
-        let plays: [Option<Play>; COUNT] = std::array::from_fn(|lane| {
+        let mut members = [0; ABREAST];
+        for (member, seat) in members.iter_mut().zip(seats.iter()) {
+            *member = seat.member;
+        }
+        let members = &members[..seats.len()];
+        let plays: [Option<Play>; ABREAST] = std::array::from_fn(|lane| {
             seats.get(lane).map(|seat| Play::play_all(inputs, seat.member))
         });
-        let posed = vectors::<LANES>(&mut desk.posed, COMPONENTS * COUNT);
-        let locals = vectors::<COUNT>(&mut desk.locals, COMPONENTS * LANES);
+        let posed = vectors::<LANES>(&mut desk.posed, COMPONENTS * ABREAST);
+        let locals = vectors::<ABREAST>(&mut desk.locals, COMPONENTS * LANES);
         let parents = parents_of(tables, body);
-        let models = vectors::<COUNT>(&mut desk.models, parents.len() * MATRIX);
+        let models = vectors::<ABREAST>(&mut desk.models, parents.len() * MATRIX);
         let models = models.as_chunks_mut::<MATRIX>().0;
         let is_led = !steps_of(tables, seats[0].member).is_empty();
         for first in (0..parents.len()).step_by(LANES) {
@@ -261,10 +237,13 @@ where
             for (lane, (play, seat)) in plays.iter().flatten().zip(seats.iter()).enumerate() {
                 let joints = Joints { tables, body, first };
                 let posing = play.posing(inputs, seat.member, joints, registers);
-                registers.run(PoseBlock { posing, posed: &mut posed[lane..], stride: COUNT });
+                registers.run(PoseBlock { posing, posed: &mut posed[lane..], stride: ABREAST });
             }
-            transpose(posed, locals, registers);
-            compose::<R, COUNT>(locals, &mut models[first..end]);
+            let components = posed.as_chunks().0.iter().zip(locals.as_chunks_mut().0);
+            for (of_members, of_joints) in components {
+                transpose(of_members, of_joints, registers);
+            }
+            compose::<R>(locals, &mut models[first..end]);
             if !is_led {
                 let mut joints = SideBySide(&mut *models);
                 for joint in first..end {
@@ -273,11 +252,6 @@ where
             }
         }
         if is_led {
-            let mut members = [0; COUNT];
-            for (member, seat) in members.iter_mut().zip(seats.iter()) {
-                *member = seat.member;
-            }
-            let members = &members[..seats.len()];
             let joints = &mut SideBySide(models);
             let (plays, next) = (&plays, 0);
             Programs {
@@ -295,9 +269,9 @@ where
         }
         let first = body.entry_first as usize;
         let entries = &tables.entries().as_slice()[first..first + body.entry_count as usize];
-        let matrices = vectors::<COUNT>(&mut desk.palettes, BLOCK);
+        let matrices = vectors::<ABREAST>(&mut desk.palettes, BLOCK);
         for (block, entries) in entries.chunks(PALETTE_BLOCK as usize).enumerate() {
-            write_block::<R, COUNT>(entries, models, matrices, registers, block, seats);
+            write_block::<R>(entries, models, matrices, registers, block, seats);
         }
     }
 }

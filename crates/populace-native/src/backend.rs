@@ -9,7 +9,7 @@ use populace_device::{
 };
 
 use crate::buffers::StageBuffers;
-use crate::dispatch::{Machine, MemberLanes};
+use crate::dispatch::{Machine, RegisterLanes};
 use crate::errors::failed;
 use crate::evaluate::evaluate;
 use crate::floor::write_floor;
@@ -60,9 +60,10 @@ const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 impl NativeBackend {
     /// Starts a pool of `threads` threads; 0 starts one for each core.
     ///
-    /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here. They put as many members
-    /// side by side as the processor's registers have lanes. The environment variable
-    /// `POPULACE_LANES` (4, 8 or 16) overrides that number; results are the same.
+    /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here: sixteen members stand
+    /// side by side, in the widest registers of the processor. The environment variable
+    /// `POPULACE_LANES` (4, 8 or 16) is the most lanes that registers may have. Results are the
+    /// same.
     ///
     /// # Errors
     ///
@@ -72,7 +73,7 @@ impl NativeBackend {
         Self::on(machine()?, threads, schedule)
     }
 
-    /// Like [`new`](Self::new), with the registers and lanes of `machine`.
+    /// Like [`new`](Self::new), with the registers of `machine`.
     ///
     /// # Errors
     ///
@@ -134,7 +135,7 @@ impl NativeBackend {
                 if staged {
                     transform(&inputs, &buffers.joints, scratch, &mut buffers.models);
                 } else {
-                    fused(&inputs, *machine, scratch, pages);
+                    fused(&inputs, machine.registers, scratch, pages);
                 }
                 let mut writes: Vec<_> = scratch.iter_mut().map(|own| &mut own.writes).collect();
                 history.commit(&mut writes);
@@ -158,21 +159,21 @@ impl NativeBackend {
     }
 }
 
-/// Environment variable that overrides the number of members side by side.
+/// Environment variable for the most lanes that registers may have.
 const LANES: &str = "POPULACE_LANES";
 
-/// Returns the widest registers of this machine, or what the environment variable asks for.
+/// Returns the widest registers of this machine that the environment variable allows.
 fn machine() -> Result<Machine, BackendError> {
     let Some(lanes) = std::env::var_os(LANES).filter(|value| !value.is_empty()) else {
         return Ok(Machine::detect());
     };
     match lanes.to_str() {
-        Some("4") => Ok(Machine::of_lanes(MemberLanes::Four)),
-        Some("8") => Ok(Machine::of_lanes(MemberLanes::Eight)),
-        Some("16") => Ok(Machine::of_lanes(MemberLanes::Sixteen)),
+        Some("4") => Ok(Machine::at_most(RegisterLanes::Four)),
+        Some("8") => Ok(Machine::at_most(RegisterLanes::Eight)),
+        Some("16") => Ok(Machine::at_most(RegisterLanes::Sixteen)),
         _ => {
             let given = lanes.display();
-            Err(failed("put members side by side", format!("{LANES} is {given}; write 4, 8 or 16")))
+            Err(failed("choose registers", format!("{LANES} is {given}; write 4, 8 or 16")))
         }
     }
 }

@@ -11,20 +11,17 @@
     )
 )]
 
-#[cfg(target_arch = "x86_64")]
-use std::arch::x86_64::{__m128, __m256, __m512};
-
 #[cfg(not(target_arch = "x86_64"))]
 use crate::lanes::Lanes;
 #[cfg(target_arch = "x86_64")]
 use crate::pair::Pair;
 #[cfg(target_arch = "x86_64")]
-use crate::registers::One;
+use crate::registers::{Avx2, Avx512, Sse};
 use crate::widths::JointLanes;
 
 /// Sixteen joints in the registers that every processor of the architecture has.
 #[cfg(target_arch = "x86_64")]
-type Baseline = Pair<Pair<One<__m128>>>;
+type Baseline = Pair<Pair<Sse>>;
 #[cfg(not(target_arch = "x86_64"))]
 type Baseline = Lanes;
 
@@ -39,55 +36,36 @@ pub(crate) enum Dispatch {
     Avx512,
 }
 
-/// Members side by side in the fused schedule, one in each lane.
+/// Lanes of a register: members of the fused schedule that are computed at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MemberLanes {
-    /// Lanes of SSE and NEON.
+pub enum RegisterLanes {
+    /// SSE and NEON.
     Four = 4,
-    /// Lanes of AVX2.
+    /// AVX2.
     Eight = 8,
-    /// Lanes of AVX-512.
+    /// AVX-512.
     Sixteen = 16,
 }
 
-/// Registers, and the members that the fused schedule puts side by side in them. Results are the
-/// same in all.
+/// Registers to compute in. Results are the same in all.
 #[derive(Clone, Copy, Debug)]
 pub struct Machine {
     pub(crate) registers: Dispatch,
-    pub(crate) lanes: MemberLanes,
-}
-
-/// Returns whether work is compiled for registers of a number of lanes.
-#[cfg(target_arch = "x86_64")]
-const fn is_compiled<W: Work>(lanes: usize) -> bool {
-    match W::LANES {
-        Some(only) => only == lanes,
-        None => true,
-    }
 }
 
 impl Machine {
-    /// Puts as many members side by side as the widest registers of this machine have lanes.
+    /// Takes the widest registers of this machine.
     #[must_use]
     pub fn detect() -> Self {
-        let registers = Dispatch::detect();
-        Self { registers, lanes: registers.lanes() }
+        Self::at_most(RegisterLanes::Sixteen)
     }
 
-    /// Puts a number of members side by side, in registers of as many lanes if this machine has
-    /// them.
+    /// Takes the widest registers of this machine that have no more than some lanes.
     #[must_use]
-    pub fn of_lanes(lanes: MemberLanes) -> Self {
-        let found = Dispatch::available().into_iter().find(|registers| registers.lanes() == lanes);
-        found.map_or(Self::narrow(lanes), |registers| Self { registers, lanes })
-    }
-
-    /// Puts a number of members side by side, in the registers that every processor of the
-    /// architecture has.
-    #[must_use]
-    pub fn narrow(lanes: MemberLanes) -> Self {
-        Self { registers: Dispatch::Baseline, lanes }
+    pub fn at_most(lanes: RegisterLanes) -> Self {
+        let fit = |registers: &Dispatch| registers.lanes() as usize <= lanes as usize;
+        let widest = Dispatch::available().into_iter().rfind(fit);
+        Self { registers: widest.unwrap_or(Dispatch::Baseline) }
     }
 }
 
@@ -96,13 +74,12 @@ impl Machine {
 /// A closure would not do: it is compiled for the baseline unless the compiler chooses to inline
 /// it.
 pub(crate) trait Work: Sized {
-    /// Lanes of the only registers, besides the baseline's, that the work is compiled for; `None`
-    /// for all.
+    /// Whether the work is compiled for more than the baseline.
     #[cfg_attr(
         not(target_arch = "x86_64"),
         expect(dead_code, reason = "other processors have one kind of registers")
     )]
-    const LANES: Option<usize> = None;
+    const IS_WIDE: bool = true;
 
     /// Does the work. Must be `#[inline(always)]`, as must be the functions that it calls, to be
     /// compiled for the caller's registers.
@@ -119,7 +96,7 @@ pub(crate) trait Work: Sized {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     unsafe fn run_avx2(self) {
-        self.run::<Pair<One<__m256>>>();
+        self.run::<Pair<Avx2>>();
     }
 
     /// Does the work, compiled for AVX-512.
@@ -130,7 +107,7 @@ pub(crate) trait Work: Sized {
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
     unsafe fn run_avx512(self) {
-        self.run::<One<__m512>>();
+        self.run::<Avx512>();
     }
 }
 
@@ -150,19 +127,14 @@ impl Dispatch {
         all.collect()
     }
 
-    /// Detects the widest registers of this machine.
-    pub(crate) fn detect() -> Self {
-        Self::available().pop().unwrap_or(Self::Baseline)
-    }
-
     /// Returns the lanes of a register.
-    fn lanes(self) -> MemberLanes {
+    fn lanes(self) -> RegisterLanes {
         match self {
-            Self::Baseline => MemberLanes::Four,
+            Self::Baseline => RegisterLanes::Four,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 => MemberLanes::Eight,
+            Self::Avx2 => RegisterLanes::Eight,
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 => MemberLanes::Sixteen,
+            Self::Avx512 => RegisterLanes::Sixteen,
         }
     }
 
@@ -171,11 +143,11 @@ impl Dispatch {
         match self {
             // SAFETY: `available` has this value only where the processor has AVX2.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx2 if const { is_compiled::<W>(8) } => unsafe { work.run_avx2() },
+            Self::Avx2 if W::IS_WIDE => unsafe { work.run_avx2() },
             // SAFETY: `available` has this value only where the processor has these parts of
             // AVX-512.
             #[cfg(target_arch = "x86_64")]
-            Self::Avx512 if const { is_compiled::<W>(16) } => unsafe { work.run_avx512() },
+            Self::Avx512 if W::IS_WIDE => unsafe { work.run_avx512() },
             _ => work.run::<Baseline>(),
         }
     }

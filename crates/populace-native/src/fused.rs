@@ -14,10 +14,10 @@ use populace_model::math::components;
 
 use crate::abreast::{COMPONENTS, Group, PoseBlock, Seat};
 use crate::constraints::{Alone, Programs, step_rotations};
-use crate::dispatch::{Dispatch, Machine, MemberLanes};
+use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
-use crate::lanes::{LANES, Lanes, Simd};
+use crate::lanes::{ABREAST, LANES, Lanes, Simd};
 use crate::local::Local;
 use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
@@ -25,7 +25,6 @@ use crate::playback::Play;
 use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
-use crate::transposition::Square;
 
 /// `Float4` elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
@@ -115,24 +114,22 @@ fn write_palette(inputs: &FrameInputs, dispatch: Dispatch, seat: &mut Seat, scra
     }
 }
 
-/// Writes the palettes of members of one body with equal programs, `COUNT` at a time. Those that
-/// would leave most lanes empty go one by one.
-fn write_groups<const COUNT: usize>(
+/// Writes the palettes of members of one body with equal programs, side by side. Those that would
+/// leave most lanes empty go one by one.
+fn write_groups(
     inputs: &FrameInputs,
     registers: Dispatch,
     seats: &mut [Seat],
     scratch: &mut Scratch,
-) where
-    Simd<COUNT>: Square<COUNT>,
-{
-    for seats in seats.chunks_mut(COUNT) {
-        if seats.len() * 4 < COUNT {
+) {
+    for seats in seats.chunks_mut(ABREAST) {
+        if seats.len() * 4 < ABREAST {
             for seat in seats {
                 write_palette(inputs, registers, seat, scratch);
             }
         } else {
             let body = body_of(inputs.tables, seats[0].member);
-            registers.run(Group::<COUNT> { inputs, registers, body, seats, scratch });
+            registers.run(Group { inputs, registers, body, seats, scratch });
         }
     }
 }
@@ -140,7 +137,7 @@ fn write_groups<const COUNT: usize>(
 /// Writes the palettes of the frame's members.
 pub(crate) fn fused(
     inputs: &FrameInputs,
-    machine: Machine,
+    registers: Dispatch,
     scratch: &ScratchPool,
     pages: &mut Pages,
 ) {
@@ -164,12 +161,7 @@ pub(crate) fn fused(
             seats.sort_by_cached_key(|seat| (kind(seat), seat.member));
             let scratch = &mut scratch.of_current_thread();
             for seats in seats.chunk_by_mut(|a, b| kind(a) == kind(b)) {
-                let Machine { registers, lanes } = machine;
-                match lanes {
-                    MemberLanes::Four => write_groups::<4>(inputs, registers, seats, scratch),
-                    MemberLanes::Eight => write_groups::<8>(inputs, registers, seats, scratch),
-                    MemberLanes::Sixteen => write_groups::<16>(inputs, registers, seats, scratch),
-                }
+                write_groups(inputs, registers, seats, scratch);
             }
         });
     }

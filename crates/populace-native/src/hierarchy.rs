@@ -13,9 +13,21 @@ pub(crate) trait Hierarchy {
 
     /// Stores `model_from_joint`.
     fn keep_model(&mut self, joint: usize, model: Affine);
+
+    /// Computes a joint's model transform. Its parent must be stored.
+    #[inline(always)]
+    fn descend_to(&mut self, parents: &[u32], joint: usize) {
+        let local = self.local_of(joint);
+        let model = if parents[joint] == NONE {
+            local
+        } else {
+            self.model_of(parents[joint] as usize).mul(&local)
+        };
+        self.keep_model(joint, model);
+    }
 }
 
-impl<H: Hierarchy> Hierarchy for &mut H {
+impl<H: Hierarchy + ?Sized> Hierarchy for &mut H {
     #[inline(always)]
     fn model_of(&self, joint: usize) -> Affine {
         (**self).model_of(joint)
@@ -30,16 +42,9 @@ impl<H: Hierarchy> Hierarchy for &mut H {
     fn keep_model(&mut self, joint: usize, model: Affine) {
         (**self).keep_model(joint, model);
     }
-}
 
-/// Computes a joint's model transform. Its parent must be stored.
-#[inline(always)]
-pub(crate) fn descend_to(joints: &mut impl Hierarchy, parents: &[u32], joint: usize) {
-    let local = joints.local_of(joint);
-    let model = if parents[joint] == NONE {
-        local
-    } else {
-        joints.model_of(parents[joint] as usize).mul(&local)
-    };
-    joints.keep_model(joint, model);
+    #[inline(always)]
+    fn descend_to(&mut self, parents: &[u32], joint: usize) {
+        (**self).descend_to(parents, joint);
+    }
 }

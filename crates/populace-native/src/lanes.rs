@@ -12,6 +12,9 @@ use populace_model::math::Real;
 /// Joints in a block, computed together.
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;
 
+/// Most members side by side: as many as a block has joints, so that a square of both is transposed.
+pub(crate) const ABREAST: usize = LANES;
+
 /// A vector of `COUNT` lanes.
 #[derive(Clone, Copy, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(transparent)]
@@ -54,7 +57,7 @@ pub(crate) trait Width: Members {
 }
 
 impl Load for f32 {
-    #[inline(always)]
+    #[inline]
     fn load(from: &[f32]) -> Self {
         from[0]
     }
@@ -63,31 +66,31 @@ impl Load for f32 {
 impl Members for f32 {
     const COUNT: usize = 1;
 
-    #[inline(always)]
+    #[inline]
     fn store(self, to: &mut [f32]) {
         to[0] = self;
     }
 
-    #[inline(always)]
+    #[inline]
     fn any(which: bool) -> bool {
         which
     }
 }
 
 impl Width for f32 {
-    #[inline(always)]
+    #[inline]
     fn lane(self, _lane: usize) -> f32 {
         self
     }
 
-    #[inline(always)]
+    #[inline]
     fn only(_lane: usize) -> bool {
         true
     }
 }
 
 impl<const COUNT: usize> Load for Simd<COUNT> {
-    #[inline(always)]
+    #[inline]
     fn load(from: &[f32]) -> Self {
         from.first_chunk().map_or(Self([0.0; COUNT]), |numbers| Self(*numbers))
     }
@@ -96,24 +99,24 @@ impl<const COUNT: usize> Load for Simd<COUNT> {
 impl<const COUNT: usize> Members for Simd<COUNT> {
     const COUNT: usize = COUNT;
 
-    #[inline(always)]
+    #[inline]
     fn store(self, to: &mut [f32]) {
         to[..COUNT].copy_from_slice(&self.0);
     }
 
-    #[inline(always)]
+    #[inline]
     fn any(which: [bool; COUNT]) -> bool {
         which.contains(&true)
     }
 }
 
 impl Width for Lanes {
-    #[inline(always)]
+    #[inline]
     fn lane(self, lane: usize) -> f32 {
         self.0[lane]
     }
 
-    #[inline(always)]
+    #[inline]
     fn only(lane: usize) -> [bool; LANES] {
         std::array::from_fn(|other| other == lane)
     }
@@ -198,7 +201,7 @@ macro_rules! operators {
         $(impl<const COUNT: usize> $operator for Simd<COUNT> {
             type Output = Self;
 
-            #[inline(always)]
+            #[inline]
             fn $method(self, other: Self) -> Self {
                 Self::from_fn(|lane| self.0[lane] $sign other.0[lane])
             }
@@ -210,7 +213,7 @@ operators!(Add add +, Sub sub -, Mul mul *, Div div /);
 impl<const COUNT: usize> Neg for Simd<COUNT> {
     type Output = Self;
 
-    #[inline(always)]
+    #[inline]
     fn neg(self) -> Self {
         Self::from_fn(|lane| -self.0[lane])
     }
@@ -219,12 +222,12 @@ impl<const COUNT: usize> Neg for Simd<COUNT> {
 impl<const COUNT: usize> Real for Simd<COUNT> {
     type Choice = [bool; COUNT];
 
-    #[inline(always)]
+    #[inline]
     fn splat(value: f32) -> Self {
         Self([value; COUNT])
     }
 
-    #[inline(always)]
+    #[inline]
     fn less(self, other: Self) -> Self::Choice {
         let mut choice = [false; COUNT];
         for (lane, chosen) in choice.iter_mut().enumerate() {
@@ -233,7 +236,7 @@ impl<const COUNT: usize> Real for Simd<COUNT> {
         choice
     }
 
-    #[inline(always)]
+    #[inline]
     fn at_most(self, other: Self) -> Self::Choice {
         let mut choice = [false; COUNT];
         for (lane, chosen) in choice.iter_mut().enumerate() {
@@ -242,12 +245,12 @@ impl<const COUNT: usize> Real for Simd<COUNT> {
         choice
     }
 
-    #[inline(always)]
+    #[inline]
     fn choose(which: Self::Choice, a: Self, b: Self) -> Self {
         Self::from_fn(|lane| if which[lane] { a.0[lane] } else { b.0[lane] })
     }
 
-    #[inline(always)]
+    #[inline]
     fn inverse_sqrt_guess(self) -> Self {
         Self::from_fn(|lane| self.0[lane].inverse_sqrt_guess())
     }

@@ -4,7 +4,7 @@
 //!
 //! - *Staged*: evaluate, pose, transform and write-back, each for all members, through the same
 //!   buffers as the OpenCL kernels of the same names.
-//! - *Fused*: a member's whole frame at once, with members of one body side by side in lanes. It is
+//! - *Fused*: a member's whole frame at once, sixteen members of one body side by side. It is
 //!   compiled for several processors, and the best version is chosen at run time.
 //!
 //! The arithmetic is the same everywhere, and results do not depend on the number of threads.
@@ -74,4 +74,4 @@ mod reading;
 mod backend;
 
 pub use backend::NativeBackend;
-pub use dispatch::{Machine, MemberLanes};
+pub use dispatch::{Machine, RegisterLanes};

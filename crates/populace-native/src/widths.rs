@@ -1,8 +1,8 @@
 //! Widths that poses are computed in: one joint, sixteen in memory, or sixteen in registers.
 
 #[cfg(target_arch = "x86_64")]
-use crate::lanes::{LANES, Simd};
-use crate::lanes::{Lanes, Members};
+use crate::lanes::LANES;
+use crate::lanes::{Lanes, Members, Simd};
 use crate::local::Local;
 #[cfg(target_arch = "x86_64")]
 use crate::registers::Registers;
@@ -23,7 +23,7 @@ pub(crate) trait SampleWidth: RowWidth + Members {
 
 /// A width of sixteen joints.
 pub(crate) trait JointLanes: SampleWidth<Stored = Lanes> {
-    /// One register of the same kind, for members side by side.
+    /// Members side by side in one register of the same kind.
     type Members: Members;
 }
 
@@ -73,7 +73,7 @@ stored!(f32);
 stored!(Lanes);
 
 impl JointLanes for Lanes {
-    type Members = f32;
+    type Members = Simd<4>;
 }
 
 #[cfg(target_arch = "x86_64")]

@@ -4,7 +4,7 @@
 
 use populace_device::layout::Float4;
 use populace_device::{Backend, Schedule, StageBuffer, Tables};
-use populace_native::{Machine, MemberLanes, NativeBackend};
+use populace_native::{Machine, NativeBackend, RegisterLanes};
 
 fn staged(threads: usize) -> NativeBackend {
     NativeBackend::new(threads, Schedule::Staged).unwrap()
@@ -26,7 +26,7 @@ mod conformance_fused {
     populace_testkit::fused_conformance!(super::fused(3, super::Machine::detect()));
 }
 
-/// More numbers of threads and lanes.
+/// More numbers of threads, and narrower registers.
 mod slow {
     use super::*;
 
@@ -41,23 +41,16 @@ mod slow {
         );
     }
 
-    mod conformance_fused_of_16_lanes_in_narrow_registers {
-        populace_testkit::fused_conformance!(
-            super::fused(1, super::Machine::narrow(super::MemberLanes::Sixteen)),
-            ignore = "make test-slow"
-        );
-    }
-
     mod conformance_fused_of_4_lanes {
         populace_testkit::fused_conformance!(
-            super::fused(1, super::Machine::of_lanes(super::MemberLanes::Four)),
+            super::fused(1, super::Machine::at_most(super::RegisterLanes::Four)),
             ignore = "make test-slow"
         );
     }
 
     mod conformance_fused_of_8_lanes {
         populace_testkit::fused_conformance!(
-            super::fused(1, super::Machine::of_lanes(super::MemberLanes::Eight)),
+            super::fused(1, super::Machine::at_most(super::RegisterLanes::Eight)),
             ignore = "make test-slow"
         );
     }

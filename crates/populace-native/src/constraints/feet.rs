@@ -128,11 +128,11 @@ fn eased_drop<R: Real>(wanted: R, [before, known]: [R; 2], elapsed_secs: f32) ->
 pub(super) struct PelvisStep<'a, P>(pub(super) &'a mut P);
 
 impl<C: Company<COUNT>, const COUNT: usize> Work for PelvisStep<'_, Programs<'_, C, COUNT>> {
-    const LANES: Option<usize> = Some(COUNT);
+    const IS_WIDE: bool = COUNT > 1;
 
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        self.0.pelvis::<J::Members>();
+        self.0.pelvis::<C::Members<J>>();
     }
 }
 
@@ -140,11 +140,11 @@ impl<C: Company<COUNT>, const COUNT: usize> Work for PelvisStep<'_, Programs<'_,
 pub(super) struct FootStep<'a, P>(pub(super) &'a mut P);
 
 impl<C: Company<COUNT>, const COUNT: usize> Work for FootStep<'_, Programs<'_, C, COUNT>> {
-    const LANES: Option<usize> = Some(COUNT);
+    const IS_WIDE: bool = COUNT > 1;
 
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        self.0.foot::<J::Members>();
+        self.0.foot::<C::Members<J>>();
     }
 }
 

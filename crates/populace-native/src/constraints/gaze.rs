@@ -133,11 +133,11 @@ struct Seen<R: Real> {
 pub(super) struct GazeStep<'a, P>(pub(super) &'a mut P);
 
 impl<C: Company<COUNT>, const COUNT: usize> Work for GazeStep<'_, Programs<'_, C, COUNT>> {
-    const LANES: Option<usize> = Some(COUNT);
+    const IS_WIDE: bool = COUNT > 1;
 
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        self.0.gaze::<J::Members>();
+        self.0.gaze::<C::Members<J>>();
     }
 }
 

@@ -185,11 +185,11 @@ const NUMBERS: usize = 13;
 pub(super) struct ReachStep<'a, P>(pub(super) &'a mut P);
 
 impl<C: Company<COUNT>, const COUNT: usize> Work for ReachStep<'_, Programs<'_, C, COUNT>> {
-    const LANES: Option<usize> = Some(COUNT);
+    const IS_WIDE: bool = COUNT > 1;
 
     #[inline(always)]
     fn run<J: JointLanes>(self) {
-        self.0.reach::<J::Members>();
+        self.0.reach::<C::Members<J>>();
     }
 }
 

@@ -10,12 +10,13 @@ use populace_model::Affine;
 use super::targets::Solver;
 use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
-use crate::hierarchy::{Hierarchy, descend_to};
+use crate::hierarchy::Hierarchy;
 use crate::history::DeferredWrites;
 use crate::lanes::{LANES, Line, Members, Simd, load, vectors};
 use crate::matrices::{MATRIX, origin, product};
 use crate::members::steps_of;
 use crate::playback::Play;
+use crate::widths::JointLanes;
 
 /// Rotations in model space of members side by side, from steps that compute them to steps that
 /// apply them.
@@ -30,6 +31,9 @@ fn links_of<'a>(tables: &'a Tables, constraint: &Constraint) -> &'a [Link] {
 
 /// Transforms of members side by side.
 pub(crate) trait Company<const COUNT: usize> {
+    /// Members computed at once, in registers that hold `J`.
+    type Members<J: JointLanes>: Members;
+
     /// Returns the transforms of the member in a lane.
     fn member(&mut self, lane: usize) -> impl Hierarchy;
 
@@ -60,10 +64,12 @@ fn only<R: Members>(transform: &Affine) -> [R; MATRIX] {
     load(&lanes, 0)
 }
 
-/// Transforms of a single member.
-pub(crate) struct Alone<'a, H>(pub(crate) &'a mut H);
+/// Transforms of a single member. All kinds of them share one compilation, which takes long.
+pub(crate) struct Alone<'a>(pub(crate) &'a mut dyn Hierarchy);
 
-impl<H: Hierarchy> Company<1> for Alone<'_, H> {
+impl Company<1> for Alone<'_> {
+    type Members<J: JointLanes> = f32;
+
     #[inline(always)]
     fn member(&mut self, _lane: usize) -> impl Hierarchy {
         &mut *self.0
@@ -71,7 +77,7 @@ impl<H: Hierarchy> Company<1> for Alone<'_, H> {
 
     #[inline(always)]
     fn descend_to<R: Members>(&mut self, parents: &[u32], joint: usize) {
-        descend_to(self.0, parents, joint);
+        self.0.descend_to(parents, joint);
     }
 
     #[inline(always)]

@@ -31,7 +31,8 @@ fn closed_volumes(character: &Character) -> Vec<(String, Option<f64>)> {
     for (points, _, material) in triangles(character) {
         by_material.entry(material).or_default().push(points);
     }
-    let key = |p: DVec3| (p * 2e4).round().as_i64vec3();
+    // The sum turns -0 into 0.
+    let key = |p: DVec3| ((p * 2e4).round() + DVec3::ZERO).to_array().map(f64::to_bits);
     let mut volumes = Vec::new();
     for (material, points) in by_material {
         let mut group: Vec<usize> = (0..points.len()).collect();
@@ -51,7 +52,7 @@ fn closed_volumes(character: &Character) -> Vec<(String, Option<f64>)> {
             *volume.entry(of).or_default() += a.dot(b.cross(*c));
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let [from, to] = [key(*from), key(*to)];
-                let forwards = from.to_array() < to.to_array();
+                let forwards = from < to;
                 let edge = if forwards { (from, to) } else { (to, from) };
                 let [count, sum] = edges.entry(of).or_default().entry(edge).or_default();
                 *count += 1;
