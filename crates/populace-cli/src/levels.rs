@@ -1,14 +1,15 @@
 //! Levels of detail of loaded characters, and their cache.
 //!
 //! The levels of `NAME.glb` are kept in `NAME.levels.glb` beside it: the character without its clips
-//! but with levels. The file names the SHA-256 digest of the source and of all files that it refers
+//! but with levels. The file names a hash of the source and of all files that it refers
 //! to as its generator; if that is not the present one, the levels are made again.
 
+use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
 use populace::character::{Character, Level, PaletteEntry, joints_needed};
 use populace_assets::{WriteOptions, to_glb};
-use sha2::{Digest, Sha256};
+use siphasher::sip128::{Hasher128, SipHasher24};
 
 use crate::cli::PictureArgs;
 use crate::failure::Failure;
@@ -88,16 +89,16 @@ impl Levels {
 
 /// Returns the name by which a cache says what it was made from.
 fn generator(files: &[PathBuf]) -> Result<String, Failure> {
-    let mut hash = Sha256::new();
+    let mut hash = SipHasher24::new();
     for file in files {
         let unreadable = |e| anyhow::anyhow!("{} cannot be read: {e}", file.display());
         let bytes = std::fs::read(file).map_err(|e| Failure::Input(unreadable(e)))?;
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(&bytes);
+        hash.write(&(bytes.len() as u64).to_le_bytes());
+        hash.write(&bytes);
     }
-    let digest: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+    let digest = hash.finish128().as_u128();
     let version = env!("CARGO_PKG_VERSION");
-    Ok(format!("populace {version}, levels, revision {REVISION}, of {digest}"))
+    Ok(format!("populace {version}, levels, revision {REVISION}, of {digest:032x}"))
 }
 
 /// Returns the levels of a cached character for its source, whose palette may be in another order.

@@ -2,13 +2,14 @@
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
+use std::hash::Hasher;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 use std::{env, io};
 
 use etcetera::BaseStrategy;
-use sha2::{Digest, Sha256};
+use siphasher::sip128::{Hasher128, SipHasher24};
 
 /// Environment variable that names the folder; empty for no cache.
 const VARIABLE: &str = "POPULACE_CACHE_DIR";
@@ -16,7 +17,7 @@ const EXTENSION: &str = "program";
 /// An entry that was not used for this long is deleted when another is written.
 const KEPT_FOR: Duration = Duration::from_secs(60 * 24 * 60 * 60);
 /// Bytes of the hash at the start of each file.
-const HASH_BYTES: usize = 32;
+const HASH_BYTES: usize = 16;
 
 /// A folder of built programs.
 #[derive(Clone, Debug)]
@@ -42,14 +43,19 @@ impl Cache {
 
     /// Returns the entry of the program that `words` describe completely.
     pub(crate) fn entry<'a>(&self, words: impl Iterator<Item = &'a str>) -> Entry {
-        let mut hash = Sha256::new();
+        let mut hash = SipHasher24::new();
         for word in words {
-            hash.update((word.len() as u64).to_le_bytes());
-            hash.update(word);
+            hash.write(&(word.len() as u64).to_le_bytes());
+            hash.write(word.as_bytes());
         }
-        let name: String = hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let name = format!("{:032x}", hash.finish128().as_u128());
         Entry { path: self.folder.join(name).with_extension(EXTENSION) }
     }
+}
+
+/// Returns the hash of a binary, which tells whether it is damaged.
+fn hash_of(binary: &[u8]) -> [u8; HASH_BYTES] {
+    SipHasher24::new().hash(binary).as_bytes()
 }
 
 /// The file of one program: a hash, then the binary that the hash belongs to.
@@ -63,7 +69,7 @@ impl Entry {
     pub(crate) fn read(&self) -> Option<Vec<u8>> {
         let mut bytes = fs::read(&self.path).ok()?;
         let hash = bytes.get(..HASH_BYTES)?;
-        if hash != Sha256::digest(&bytes[HASH_BYTES..]).as_slice() {
+        if hash != hash_of(&bytes[HASH_BYTES..]) {
             return None;
         }
         // Records the time of this use. A failure does not matter.
@@ -88,7 +94,7 @@ impl Entry {
         let folder = self.path.parent().unwrap_or(Path::new("."));
         fs::create_dir_all(folder)?;
         let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(&Sha256::digest(binary))?;
+        file.write_all(&hash_of(binary))?;
         file.write_all(binary)?;
         file.persist(&self.path)?;
         Ok(())
