@@ -1,5 +1,5 @@
-//! Members of one body side by side, each in a lane of its own: a whole frame of up to
-//! sixteen members, as many at once as the processor's registers have lanes.
+//! Members of one body side by side, each in a lane of its own: a whole frame of up to sixteen
+//! members. As many are computed at once as the processor's registers have lanes.
 //!
 //! Sixteen joints go through short passes: poses of each member with joints in lanes, transposed;
 //! matrices; the hierarchy, unless constraint programs lead members down it after all blocks. The
@@ -211,7 +211,7 @@ impl Work for Group<'_, '_> {
 }
 
 impl Group<'_, '_> {
-    /// Writes the members' palettes. `R` holds a number for each of some members.
+    /// Writes the members' palettes. `R` is the register that they are computed in.
     #[inline(always)]
     fn write_palettes<R: Members>(self) {
         let Self { inputs, registers, body, seats, scratch } = self;

@@ -64,7 +64,7 @@ fn only<R: Members>(transform: &Affine) -> [R; MATRIX] {
     load(&lanes, 0)
 }
 
-/// Transforms of a single member. All kinds of them share one compilation, which takes long.
+/// Transforms of a single member. Steps are compiled once for all kinds of storage.
 pub(crate) struct Alone<'a>(pub(crate) &'a mut dyn Hierarchy);
 
 impl Company<1> for Alone<'_> {
