@@ -1,8 +1,8 @@
 //! Levels of detail of loaded characters, and their cache.
 //!
 //! The levels of `NAME.glb` are kept in `NAME.levels.glb` beside it: the character without its clips
-//! but with levels. The file names a hash of the source and of all files that it refers
-//! to as its generator; if that is not the present one, the levels are made again.
+//! but with levels. The file's generator names a hash of the source and of all files that it refers to.
+//! If the hash differs from the present one, the levels are made again.
 
 use std::hash::Hasher;
 use std::path::{Path, PathBuf};

@@ -218,11 +218,6 @@ impl Group<'_, '_> {
         let Scratch { desk, rotations, writes, .. } = scratch;
         let rotations = step_rotations(rotations);
         let tables = inputs.tables;
-        let mut members = [0; ABREAST];
-        for (member, seat) in members.iter_mut().zip(seats.iter()) {
-            *member = seat.member;
-        }
-        let members = &members[..seats.len()];
         let plays: [Option<Play>; ABREAST] = std::array::from_fn(|lane| {
             seats.get(lane).map(|seat| Play::play_all(inputs, seat.member))
         });
@@ -252,6 +247,11 @@ impl Group<'_, '_> {
             }
         }
         if is_led {
+            let mut members = [0; ABREAST];
+            for (member, seat) in members.iter_mut().zip(seats.iter()) {
+                *member = seat.member;
+            }
+            let members = &members[..seats.len()];
             let joints = &mut SideBySide(models);
             let (plays, next) = (&plays, 0);
             Programs {

@@ -36,7 +36,7 @@ pub(crate) enum Dispatch {
     Avx512,
 }
 
-/// Lanes of a register: members of the fused schedule that are computed at once.
+/// Number of lanes of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RegisterLanes {
     /// SSE and NEON.
@@ -74,7 +74,7 @@ impl Machine {
 /// A closure would not do: it is compiled for the baseline unless the compiler chooses to inline
 /// it.
 pub(crate) trait Work: Sized {
-    /// Whether the work is compiled for more than the baseline.
+    /// True for work that is compiled for AVX2 and AVX-512 too, false for the baseline alone.
     #[cfg_attr(
         not(target_arch = "x86_64"),
         expect(dead_code, reason = "other processors have one kind of registers")

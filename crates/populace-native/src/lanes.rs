@@ -12,7 +12,8 @@ use populace_model::math::Real;
 /// Joints in a block, computed together.
 pub(crate) const LANES: usize = JOINT_BLOCK as usize;
 
-/// Most members side by side: as many as a block has joints, so that a square of both is transposed.
+/// Most members side by side. It equals the joints of a block, so that members and joints form a
+/// square to transpose.
 pub(crate) const ABREAST: usize = LANES;
 
 /// A vector of `COUNT` lanes.

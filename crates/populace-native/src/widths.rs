@@ -23,7 +23,7 @@ pub(crate) trait SampleWidth: RowWidth + Members {
 
 /// A width of sixteen joints.
 pub(crate) trait JointLanes: SampleWidth<Stored = Lanes> {
-    /// Members side by side in one register of the same kind.
+    /// One register of the same kind, with a member in each lane.
     type Members: Members;
 }
 

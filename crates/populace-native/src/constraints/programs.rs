@@ -31,7 +31,7 @@ fn links_of<'a>(tables: &'a Tables, constraint: &Constraint) -> &'a [Link] {
 
 /// Transforms of members side by side.
 pub(crate) trait Company<const COUNT: usize> {
-    /// Members computed at once, in registers that hold `J`.
+    /// Register of the members that are computed at once. `J` holds sixteen joints.
     type Members<J: JointLanes>: Members;
 
     /// Returns the transforms of the member in a lane.
@@ -64,7 +64,7 @@ fn only<R: Members>(transform: &Affine) -> [R; MATRIX] {
     load(&lanes, 0)
 }
 
-/// Transforms of a single member. Steps are compiled once for all kinds of storage.
+/// Transforms of a single member. A trait object, so that all storages share one compilation.
 pub(crate) struct Alone<'a>(pub(crate) &'a mut dyn Hierarchy);
 
 impl Company<1> for Alone<'_> {
