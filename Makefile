@@ -3,7 +3,7 @@
 
 demo:
 	@sh scripts/setup.sh --ask
-	cargo run -p populace-cli -- demo --out populace-demo.png
+	cargo run -p populace-cli --no-default-features -- demo --out populace-demo.png
 
 .PHONY: demo test test-slow test-long native-faults mutants fuzz soak conformance
 .PHONY: gpu-budget setup setup-tests lint doc release

@@ -183,7 +183,7 @@ impl Scene {
     /// Returns the slots of a member at the start.
     pub(crate) fn initial_slots(&self, member: usize) -> impl Iterator<Item = InitialSlot> + use<> {
         let clips = self.characters[self.character_index(member)].clips.len();
-        let mut random = Rng::one_of(self.seed, member);
+        let mut random = Rng::stream(self.seed, member as u64);
         let lower = self.slot_count - self.load.upper_slots();
         (0..self.slot_count).map(move |slot| InitialSlot {
             clip: random.below(clips),
@@ -195,7 +195,7 @@ impl Scene {
 
     /// Returns a member's look-at target in its model space.
     pub(crate) fn target(&self, member: usize) -> [f32; 3] {
-        let mut random = Rng::one_of(!self.seed, member);
+        let mut random = Rng::stream(!self.seed, member as u64);
         [2.0 * random.signed(), 1.2 + random.signed(), 3.0 + random.signed()]
     }
 
@@ -210,7 +210,7 @@ impl Scene {
         (0..count).map(move |index| {
             let member = (index * members / count + frame as usize) % members;
             let clips = self.characters[self.character_index(member)].clips.len();
-            let mut random = Rng::one_of(self.seed ^ (u64::from(frame) + 1), member);
+            let mut random = Rng::stream(self.seed ^ (u64::from(frame) + 1), member as u64);
             (member, random.below(clips))
         })
     }

@@ -96,10 +96,7 @@ fn run(command: Command) -> Result<(), Failure> {
         #[cfg(feature = "viewer")]
         Command::View(args) => commands::view::run(&args),
         #[cfg(not(feature = "viewer"))]
-        Command::View(_) => Err(Failure::usage(
-            "this program was built without the command view; \
-             `cargo build --release -p populace-cli` builds one that has it",
-        )),
+        Command::View(_) => Err(absent("view")),
         Command::Plan(args) => commands::plan::run(&args),
         Command::Film(args) => commands::film::run(&args),
         Command::Cast(args) => commands::cast::run(&args),
@@ -109,9 +106,14 @@ fn run(command: Command) -> Result<(), Failure> {
         #[cfg(feature = "bench")]
         Command::Bench(args) => commands::bench::run(&args),
         #[cfg(not(feature = "bench"))]
-        Command::Bench(_) => Err(Failure::usage(
-            "this program was built without the command bench; \
-             `cargo build --release -p populace-cli` builds one that has it",
-        )),
+        Command::Bench(_) => Err(absent("bench")),
     }
+}
+
+#[cfg(any(not(feature = "bench"), not(feature = "viewer")))]
+fn absent(command: &str) -> Failure {
+    Failure::usage(format!(
+        "this program was built without the command {command}; `make release` builds one that has \
+         it: target/release/populace"
+    ))
 }

@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 use std::f32::consts::{PI, TAU};
 
-use populace_testkit::Rng;
+use populace_random::Rng;
 
 /// Half the width of the crowd per unit of distance from its apex, which lies before the crowd. It
 /// is about that of the picture.

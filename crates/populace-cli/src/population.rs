@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use populace::clip::RootMotion;
 use populace::{ClipPlayback, Crowd, MemberId, Placement};
-use populace_testkit::Rng;
+use populace_random::Rng;
 use populace_variety::Appearance;
 
 use crate::camera::Pose;

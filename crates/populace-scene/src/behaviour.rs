@@ -11,7 +11,6 @@ mod hands;
 mod leans;
 mod person;
 mod phones;
-mod random;
 mod seats;
 mod settled;
 mod settling;

@@ -1,6 +1,7 @@
 //! Gazes: people look where the data say, or at somebody who passes.
 
 use populace::{Crowd, MemberId, Target, Weight};
+use populace_random::{mixed, unit_of};
 
 use crate::Error;
 use crate::motion::Moment;
@@ -175,14 +176,7 @@ fn is_turn(agent: usize, secs: f64, step_secs: f32) -> bool {
     turns(secs) > turns(secs - f64::from(step_secs))
 }
 
-/// Returns a number from 0 to 1 that two agents always draw (the mixer of D. Stafford, "Better bit
-/// mixing", 2011).
+/// Returns a number from 0 to 1 that two agents always draw.
 fn chance(agent: usize, other: usize) -> f32 {
-    let mut bits = (agent as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (other as u64 + 1);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    bits ^= bits >> 31;
-    #[expect(clippy::cast_precision_loss, reason = "24 bits are exact")]
-    let number = (bits >> 40) as f32;
-    number / 16_777_216.0
+    unit_of(mixed((agent as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (other as u64 + 1)))
 }

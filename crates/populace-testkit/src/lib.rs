@@ -28,12 +28,11 @@ pub mod image;
 pub mod oracle;
 mod plan;
 mod reading;
-mod rng;
 pub mod scenes;
 pub mod tolerance;
 
 pub use broken::{Broken, Corruption};
 pub use crowd::TestCrowd;
 pub use plan::{Inertialization, LayerPlan, MemberPlan, Play};
+pub use populace_random::Rng;
 pub use reading::MemberReading;
-pub use rng::Rng;

@@ -53,10 +53,11 @@ const ALLOWED: &[(&str, &[&str])] = &[
     ("populace-physics", &["populace"]),
     ("populace-locomotion", &["populace"]),
     ("populace-assets", &["populace-character", "populace-clip", "populace-model"]),
-    ("populace-bodies", &["populace-character", "populace-model"]),
+    ("populace-bodies", &["populace-character", "populace-model", "populace-random"]),
     ("populace-film", &[]),
     ("populace-lod", &["populace-character", "populace-model"]),
     ("populace-overlay", &[]),
+    ("populace-random", &[]),
     ("populace-trajectory", &[]),
     (
         "populace-scene",
@@ -66,6 +67,7 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-locomotion",
             "populace-physics",
             "populace-props",
+            "populace-random",
             "populace-trajectory",
         ],
     ),
@@ -78,11 +80,15 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-clip",
             "populace-device",
             "populace-model",
+            "populace-random",
             "populace-retarget",
         ],
     ),
     ("populace-cast", &["populace-character", "populace-clip", "populace-model"]),
-    ("populace-props", &["populace-character", "populace-clip", "populace-model"]),
+    (
+        "populace-props",
+        &["populace-character", "populace-clip", "populace-model", "populace-random"],
+    ),
     // The panels are written in the font of the overlays.
     (
         "populace-viewer",
@@ -107,7 +113,6 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-testkit",
         ],
     ),
-    // The places of members are drawn by the testkit's random generator.
     (
         "populace-cli",
         &[
@@ -120,9 +125,9 @@ const ALLOWED: &[(&str, &[&str])] = &[
             "populace-locomotion",
             "populace-lod",
             "populace-overlay",
+            "populace-random",
             "populace-render",
             "populace-scene",
-            "populace-testkit",
             "populace-trajectory",
             "populace-variety",
             "populace-viewer",

@@ -53,9 +53,13 @@ fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
         Format::TrajNetPlusPlus => trajnet_plus_plus::read(input, settings),
         Format::Menge => menge::read(input, settings),
         #[cfg(not(feature = "sqlite"))]
-        Format::JuPedSim => Err(input.malformed(None, "this build was made without SQLite")),
+        Format::JuPedSim => Err(input
+            .malformed(None, "this build has no reader of SQLite; build with the feature sqlite")),
         #[cfg(not(feature = "hdf5"))]
-        Format::Hdf5 => Err(input.malformed(None, "this build was made without HDF5")),
+        Format::Hdf5 => {
+            Err(input
+                .malformed(None, "this build has no reader of HDF5; build with the feature hdf5"))
+        }
     };
     area::with_area(recording?, input, settings)
 }

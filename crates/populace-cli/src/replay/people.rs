@@ -1,7 +1,7 @@
 //! The people who play the agents of a recording.
 
+use populace_random::Rng;
 use populace_scene::{Motion, Motions, Person};
-use populace_testkit::Rng;
 use populace_trajectory::{Agent, Kind, Recording};
 
 use crate::people::appearances;

@@ -62,7 +62,7 @@ fn begin(world: &mut World, crowd: &mut Crowd, who: usize, usage: Use) -> Result
 
 /// Lets a soldier hold its spear, if it has the motion.
 pub(crate) fn hold_spear(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
-    let phase = world.people[who].random.part();
+    let phase = world.people[who].random.unit();
     let playback = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
     world.play(crowd, who, Use::Spear, (UPPER, playback))?;
     Ok(())

@@ -7,11 +7,11 @@ use populace::{
     CharacterId, ClipPlayback, Crowd, JointIndex, LayerMode, LayerSettings, MemberId, Placement,
     Target, Trs, Weight,
 };
+use populace_random::Rng;
 
 use super::body::{Body, Use};
 use super::falls::direction;
 use super::person::{Doing, Kind, Person};
-use super::random::Random;
 use super::world::{Stand, UPPER, WHOLE, World};
 use super::{armies, driving, settled, traffic};
 use crate::Error;
@@ -93,7 +93,7 @@ impl Arrival<'_> {
         let mut on_foot = Vec::new();
         for of in people {
             let mut random = self.random(world);
-            let pace = habits.speed * random.between(0.82, 1.18);
+            let pace = habits.speed * random.between_f32(0.82, 1.18);
             let start = Start::at([0.0; 3], 0.0, (kind, Doing::Strolls));
             let who = self.spawn(world, crowd, (of, random), Start { pace, ..start })?;
             let lacks_driver = |vehicle: &traffic::Vehicle| {
@@ -147,7 +147,7 @@ impl Arrival<'_> {
             let start = Start::at(at, plan.facing_deg.to_radians(), (kind, Doing::Watches));
             let who = self.spawn(world, crowd, (of, random), start)?;
             if let Some(sit) = world.body(who).clip(Use::Sit) {
-                let phase = world.people[who].random.part();
+                let phase = world.people[who].random.unit();
                 let playback = ClipPlayback::looping().phase(phase);
                 crowd.member_mut(world.member(who))?.play(sit.id, playback)?;
             }
@@ -173,20 +173,20 @@ impl Arrival<'_> {
             let mut random = self.random(world);
             let (row, column) = (nth / rank, nth % rank);
             let [across, behind] = plan.spacing_m;
-            let off = Vec2::new(random.between(-0.12, 0.12), random.between(-0.15, 0.15));
+            let off = Vec2::new(random.between_f32(-0.12, 0.12), random.between_f32(-0.15, 0.15));
             let aside = (column as f32 - 0.5 * (rank - 1) as f32) * across + off.x;
             let post = Vec2::from(plan.at) + left * aside - ahead * (row as f32 * behind + off.y);
             let at = post - ahead * plan.advance_m;
             let height = self.stage.ground().height_at(at.x, at.y);
             let start = Start::at([at.x, height, at.y], yaw_rad, (kind, Doing::Advances));
-            let (pace, is_in_front) = (random.between(1.0, 1.12), row == 0);
+            let (pace, is_in_front) = (random.between_f32(1.0, 1.12), row == 0);
             let start = Start { pace, post, is_in_front, ..start };
             let who = self.spawn(world, crowd, (of, random), start)?;
             let member = world.member(who);
             world.walkers.add(crowd, member)?;
             world.walkers.set_speed(member, pace)?;
             armies::hold_spear(world, crowd, who)?;
-            let phase = world.people[who].random.part();
+            let phase = world.people[who].random.unit();
             let playback = ClipPlayback::looping().phase(phase);
             world.play(crowd, who, Use::Shield, (WHOLE, playback))?;
         }
@@ -211,7 +211,7 @@ impl Arrival<'_> {
             let behind = (nth / row) as f32 * plan.spacing_m;
             let at = Vec2::from(plan.at) + left * aside - ahead * behind;
             let height = self.stage.ground().height_at(at.x, at.y);
-            let phase = random.part();
+            let phase = random.unit();
             let start = Start::at([at.x, height, at.y], yaw_rad, (Kind::Stands, Doing::Stands));
             let who = self.spawn(world, crowd, (of, random), start)?;
             let clip = crowd.clip(world.body(who).character, &plan.clip)?;
@@ -222,8 +222,8 @@ impl Arrival<'_> {
     }
 
     /// Returns the random numbers of the next person.
-    fn random(&self, world: &World) -> Random {
-        Random::new(self.plan.seed, world.people.len() as u64)
+    fn random(&self, world: &World) -> Rng {
+        Rng::stream(self.plan.seed, world.people.len() as u64)
     }
 
     /// Spawns a person and sets its layers. Returns its number.
@@ -231,7 +231,7 @@ impl Arrival<'_> {
         &self,
         world: &mut World,
         crowd: &mut Crowd,
-        (of, random): (&CastPerson, Random),
+        (of, random): (&CastPerson, Rng),
         start: Start,
     ) -> Result<usize, Error> {
         let body = self.body(world, crowd, of.character)?;
@@ -292,7 +292,7 @@ impl Arrival<'_> {
             }
             let mask = world.body(who).mask(crowd, *mask)?;
             let clip = crowd.clip(world.body(who).character, clip)?;
-            let phase = world.people[who].random.part();
+            let phase = world.people[who].random.unit();
             let mode = if *additive { LayerMode::Additive } else { LayerMode::default() };
             let mut member = crowd.member_mut(world.member(who))?;
             member.set_layer(layer, LayerSettings { mode, weight: *weight }, mask)?;
@@ -336,7 +336,7 @@ impl Arrival<'_> {
         }
         let parcel = crowd.spawn(*parcel, Placement::at([0.0; 3]))?;
         crowd.member_mut(parcel)?.attach_to(world.member(who), joint, offset)?;
-        let phase = world.people[who].random.part();
+        let phase = world.people[who].random.unit();
         let looping = ClipPlayback::looping().phase(phase);
         world.play(crowd, who, Use::Carry, (UPPER, looping))?;
         world.people[who].carries = true;

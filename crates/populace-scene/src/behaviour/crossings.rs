@@ -55,7 +55,7 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     });
     let nearest = ends.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(m, ..)| *m < NOTICED_M);
     let Some((_, crossing, side)) = nearest else { return Ok(false) };
-    let aside = world.people[who].random.between(-0.42, 0.42);
+    let aside = world.people[who].random.between_f32(-0.42, 0.42);
     let to = end(&world.crossings[crossing], side, aside);
     world.people[who].doing =
         Doing::NearsCrossing { crossing, side, until: world.now + PATIENCE_SECS };
@@ -97,8 +97,8 @@ pub(crate) fn settle(
     });
     let ends: Vec<(usize, usize)> = ends.collect();
     let random = &mut world.people[who].random;
-    let (along, aside) = (random.part(), random.between(-0.42, 0.42));
-    let Some((crossing, side)) = ends.get(index_at(ends.len(), random.part())).copied() else {
+    let (along, aside) = (random.unit(), random.between_f32(-0.42, 0.42));
+    let Some((crossing, side)) = ends.get(index_at(ends.len(), random.unit())).copied() else {
         return Ok(false);
     };
     let until = PATIENCE_SECS;
@@ -168,7 +168,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
         }
         Doing::Waits { crossing, side } if may_cross(world, crossing) => {
-            let aside = world.people[who].random.between(-0.42, 0.42);
+            let aside = world.people[who].random.between_f32(-0.42, 0.42);
             let to = end(&world.crossings[crossing], 1 - side, aside);
             let member = world.member(who);
             world.face(who, None)?;

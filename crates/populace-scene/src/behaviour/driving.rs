@@ -324,7 +324,7 @@ pub(crate) fn board(
     let [x, y, z] = world.traffic.models[vehicle.model].seat;
     let parent = vehicle.member;
     let offset = Trs { translation: [x, y - CLIP_SEAT_M, z], ..Trs::IDENTITY };
-    let phase = world.people[who].random.part();
+    let phase = world.people[who].random.unit();
     let looping = ClipPlayback::looping();
     // Those who have just got in are in the first pose of the loop.
     let is_new = matches!(world.people[who].doing, Doing::GetsIn { .. });

@@ -58,7 +58,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         Doing::FacesAway { lean, until } => {
             let yaw_rad = world.leans[lean].0.facing_deg.to_radians();
             if world.faces(crowd, who, yaw_rad)? || now > until {
-                let secs = world.people[who].random.between(LEANS_SECS[0], LEANS_SECS[1]);
+                let secs = world.people[who].random.between_f32(LEANS_SECS[0], LEANS_SECS[1]);
                 world.counts.leaned += 1;
                 stand_against(world, crowd, who, (lean, now + f64::from(secs)))?;
             }
@@ -87,7 +87,7 @@ fn stand_against(
 ) -> Result<(), Error> {
     let member = world.member(who);
     world.walkers.set_heedless(member, true)?;
-    let phase = world.people[who].random.part();
+    let phase = world.people[who].random.unit();
     let looping = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
     world.play(crowd, who, Use::Lean, (WHOLE, looping))?;
     if world.people[who].random.chance(READS) {
@@ -110,7 +110,7 @@ pub(crate) fn settle(
     let places =
         world.leans.iter().map(|(lean, taken)| taken.is_none().then_some(Vec2::from(lean.at)));
     let places: Vec<_> = places.collect();
-    let part = world.people[who].random.part();
+    let part = world.people[who].random.unit();
     let Some((lean, footway)) = settling.free(world, &places, part) else { return Ok(false) };
     let (plan, taken) = &mut world.leans[lean];
     *taken = Some(who);
@@ -118,7 +118,7 @@ pub(crate) fn settle(
     settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
     world.face(who, Some(yaw_rad))?;
     world.people[who].footway = footway;
-    let until = f64::from(world.people[who].random.between(0.5, LEANS_SECS[1]));
+    let until = f64::from(world.people[who].random.between_f32(0.5, LEANS_SECS[1]));
     stand_against(world, crowd, who, (lean, until))?;
     Ok(true)
 }

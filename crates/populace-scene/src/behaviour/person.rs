@@ -2,8 +2,7 @@
 
 use glam::Vec2;
 use populace::MemberId;
-
-use super::random::Random;
+use populace_random::Rng;
 
 /// The activity of a person. Times are seconds of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +116,7 @@ pub(crate) struct Person {
     pub(crate) body: usize,
     pub(crate) kind: Kind,
     pub(crate) scale: f32,
-    pub(crate) random: Random,
+    pub(crate) random: Rng,
     pub(crate) doing: Doing,
     /// Its own walking speed in metres per second.
     pub(crate) pace: f32,

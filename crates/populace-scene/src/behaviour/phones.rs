@@ -50,7 +50,7 @@ fn begin(
     }
     let (member, own) = (world.member(who), world.people[who].pace);
     world.walkers.set_speed(member, pace * own)?;
-    let secs = world.people[who].random.between(least, most);
+    let secs = world.people[who].random.between_f32(least, most);
     Ok(Some(world.now + f64::from(secs)))
 }
 

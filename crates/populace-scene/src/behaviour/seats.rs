@@ -76,7 +76,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
         }
         Doing::SitsDown { seat, until } if now > until => {
-            let secs = world.people[who].random.between(SITS_SECS[0], SITS_SECS[1]);
+            let secs = world.people[who].random.between_f32(SITS_SECS[0], SITS_SECS[1]);
             let until = now + f64::from(secs);
             sit(world, crowd, who, ClipPlayback::looping().fade_in_secs(FADE_SECS))?;
             world.people[who].doing = Doing::Sits { seat, until };
@@ -105,7 +105,7 @@ fn sit(
     playback: ClipPlayback,
 ) -> Result<(), Error> {
     world.play(crowd, who, Use::Sit, (WHOLE, playback))?;
-    let chance = world.people[who].random.part();
+    let chance = world.people[who].random.unit();
     if chance < PHONES {
         world.play(crowd, who, Use::Phone, (UPPER, playback))?;
     } else if chance < PHONES + READS {
@@ -129,7 +129,7 @@ pub(crate) fn settle(
         .iter()
         .map(|(seat, taken)| taken.is_none().then_some(Vec2::new(seat.at[0], seat.at[2])));
     let places: Vec<_> = places.collect();
-    let part = world.people[who].random.part();
+    let part = world.people[who].random.unit();
     let Some((seat, footway)) = settling.free(world, &places, part) else { return Ok(false) };
     let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
     let at = front(world, seat);
@@ -138,9 +138,9 @@ pub(crate) fn settle(
     let member = world.member(who);
     world.walkers.set_facing(member, Some(yaw_rad))?;
     world.walkers.set_heedless(member, true)?;
-    let phase = world.people[who].random.part();
+    let phase = world.people[who].random.unit();
     sit(world, crowd, who, ClipPlayback::looping().phase(phase))?;
-    let until = f64::from(world.people[who].random.between(0.5, SITS_SECS[1]));
+    let until = f64::from(world.people[who].random.between_f32(0.5, SITS_SECS[1]));
     let person = &mut world.people[who];
     (person.footway, person.doing) = (footway, Doing::Sits { seat, until });
     Ok(true)

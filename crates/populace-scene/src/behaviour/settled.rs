@@ -46,7 +46,7 @@ pub(crate) fn settle(
     crossings::hold(world, crowd)?;
     let (mut walk, mut talk) = (Vec::new(), Vec::new());
     for who in people.iter().copied() {
-        let activity = choose(habits, world.people[who].random.part());
+        let activity = choose(habits, world.people[who].random.unit());
         let needs_hands = !matches!(activity, Some(Activity::Looks | Activity::Crosses));
         let activity = activity.filter(|_| !(needs_hands && world.people[who].carries));
         let has_begun = match activity {
@@ -119,7 +119,7 @@ fn set_off(
     });
     let first = settling.footways.first().copied().unwrap_or(0);
     let (footway, at, line) = found.unwrap_or_else(|| {
-        let along_m = world.people[who].random.part() * world.footways[first].length_m();
+        let along_m = world.people[who].random.unit() * world.footways[first].length_m();
         let (at, line) = world.footways[first].at(Place { along_m, aside_m: 0.0 });
         (first, at, line)
     });

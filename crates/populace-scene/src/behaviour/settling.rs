@@ -62,7 +62,7 @@ impl<'a> Settling<'a> {
         let all: f32 = self.footways.iter().map(|nth| world.footways[*nth].length_m()).sum();
         for _ in 0..TRIES {
             let random = &mut world.people[who].random;
-            let (mut along_m, aside) = (random.part() * all, random.between(-1.0, 1.0));
+            let (mut along_m, aside) = (random.unit() * all, random.between_f32(-1.0, 1.0));
             for footway in self.footways.iter().copied() {
                 let strip = &world.footways[footway];
                 if along_m > strip.length_m() {
@@ -105,7 +105,7 @@ impl<'a> Settling<'a> {
         crowd.member_mut(member)?.set_placement(placement)?;
         let (sin, cos) = yaw_rad.sin_cos();
         if speed > 0.0 {
-            let phase = world.people[who].random.part();
+            let phase = world.people[who].random.unit();
             let lead = Lead {
                 position: at.to_array(),
                 velocity: [sin * speed, cos * speed],

@@ -69,10 +69,10 @@ fn begin(
     (who, usage): (usize, Use),
     [least, most]: [f32; 2],
 ) -> Result<f64, Error> {
-    let phase = world.people[who].random.part();
+    let phase = world.people[who].random.unit();
     let playback = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
     world.play(crowd, who, usage, (UPPER, playback))?;
-    Ok(world.now + f64::from(world.people[who].random.between(least, most)))
+    Ok(world.now + f64::from(world.people[who].random.between_f32(least, most)))
 }
 
 /// Returns true if a wave passes a seat between two times.

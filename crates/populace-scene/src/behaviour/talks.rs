@@ -66,7 +66,7 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     others.sort_by(|a, b| turn(world, *a).total_cmp(&turn(world, *b)));
     people.truncate(1);
     people.extend(others);
-    let secs = world.people[who].random.between(9.0, 22.0);
+    let secs = world.people[who].random.between_f32(9.0, 22.0);
     let talk = Talk {
         people: people.clone(),
         middle,
@@ -102,7 +102,7 @@ pub(crate) fn settle(
     let Some((footway, middle, _)) = settling.place(world, *first, AROUND_M, 2.0 * AROUND_M) else {
         return Ok(false);
     };
-    let begins = Vec2::from_angle(TAU * world.people[*first].random.part());
+    let begins = Vec2::from_angle(TAU * world.people[*first].random.unit());
     let index = world.talks.len();
     for (nth, who) in people.iter().enumerate() {
         let away = begins.rotate(Vec2::from_angle(TAU * nth as f32 / people.len() as f32));
@@ -112,7 +112,7 @@ pub(crate) fn settle(
         let person = &mut world.people[*who];
         (person.footway, person.doing) = (footway, Doing::Talks { talk: index });
     }
-    let until = f64::from(world.people[*first].random.between(2.0, 20.0));
+    let until = f64::from(world.people[*first].random.between_f32(2.0, 20.0));
     let mut talk = Talk {
         people: people.to_vec(),
         middle,
@@ -190,7 +190,7 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
     }
     talk.speaker = (talk.speaker + 1) % talk.people.len();
     let speaker = talk.people[talk.speaker];
-    let secs = world.people[speaker].random.between(2.5, 5.5);
+    let secs = world.people[speaker].random.between_f32(2.5, 5.5);
     talk.turn_until = world.now + f64::from(secs);
     let listener = talk.people[(talk.speaker + 1) % talk.people.len()];
     for who in talk.people.clone() {
@@ -198,7 +198,7 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
             world.people[who].doing = Doing::Talks { talk };
         }
         let usage = if who == speaker { Use::Talk } else { Use::Listen };
-        let phase = world.people[who].random.part();
+        let phase = world.people[who].random.unit();
         let playback = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
         world.play(crowd, who, usage, (UPPER, playback))?;
         let at = world.eyes(if who == speaker { listener } else { speaker });

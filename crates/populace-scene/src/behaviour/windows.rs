@@ -63,7 +63,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         Doing::FacesSpot { spot, until } => {
             let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
             if world.faces(crowd, who, yaw_rad)? || now > until {
-                let secs = world.people[who].random.between(LOOKS_SECS[0], LOOKS_SECS[1]);
+                let secs = world.people[who].random.between_f32(LOOKS_SECS[0], LOOKS_SECS[1]);
                 look_in(world, crowd, who, (spot, now + f64::from(secs)))?;
                 world.counts.looked_in += 1;
             }
@@ -111,7 +111,7 @@ pub(crate) fn settle(
     let places =
         world.spots.iter().map(|(spot, taken)| taken.is_none().then_some(Vec2::from(spot.at)));
     let places: Vec<_> = places.collect();
-    let part = world.people[who].random.part();
+    let part = world.people[who].random.unit();
     let Some((spot, footway)) = settling.free(world, &places, part) else { return Ok(false) };
     let (plan, taken) = &mut world.spots[spot];
     *taken = Some(who);
@@ -119,7 +119,7 @@ pub(crate) fn settle(
     settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
     world.face(who, Some(yaw_rad))?;
     world.people[who].footway = footway;
-    let until = f64::from(world.people[who].random.between(0.5, LOOKS_SECS[1]));
+    let until = f64::from(world.people[who].random.between_f32(0.5, LOOKS_SECS[1]));
     look_in(world, crowd, who, (spot, until))?;
     Ok(true)
 }

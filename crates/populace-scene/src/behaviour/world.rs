@@ -234,7 +234,7 @@ impl World {
         let left = if person.direction > 0.0 { footway.length_m() - along } else { along };
         if left < SENT_ON_M {
             person.direction = -person.direction;
-            person.lane = person.random.between(0.1, 0.95);
+            person.lane = person.random.between_f32(0.1, 0.95);
         }
         let along_m = (along + SENT_M * person.direction).clamp(0.0, footway.length_m());
         let aside_m = -person.direction * person.lane * footway.half_m;

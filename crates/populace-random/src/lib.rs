@@ -1,10 +1,28 @@
-//! The random number generator of tests, benchmarks and pictures.
+//! Random numbers that stay the same for a seed, on every machine and in every version: pictures,
+//! replays and random tests depend on them.
 
 use glam::{DQuat, DVec3};
 
-/// A random stream that is the same on every machine and in every version: SplitMix64 (Steele, Lea
-/// and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014) with the mixing
-/// function of Java's `SplittableRandom`.
+/// The odd number nearest to 2^64 over the golden ratio.
+const STEP: u64 = 0x9e37_79b9_7f4a_7c15;
+
+/// Returns 64 bits that look random and depend on all of `bits` (variant 13 of D. Stafford, "Better
+/// bit mixing", 2011).
+#[must_use]
+pub const fn mixed(bits: u64) -> u64 {
+    let a = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let b = (a ^ (a >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    b ^ (b >> 31)
+}
+
+/// Returns the multiple of 2^-24 in `0..1` that the upper 24 bits give.
+#[must_use]
+pub fn unit_of(bits: u64) -> f32 {
+    (bits >> 40) as f32 / (1u32 << 24) as f32
+}
+
+/// A random stream: SplitMix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number
+/// generators", OOPSLA 2014) with the mixing function of Java's `SplittableRandom`.
 #[derive(Clone, Debug)]
 pub struct Rng(u64);
 
@@ -12,7 +30,7 @@ impl Rng {
     /// Starts the stream of a seed.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x5851_f42d_4c95_7f2d)
+        Self(seed.wrapping_mul(STEP) ^ 0x5851_f42d_4c95_7f2d)
     }
 
     /// Continues the stream that has this state.
@@ -21,18 +39,18 @@ impl Rng {
         Self(state)
     }
 
-    /// Starts the stream number `number` of a seed.
+    /// Starts the stream `number` of a seed, such as that of one member.
     #[must_use]
-    pub fn one_of(seed: u64, number: usize) -> Self {
-        Self(Self(seed ^ (number as u64).rotate_left(32)).bits())
+    pub fn stream(seed: u64, number: u64) -> Self {
+        let mut stream = Self(seed ^ number.wrapping_mul(0xd134_2543_de82_ef95));
+        stream.bits();
+        stream
     }
 
     /// Returns the next 64 bits.
     pub fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let a = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let b = (a ^ (a >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        b ^ (b >> 31)
+        self.0 = self.0.wrapping_add(STEP);
+        mixed(self.0)
     }
 
     /// Returns a uniformly distributed number in `low..high`.
@@ -42,7 +60,12 @@ impl Rng {
 
     /// Returns a uniformly distributed multiple of 2^-24 in `0..1`.
     pub fn unit(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u32 << 24) as f32
+        unit_of(self.bits())
+    }
+
+    /// Returns a uniformly distributed number in `low..high`, from 24 bits.
+    pub fn between_f32(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * self.unit()
     }
 
     /// Returns a uniformly distributed multiple of 2^-23 in `-1..1`.
@@ -60,8 +83,8 @@ impl Rng {
     }
 
     /// Returns true with probability `share`.
-    pub fn chance(&mut self, share: f64) -> bool {
-        self.between(0.0, 1.0) < share
+    pub fn chance(&mut self, share: impl Into<f64>) -> bool {
+        self.between(0.0, 1.0) < share.into()
     }
 
     /// Returns a vector with all components in `low..high`.
@@ -107,7 +130,7 @@ mod tests {
     fn streams_stay_as_they_are() {
         let mut zero = Rng::from_state(0);
         assert_eq!([zero.bits(), zero.bits()], [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4]);
-        let streams = [Rng::new(1), Rng::one_of(1, 2), Rng::one_of(2, 1)];
+        let streams = [Rng::new(1), Rng::stream(1, 2), Rng::stream(2, 1)];
         let first = streams.map(|mut rng| rng.bits());
         assert_eq!(first, [0x1dfd_cec4_ec04_f63f, 0x34e4_55ca_854b_4973, 0x55d7_b0f4_33ae_a643]);
     }
