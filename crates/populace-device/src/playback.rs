@@ -28,6 +28,7 @@ pub(crate) fn ramp(elapsed_ticks: u64, start: f32, rate: f32, end: f32) -> f32 {
 
 /// Returns the rate per second of a weight that changes `from` one value `to` another in `secs`, at
 /// least one tick. Returns 0 for an immediate change.
+#[inline]
 pub(crate) fn ramp_rate(from: f32, to: f32, secs: f32) -> f32 {
     if secs > 0.0 { (to - from) / secs.max(TICK_SECS) } else { 0.0 }
 }
@@ -118,6 +119,7 @@ impl Slot {
 
     /// Moves the slot to a layer. Layers of 2^24 or above, which no member has, become the last one
     /// below that.
+    #[inline]
     #[must_use]
     pub fn on_layer(mut self, layer: u32) -> Self {
         self.layer_and_mode = layer.min(u32::MAX >> SLOT_MODE_BITS) << SLOT_MODE_BITS | self.mode();
@@ -163,6 +165,7 @@ impl Slot {
 
     /// Changes the weight `from` one value `to` another in `secs`, at least one tick, beginning at
     /// `tick`. The change is immediate if `secs` is not above zero.
+    #[inline]
     pub fn ramp_weight(&mut self, tick: u64, from: f32, to: f32, secs: f32) {
         let rate = ramp_rate(from, to, secs);
         // A weight that falls immediately keeps the earlier weight in `start_weight`.

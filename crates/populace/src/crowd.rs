@@ -6,6 +6,7 @@ mod attach;
 mod base;
 mod batch;
 mod builder;
+mod by_member;
 mod constraints;
 mod devices;
 mod events;

@@ -238,9 +238,9 @@ impl Tables {
     }
 
     fn replace_slot(&mut self, index: usize, slot: Slot) {
-        let before = self.all.slots.as_slice()[index];
+        let before = self.all.slots.as_slice()[index].machine_instance();
         self.all.slots.set(index, slot);
-        self.update_instance_uses(before.machine_instance(), slot.machine_instance());
+        self.update_instance_uses(before, slot.machine_instance());
     }
 
     /// Replaces a layer of a member.

@@ -1,19 +1,18 @@
 //! Attachments: members that follow a joint of another, on the device and in the same frame.
 
-use std::collections::HashMap;
-
 use populace_device::layout::MAX_PHASES;
 use populace_model::{JointIndex, Trs};
 
 use super::MemberId;
 use super::base::Base;
+use super::by_member::ByMember;
 use super::constraints::Constraints;
 use crate::{AttachmentFault, Error};
 
 /// Attachments of members, by member index.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Attachments {
-    by_member: HashMap<u32, Attached>,
+    by_member: ByMember<Attached>,
 }
 
 /// The parent and the children of a member.
@@ -74,8 +73,8 @@ impl Attachments {
             return Err(error);
         }
         self.unlink(base, constraints, child)?;
-        self.by_member.entry(child.number()).or_default().parent = Some(parent);
-        self.by_member.entry(to.number()).or_default().children.push(child);
+        self.by_member.get_or_default(child.number()).parent = Some(parent);
+        self.by_member.get_or_default(to.number()).children.push(child);
         self.place_children(base, to)
     }
 
@@ -139,21 +138,21 @@ impl Attachments {
     }
 
     fn parent(&self, child: MemberId) -> Option<Parent> {
-        self.by_member.get(&child.number())?.parent
+        self.by_member.get(child.number())?.parent
     }
 
     /// Returns the index of the parent of the member at an index.
     pub(super) fn parent_index(&self, member_index: u32) -> Option<u32> {
-        Some(self.by_member.get(&member_index)?.parent?.member.number())
+        Some(self.by_member.get(member_index)?.parent?.member.number())
     }
 
     fn child(&self, parent: MemberId, nth: usize) -> Option<MemberId> {
-        self.by_member.get(&parent.number())?.children.get(nth).copied()
+        self.by_member.get(parent.number())?.children.get(nth).copied()
     }
 
     /// Returns the number of levels of attachments on a member.
     fn levels(&self, member: MemberId) -> u32 {
-        let own = self.by_member.get(&member.number()).into_iter();
+        let own = self.by_member.get(member.number()).into_iter();
         let children = own.flat_map(|attached| &attached.children);
         children.map(|child| 1 + self.levels(*child)).max().unwrap_or(0)
     }
@@ -188,17 +187,17 @@ impl Attachments {
     ) -> Result<(), Error> {
         let Some(parent) = self.parent(child) else { return Ok(()) };
         unfollow_joint(base, constraints, parent)?;
-        if let Some(attached) = self.by_member.get_mut(&child.number()) {
+        if let Some(attached) = self.by_member.get_mut(child.number()) {
             attached.parent = None;
         }
-        if let Some(attached) = self.by_member.get_mut(&parent.member.number()) {
+        if let Some(attached) = self.by_member.get_mut(parent.member.number()) {
             attached.children.retain(|other| *other != child);
         }
         for index in [child.number(), parent.member.number()] {
             let is_done =
                 |attached: &Attached| attached.parent.is_none() && attached.children.is_empty();
-            if self.by_member.get(&index).is_some_and(is_done) {
-                self.by_member.remove(&index);
+            if self.by_member.get(index).is_some_and(is_done) {
+                self.by_member.remove(index);
             }
         }
         Ok(())

@@ -14,6 +14,7 @@ use populace_device::layout::Slot;
 use populace_device::{BodyIndex, MemberLook, Place, Tables, View, Visibility};
 use populace_model::RoleMap;
 use populace_settings::parts::{Key, Parts};
+use rustc_hash::FxHashMap;
 
 use super::slab::Slab;
 use crate::{CharacterId, ClipId, Error, IdKind, MemberId, Placement};
@@ -59,7 +60,7 @@ pub(super) struct Assets {
     /// By their index in the tables.
     pub(super) clips: Slab<Arc<Clip>>,
     pub(super) characters: Slab<CharacterState>,
-    pub(super) bound_clips: HashMap<(BodyIndex, ClipIndex), Bound>,
+    pub(super) bound_clips: FxHashMap<(BodyIndex, ClipIndex), Bound>,
     /// Bound clips that were replaced after roles had changed. Slots may still play them.
     pub(super) replaced: Vec<((BodyIndex, ClipIndex), Bound)>,
     /// Roles of the skeletons that clips were made for, where set.
@@ -150,9 +151,14 @@ impl Base {
     pub(super) fn check(&self, member: MemberId) -> Result<CharacterId, Error> {
         let Key { crowd, index, generation } = member.parts();
         self.check_crowd(IdKind::Member, crowd, index)?;
-        let same = |s: &&MemberState| s.generation == generation;
-        let state = self.members.all.get(index as usize).filter(same);
-        state.and_then(|s| s.character).ok_or(Error::StaleMember)
+        match self.members.all.get(index as usize) {
+            Some(MemberState { generation: own, character: Some(character), .. })
+                if *own == generation =>
+            {
+                Ok(*character)
+            }
+            _ => Err(Error::StaleMember),
+        }
     }
 
     /// Returns the handle of the member at an index.
@@ -170,8 +176,10 @@ impl Base {
     pub(super) fn known_clip(&self, clip: ClipId) -> Result<&Arc<Clip>, Error> {
         let Key { crowd, index, generation } = clip.parts();
         self.check_crowd(IdKind::Clip, crowd, index)?;
-        let known = self.assets.clips.get((index, generation));
-        known.ok_or(Error::UnknownId { what: IdKind::Clip, index })
+        match self.assets.clips.get((index, generation)) {
+            Some(known) => Ok(known),
+            None => Err(Error::UnknownId { what: IdKind::Clip, index }),
+        }
     }
 
     /// The slots of the member at an index.

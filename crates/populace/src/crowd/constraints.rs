@@ -13,6 +13,7 @@ use populace_settings::parts::{Check, Parts, check_secs, device_target};
 
 use super::MemberId;
 use super::base::Base;
+use super::by_member::ByMember;
 use crate::{Allowed, Error, Gaze, Reach, Target, Weight};
 use humanoid::limb_above;
 use limb::limb_of;
@@ -25,7 +26,7 @@ const SOFT: f32 = 0.03;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Constraints {
     /// By member index.
-    controls: HashMap<u32, MemberControls>,
+    controls: ByMember<MemberControls>,
     /// Watched joints: index on the device and number of users.
     watches: HashMap<(MemberId, JointIndex), (u32, usize)>,
     /// Bone-length factors in use, by body and the bits of the factors: their offset on the device
@@ -167,7 +168,7 @@ impl Constraints {
             Some(first) => first,
             None => base.tables.add_joint_scales(factors)?,
         };
-        let old = self.controls.get(&member.number()).and_then(|state| state.controls.proportions);
+        let old = self.controls.get(member.number()).and_then(|state| state.controls.proportions);
         let changed = self.change(base, member, |controls| {
             controls.proportions = Some(first);
             Ok(())
@@ -276,7 +277,7 @@ impl Constraints {
             }
             Ok(())
         })?;
-        let aimed = &mut self.controls.entry(member.number()).or_default().aimed;
+        let aimed = &mut self.controls.get_or_default(member.number()).aimed;
         aimed.retain(|(other, _)| !goals.contains(other));
         aimed.extend(goals.into_iter().map(|goal| (goal, tick)));
         Ok(())
@@ -284,7 +285,7 @@ impl Constraints {
 
     /// Returns whether a constraint received a target less than `secs` ago.
     fn was_aimed_within(&self, base: &Base, member: MemberId, goal: Goal, secs: f32) -> bool {
-        let aimed = self.controls.get(&member.number()).into_iter().flat_map(|state| &state.aimed);
+        let aimed = self.controls.get(member.number()).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
         let ticks = populace_clip::ticks_from_secs(f64::from(secs));
         of_goal.any(|(_, tick)| base.clock.tick - tick < ticks)
@@ -306,7 +307,7 @@ impl Constraints {
 
     /// Returns the number of a member's root motion, if it has any.
     pub(super) fn motion(&self, member: MemberId) -> Option<u32> {
-        self.controls.get(&member.number())?.controls.motion
+        self.controls.get(member.number())?.controls.motion
     }
 
     pub(super) fn plants_feet(&self, member: MemberId) -> bool {
@@ -324,13 +325,13 @@ impl Constraints {
     }
 
     fn controls(&self, member: MemberId) -> Option<&MemberControls> {
-        self.controls.get(&member.number())
+        self.controls.get(member.number())
     }
 
     /// Returns the indices of the members that run a user stage, in ascending order.
     pub(super) fn users_of_stage(&self, number: u32) -> BTreeSet<u32> {
         let uses = |state: &MemberControls| state.controls.stages.iter().any(|u| u.stage == number);
-        self.controls.iter().filter(|(_, state)| uses(state)).map(|(index, _)| *index).collect()
+        self.controls.iter().filter(|(_, state)| uses(state)).map(|(index, _)| index).collect()
     }
 
     /// Changes a member's constraint program. Nothing is changed on an error.
@@ -342,7 +343,7 @@ impl Constraints {
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         let skeleton = &base.assets.characters[character.parts().index].character.skeleton;
-        let state = self.controls.entry(member.number()).or_default();
+        let state = self.controls.get_or_default(member.number());
         let mut controls = state.controls.clone();
         change(&mut controls)?;
         forget_faded(&mut controls, base.clock.tick);
@@ -358,7 +359,7 @@ impl Constraints {
 
     /// Removes the constraint program of a member that is despawned.
     pub(super) fn forget(&mut self, base: &mut Base, member: MemberId) {
-        if let Some(state) = self.controls.remove(&member.number()) {
+        if let Some(state) = self.controls.remove(member.number()) {
             self.release_proportions(base, state.controls.proportions);
             for (other, joint) in state.watching {
                 self.unwatch_joint(base, other, joint);

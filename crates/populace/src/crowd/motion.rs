@@ -1,12 +1,11 @@
 //! Root motion of members.
 
-use std::collections::HashMap;
-
 use populace_device::layout::{Float4, MOTION_STATE, NONE, STATES_PER_CONTROL, WATCHED_ELEMENTS};
 use populace_model::JointIndex;
 use populace_settings::parts::Parts;
 
 use super::base::{Base, MemberState};
+use super::by_member::ByMember;
 use super::constraints::Constraints;
 use super::watches::Readbacks;
 use super::{MemberId, Watch};
@@ -16,7 +15,7 @@ use crate::{Error, Placement};
 #[derive(Clone, Debug, Default)]
 pub(super) struct RootMotion {
     /// By member index.
-    moving: HashMap<u32, Moving>,
+    moving: ByMember<Moving>,
     /// The number of times that root motion has begun.
     begun: u32,
 }
@@ -52,7 +51,7 @@ impl RootMotion {
         readbacks: &mut Readbacks,
         member: MemberId,
     ) -> Result<(), Error> {
-        let known = self.moving.get(&member.number()).map(|moving| moving.watch);
+        let known = self.moving.get(member.number()).map(|moving| moving.watch);
         let watch = match known {
             Some(watch) => watch,
             None => readbacks.watch(base, constraints, member, JointIndex(0))?,
@@ -95,7 +94,7 @@ impl RootMotion {
         readbacks: &mut Readbacks,
         member: MemberId,
     ) {
-        if let Some(moving) = self.moving.remove(&member.number()) {
+        if let Some(moving) = self.moving.remove(member.number()) {
             base.members.all[member.number() as usize].moves = false;
             readbacks.unwatch(base, constraints, moving.watch);
         }
@@ -112,7 +111,7 @@ impl RootMotion {
         for (index, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {
             let Some(watched) = constraints.watched_index(moving.watch.key()) else { continue };
             let first = (watched * WATCHED_ELEMENTS) as usize;
-            let MemberState { character, placement, .. } = base.members.all[*index as usize];
+            let MemberState { character, placement, .. } = base.members.all[index as usize];
             let Some(character) = character else { continue };
             let skeleton = &base.assets.characters[character.parts().index].character.skeleton;
             let rest = skeleton.rest(JointIndex(0)).translation;
@@ -125,7 +124,7 @@ impl RootMotion {
 
     /// Returns the root-motion offset of the member at an index when palettes were last acquired.
     pub(super) fn offset(&self, index: u32) -> Option<[f32; 3]> {
-        self.moving.get(&index).map(|moving| moving.moved)
+        self.moving.get(index).map(|moving| moving.moved)
     }
 
     /// Returns the elements of the history that hold a member's motion; `None` if it has not moved.
@@ -135,7 +134,7 @@ impl RootMotion {
         constraints: &Constraints,
         member: MemberId,
     ) -> Option<MotionState> {
-        let moving = self.moving.get(&member.number())?;
+        let moving = self.moving.get(member.number())?;
         let control = base.tables.members().as_slice()[member.number() as usize].control;
         let motion = constraints.motion(member)?;
         let has_moved = moving.since < base.clock.tick && control != NONE;

@@ -7,11 +7,10 @@ mod playback;
 pub(super) mod scheduled;
 pub(super) mod slots;
 
-use std::collections::HashMap;
-
 use populace_device::layout::Slot;
 
 use super::MemberId;
+use super::by_member::ByMember;
 use super::slab::Slab;
 use blend_spaces::{ActiveSpace, Space};
 use machines::Machines;
@@ -27,8 +26,8 @@ pub(super) struct Player {
     pub(super) scheduled: ScheduledStarts,
     last_serial: u32,
     pub(super) spaces: Slab<Space>,
-    /// The blend space that a member plays, by member index.
-    pub(super) active_space: HashMap<u32, ActiveSpace>,
+    /// The blend space that a member plays.
+    pub(super) active_space: ByMember<ActiveSpace>,
     pub(super) machines: Machines,
     /// Slots that ended during an update: member index, slot and tick.
     pub(super) left: Vec<(u32, Slot, u64)>,
@@ -43,7 +42,7 @@ impl Player {
     /// Forgets what a despawned member plays.
     pub(super) fn forget(&mut self, member: MemberId) {
         self.scheduled.retain(member.number(), |_| false);
-        self.active_space.remove(&member.number());
+        self.active_space.remove(member.number());
     }
 
     /// Returns a number that no other start has.

@@ -162,11 +162,11 @@ impl State {
         let is_active = |index: u32, space: &super::player::blend_spaces::ActiveSpace| {
             space.space == own && player.is_heard(base, index, space)
         };
-        let active = player.active_space.iter().any(|(index, space)| is_active(*index, space));
+        let active = player.active_space.iter().any(|(index, space)| is_active(index, space));
         if active || player.scheduled.any(is_due) {
             return Err(in_use(IdKind::BlendSpace, User::Playback));
         }
-        player.active_space.retain(|_, space| space.space != own);
+        player.active_space.retain(|space| space.space != own);
         player.spaces.remove(own);
         Ok(())
     }

@@ -131,8 +131,8 @@ impl Base {
     pub(crate) fn character_state(&self, id: CharacterId) -> Result<&CharacterState, Error> {
         let Key { crowd, index, generation } = id.parts();
         self.check_crowd(IdKind::Character, crowd, index)?;
-        let unknown = Error::UnknownId { what: IdKind::Character, index };
-        self.assets.characters.get((index, generation)).ok_or(unknown)
+        let unknown = || Error::UnknownId { what: IdKind::Character, index };
+        self.assets.characters.get((index, generation)).ok_or_else(unknown)
     }
 
     pub(crate) fn character_state_mut(
@@ -141,7 +141,7 @@ impl Base {
     ) -> Result<&mut CharacterState, Error> {
         let Key { crowd, index, generation } = id.parts();
         self.check_crowd(IdKind::Character, crowd, index)?;
-        let unknown = Error::UnknownId { what: IdKind::Character, index };
-        self.assets.characters.get_mut((index, generation)).ok_or(unknown)
+        let unknown = || Error::UnknownId { what: IdKind::Character, index };
+        self.assets.characters.get_mut((index, generation)).ok_or_else(unknown)
     }
 }

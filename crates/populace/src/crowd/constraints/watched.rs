@@ -20,12 +20,12 @@ impl Constraints {
     ) -> Result<u32, Error> {
         let key = (other, joint);
         let watching =
-            self.controls.get(&watcher.number()).is_some_and(|state| state.watching.contains(&key));
+            self.controls.get(watcher.number()).is_some_and(|state| state.watching.contains(&key));
         if let Some((watched, _)) = self.watches.get(&key).filter(|_| watching) {
             return Ok(*watched);
         }
         let watched = self.watch_joint(base, other, joint)?;
-        self.controls.entry(watcher.number()).or_default().watching.push(key);
+        self.controls.get_or_default(watcher.number()).watching.push(key);
         Ok(watched)
     }
 
@@ -72,7 +72,7 @@ impl Constraints {
     /// Ends the watches of joints that no target of the member names any longer.
     pub(super) fn unwatch_unused(&mut self, base: &mut Base, member: MemberId) {
         let Some(state) =
-            self.controls.get_mut(&member.number()).filter(|state| !state.watching.is_empty())
+            self.controls.get_mut(member.number()).filter(|state| !state.watching.is_empty())
         else {
             return;
         };

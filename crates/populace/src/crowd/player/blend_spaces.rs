@@ -129,7 +129,7 @@ impl Player {
                 waits = true;
             }
         });
-        let Some(active_space) = self.active_space.get(&member.number()) else {
+        let Some(active_space) = self.active_space.get(member.number()) else {
             let not_playing = Error::BadBlendSpace(BlendSpaceFault::NotPlaying);
             return if waits { Ok(()) } else { Err(not_playing) };
         };
@@ -146,7 +146,7 @@ impl Player {
 
     /// Returns the phase of the blend space that a member plays, 0 to 1.
     pub(crate) fn space_phase(&self, base: &Base, member: MemberId) -> Option<f32> {
-        let active_space = self.active_space.get(&member.number())?;
+        let active_space = self.active_space.get(member.number())?;
         Some(single(active_space.phase_at(base.clock.tick) as f64 / CYCLE))
     }
 
@@ -163,10 +163,10 @@ impl Player {
     pub(crate) fn forget_space(&mut self, member_index: u32, layer: usize) {
         if self
             .active_space
-            .get(&member_index)
+            .get(member_index)
             .is_some_and(|active_space| active_space.play.layer == layer)
         {
-            self.active_space.remove(&member_index);
+            self.active_space.remove(member_index);
         }
     }
 
@@ -227,7 +227,7 @@ impl Player {
         let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
         let action = Action::Move { at, over_secs: secs };
         self.scheduled.push(member_index, due, Start { action, ..start.at_its_time() });
-        if let Some(active_space) = self.active_space.get_mut(&member_index) {
+        if let Some(active_space) = self.active_space.get_mut(member_index) {
             active_space.at = None;
         }
     }
@@ -241,7 +241,7 @@ impl Player {
         tick: u64,
     ) -> Result<(), Error> {
         let Some(active_space) =
-            self.active_space.get(&member_index).copied().filter(|s| s.serial == start.serial)
+            self.active_space.get(member_index).copied().filter(|s| s.serial == start.serial)
         else {
             return Ok(()); // Something else has started since.
         };
@@ -267,7 +267,8 @@ impl Player {
         let is_there = |sample| {
             self.sample_slot(base, member_index, active_space.serial, sample, tick).is_some()
         };
-        let weights = if secs > 0.0 {
+        let all_there = all.iter().all(|(sample, weight)| *weight <= 0.0 || is_there(*sample));
+        let weights = if secs > 0.0 && !all_there {
             strongest(all, is_there, self.free_slot_count(base, member_index, tick, plan))
         } else {
             all

@@ -1,6 +1,5 @@
 //! State machines that members run: their parameters and states.
 
-use std::collections::HashMap;
 use std::sync::Arc;
 
 use populace_device::layout::{MACHINE_PARAMETERS, NONE, Running, Slot};
@@ -8,6 +7,7 @@ use populace_device::{BodyIndex, Tables};
 use populace_settings::parts::{
     Check, Compiled, Key, ParameterParts, Parts, Playback, bounded, check_layer, compile, find,
 };
+use rustc_hash::FxHashMap;
 
 use super::Player;
 use super::scheduled::{Action, Start};
@@ -24,9 +24,9 @@ use crate::{Error, IdKind, MachineFault, MachinePart, StateMachine};
 pub(crate) struct Machines {
     all: Slab<Compiled>,
     /// The first state row on the device of each machine bound to a body.
-    bound: HashMap<(BodyIndex, u32), u32>,
+    bound: FxHashMap<(BodyIndex, u32), u32>,
     /// The body and the machine of the states that begin at a row.
-    by_state: HashMap<u32, (BodyIndex, u32)>,
+    by_state: FxHashMap<u32, (BodyIndex, u32)>,
 }
 
 impl Machines {

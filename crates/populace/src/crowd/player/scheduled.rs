@@ -3,12 +3,13 @@
 //! A scheduled start takes no slot. When the clock passes its tick it is executed as of that tick,
 //! so the slot has the same bits as if the call had been made at that time.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 
 use populace_device::layout::MACHINE_PARAMETERS;
 use populace_settings::parts::Playback;
 
 use crate::SpacePoint;
+use crate::crowd::by_member::ByMember;
 
 /// The action of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +52,7 @@ type Entry = (u64, u64, Start);
 /// All scheduled starts, by member and by time.
 #[derive(Clone, Default)]
 pub(crate) struct ScheduledStarts {
-    by_member: HashMap<u32, Vec<Entry>>,
+    by_member: ByMember<Vec<Entry>>,
     by_time: BTreeMap<(u64, u64), u32>,
     pushed: u64,
 }
@@ -60,7 +61,7 @@ impl ScheduledStarts {
     pub(crate) fn push(&mut self, member_index: u32, due: u64, start: Start) {
         self.pushed += 1;
         self.by_time.insert((due, self.pushed), member_index);
-        let starts = self.by_member.entry(member_index).or_default();
+        let starts = self.by_member.get_or_default(member_index);
         starts.push((due, self.pushed, start));
         starts.sort_by_key(|(due, order, _)| (*due, *order));
     }
@@ -71,12 +72,12 @@ impl ScheduledStarts {
 
     /// Iterates over the starts of a member in order of time, with the ticks at which they are due.
     pub(crate) fn of(&self, member_index: u32) -> impl Iterator<Item = (u64, &Start)> {
-        self.by_member.get(&member_index).into_iter().flatten().map(|(due, _, start)| (*due, start))
+        self.by_member.get(member_index).into_iter().flatten().map(|(due, _, start)| (*due, start))
     }
 
     /// Returns whether `which` selects any start.
     pub(crate) fn any(&self, which: impl Fn(&Start) -> bool) -> bool {
-        self.by_member.values().flatten().any(|(_, _, start)| which(start))
+        self.by_member.iter().flat_map(|(_, starts)| starts).any(|(_, _, start)| which(start))
     }
 
     /// Takes the first start that is due at or before `tick`.
@@ -86,18 +87,18 @@ impl ScheduledStarts {
             return None;
         }
         self.by_time.remove(&(due, order));
-        let starts = self.by_member.get_mut(&member_index)?;
+        let starts = self.by_member.get_mut(member_index)?;
         let at = starts.iter().position(|entry| entry.1 == order)?;
         let (_, _, start) = starts.remove(at);
         if starts.is_empty() {
-            self.by_member.remove(&member_index);
+            self.by_member.remove(member_index);
         }
         Some((due, member_index, start))
     }
 
     /// Drops the starts of a member for which `keep` returns false.
     pub(crate) fn retain(&mut self, member_index: u32, keep: impl Fn(&Start) -> bool) {
-        let Some(starts) = self.by_member.get_mut(&member_index) else { return };
+        let Some(starts) = self.by_member.get_mut(member_index) else { return };
         starts.retain(|(due, order, start)| {
             let kept = keep(start);
             if !kept {
@@ -106,7 +107,7 @@ impl ScheduledStarts {
             kept
         });
         if starts.is_empty() {
-            self.by_member.remove(&member_index);
+            self.by_member.remove(member_index);
         }
     }
 
@@ -116,7 +117,7 @@ impl ScheduledStarts {
         member_index: u32,
         mut change: impl FnMut(&mut u64, &mut Start),
     ) {
-        for (due, order, start) in self.by_member.get_mut(&member_index).into_iter().flatten() {
+        for (due, order, start) in self.by_member.get_mut(member_index).into_iter().flatten() {
             self.by_time.remove(&(*due, *order));
             change(due, start);
             self.by_time.insert((*due, *order), member_index);

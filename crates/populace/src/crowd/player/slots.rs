@@ -273,13 +273,14 @@ impl Player {
         tick: u64,
     ) -> Result<(), Error> {
         for index in 0..base.slots(member_index).len() {
-            let mut slot = base.slots(member_index)[index];
+            let slot = &base.slots(member_index)[index];
             if slot.layer() as usize != layer {
                 continue;
             }
             if secs <= 0.0 {
                 self.cut(base, member_index, index, tick)?;
-            } else if !faded_out(&slot, tick) {
+            } else if !faded_out(slot, tick) {
+                let mut slot = *slot;
                 slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
                 base.tables.set_slot(member_index, index, slot)?;
             }
