@@ -1,6 +1,6 @@
 //! Levels of detail: coarser meshes of a character, for small pictures of it.
 //!
-//! Each level is simplified from the one before it until its surface is a given distance off
+//! Each level is simplified from one before it until its surface is a given distance off
 //! (edge collapse by quadric error with attributes: M. Garland and P. S. Heckbert, "Simplifying
 //! surfaces with color and texture using quadric error metrics", IEEE Visualization 1998). Normals,
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
@@ -25,17 +25,21 @@ use populace_character::{Character, CharacterSource, Error, Level, Mesh, joints_
 use crate::groups::JointGroups;
 use crate::mesh::Simplifier;
 
-/// Errors of the levels, as fractions of the character's height, and the most influences of a
-/// vertex.
-const LEVELS: [(f32, usize); 8] = [
-    (0.001, 4),
-    (0.0018, 4),
-    (0.0032, 4),
-    (0.0056, 2),
-    (0.01, 2),
-    (0.018, 1),
-    (0.032, 1),
-    (0.056, 1),
+/// Errors of the levels, as fractions of the character's height; the most influences of a vertex; and
+/// whether the next levels are simplified from it. Small members are many, and between errors far
+/// apart they would be drawn much finer than they need. Errors add up along the chain, so it has none
+/// of the levels between.
+const LEVELS: [(f32, usize, bool); 10] = [
+    (0.001, 4, true),
+    (0.0018, 4, true),
+    (0.0032, 4, true),
+    (0.0056, 2, true),
+    (0.01, 2, true),
+    (0.018, 1, true),
+    (0.024, 1, false),
+    (0.032, 1, true),
+    (0.042, 1, false),
+    (0.056, 1, true),
 ];
 /// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
 /// than the one before.
@@ -61,16 +65,18 @@ pub fn with_levels(character: Character) -> Result<Character, Error> {
 #[must_use]
 pub fn levels_of(character: &Character) -> Vec<Level> {
     let mut simplifiers = simplifiers(character);
-    let most_m = LEVELS.map(|(fraction, _)| fraction).into_iter().fold(0.0, f32::max);
+    let most_m = LEVELS.map(|(fraction, ..)| fraction).into_iter().fold(0.0, f32::max);
     let beneath = cover::beneath(character, &simplifiers, most_m * character.height_m());
     let count =
         |simplifiers: &[Simplifier]| -> usize { simplifiers.iter().map(triangles_of).sum() };
     let mut levels: Vec<Level> = Vec::new();
     let mut shown = count(&simplifiers);
-    for (fraction, influences) in LEVELS {
+    for (fraction, influences, leads) in LEVELS {
         let error_m = fraction * character.height_m();
-        bound::simplify(&mut simplifiers, error_m, |_| true);
-        let left = count(&simplifiers);
+        let mut between = (!leads).then(|| simplifiers.clone());
+        let own = between.as_mut().unwrap_or(&mut simplifiers);
+        bound::simplify(own, error_m, |_| true);
+        let left = count(own);
         if left == 0 {
             break;
         }
@@ -78,7 +84,7 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
             continue;
         }
         shown = left;
-        let meshes = simplifiers.iter().zip(&beneath).map(|(simplifier, beneath)| {
+        let meshes = own.iter().zip(&beneath).map(|(simplifier, beneath)| {
             let offset = |vertex: usize| beneath[vertex].map(|b| b.offset(error_m));
             simplifier.mesh(influences, &offset)
         });

@@ -28,6 +28,7 @@ const COLORS: Range<usize> = 5..8;
 const LEAST_WEIGHT: f32 = 0.02;
 
 /// A part that becomes coarser step by step.
+#[derive(Clone)]
 pub(crate) struct Simplifier<'a> {
     source: &'a Mesh,
     /// How much each attribute counts.
