@@ -98,7 +98,7 @@ fn measure_all(args: &BenchArgs) -> Result<(Vec<Measurement>, Vec<Rival>), Failu
                 "baked is measured on the native device only; add --device native",
             ));
         }
-        report::message!("{members} members, {} subjects to measure", subjects.len());
+        report::message!("{members} members; subjects to measure: {}", subjects.len());
         let start =
             |program| Against::start(program, [members, args.slots], args.joints.unwrap_or(0));
         report.against = args.against.as_deref().map(start).transpose()?;
