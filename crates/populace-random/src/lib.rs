@@ -73,13 +73,10 @@ impl Rng {
         self.unit() * 2.0 - 1.0
     }
 
-    /// Returns a whole number below `count`.
-    ///
-    /// # Panics
-    ///
-    /// If `count` is 0.
+    /// Returns a whole number below `count`; 0 if that is 0.
     pub fn below(&mut self, count: usize) -> usize {
-        usize::try_from(self.bits() % count as u64).expect("the remainder is below a usize")
+        // The remainder is below a usize, so it always is one.
+        usize::try_from(self.bits() % count.max(1) as u64).unwrap_or_default()
     }
 
     /// Returns true with probability `share`.
@@ -140,7 +137,8 @@ mod tests {
         let mut rng = Rng::new(3);
         for _ in 0..1000 {
             assert!((0.0..1.0).contains(&rng.unit()) && (-1.0..1.0).contains(&rng.signed()));
-            assert!(rng.below(7) < 7 && (2.0..5.0).contains(&rng.between(2.0, 5.0)));
+            assert!(rng.below(7) < 7 && rng.below(0) == 0);
+            assert!((2.0..5.0).contains(&rng.between(2.0, 5.0)));
         }
     }
 }
