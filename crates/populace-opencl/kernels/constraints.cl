@@ -17,7 +17,7 @@ INLINE float4 column_of(float16 m, uint column)
 
 // Interpolates two affine transforms: the origin in a straight line, the axes by the shorter
 // rotation, and their lengths in proportion.
-APART_STEP float16 part_of_the_way(float16 from, float16 to, float k)
+SELDOM float16 part_of_the_way(float16 from, float16 to, float k)
 {
     const float4 from_x = unit_or(column_of(from, 0), vec(1.0f, 0.0f, 0.0f)),
                  to_x = unit_or(column_of(to, 0), vec(1.0f, 0.0f, 0.0f));
@@ -66,8 +66,8 @@ INLINE float16 override_model(Override given, float16 own)
 // Returns the member's placement in the world.
 INLINE float16 world_from_model(const Solver *s)
 {
-    const float4 place = s->control.place;
-    const float sine = s->control.sine * place.w, cosine = s->control.cosine * place.w;
+    const float4 place = s->control->place;
+    const float sine = s->control->sine * place.w, cosine = s->control->cosine * place.w;
     const float4 row0 = (float4)(cosine, 0.0f, sine, place.x);
     const float4 row1 = (float4)(0.0f, place.w, 0.0f, place.y);
     const float4 row2 = (float4)(-sine, 0.0f, cosine, place.z);
@@ -84,7 +84,7 @@ INLINE void keep_watched(const Solver *s, uint watched, float16 joint)
 }
 
 // Attaches a root to its parent member's joint, which an earlier phase of this frame published.
-APART_STEP float16 attach(const Solver *s, Step step, float16 own)
+SELDOM float16 attach(const Solver *s, Step step, float16 own)
 {
     __global const float4 *rows = s->tables->watched + step.index * WATCHED_ELEMENTS;
     const float16 parent = (float16)(rows[0], rows[1], rows[2], (float4)(0.0f));
@@ -118,22 +118,24 @@ INLINE float16 take_step(const Stop *at, uint lane, float16 own)
 INLINE void take_steps(Stop *at)
 {
     switch (at->step.kind) {
-    case STEP_ROTATION: matrix_rotated(&at->own, handed_down(at, 0)); return;
+    case STEP_ROTATION: rotate_own(at, handed_down(at, 0)); return;
     case STEP_GAZE: gaze(at); return;
     case STEP_PELVIS: pelvis(at); return;
     case STEP_REACH: reach(at); return;
     case STEP_FOOT: foot(at); return;
-    default:
-        for (uint lane = 0; lane < at->count; lane++)
-            put_matrix(&at->own, lane, take_step(at, lane, matrix_in(&at->own, lane)));
+    default: break;
     }
+    Matrix own = own_models(at);
+    for (uint lane = 0; lane < at->count; lane++)
+        put_matrix(&own, lane, take_step(at, lane, matrix_in(&own, lane)));
+    keep_models(at->joints, at->step.joint, &own);
 }
 
 #if LANES == 1
 
 // Runs all steps of one joint, for schedules that compute the joints of a level side by side.
-INLINE float16 solve_joint(const Solver *s, Hierarchy joints, Rotations rotations, uint joint,
-                           float16 own, float16 parent, bool has_parent)
+INLINE void solve_joint(const Solver *s, Hierarchy joints, Rotations rotations, uint joint,
+                        uint parent)
 {
     Stop at;
     at.members = s;
@@ -141,14 +143,11 @@ INLINE float16 solve_joint(const Solver *s, Hierarchy joints, Rotations rotation
     at.share_rows = true;
     at.joints = joints;
     at.rotations = rotations;
-    at.has_parent = has_parent;
-    put_matrix(&at.own, 0, own);
-    put_matrix(&at.parent, 0, parent);
-    for (at.nth = 0; at.nth < s->control.step_count; at.nth++) {
+    at.parent = parent;
+    for (at.nth = 0; at.nth < s->control->step_count; at.nth++) {
         at.step = step_in(&at, 0);
         if (at.step.joint == joint) take_steps(&at);
     }
-    return matrix_in(&at.own, 0);
 }
 
 #endif

@@ -52,8 +52,7 @@ INLINE Stepping play_in(const Stop *at, uint lane, uint nth)
 {
     const ConstraintTables *tables = at->members->tables;
     const Stepping none = { 0.0f, 0.0f, 0.0f, 0, 0 };
-    const Slot given =
-        tables->slots[at->members->control.member * tables->slots_per_member + nth];
+    const Slot given = tables->slots[at->members->control->member * tables->slots_per_member + nth];
     if (given.bound_clip == NONE || slot_layer(given) != 0) return none;
     const Slot slot = slot_now(given, tables->tick, tables->machines);
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tables->tick);

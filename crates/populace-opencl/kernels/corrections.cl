@@ -18,26 +18,24 @@ APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint jo
                    Local *posed)
 {
     Local trs = *posed;
-    const uint padded = body.padded_count;
     while (bound_block(tables, bound, joint)->flags & BLOCK_CORRECTED) {
         bound = tables->bound_clips[bound.next];
         if (bound.row_stride != 0) at = own_rows(tables, bound, at);
         const Columns columns = columns_of(tables, bound, joint);
-        __global const float *planes = tables->poses + bound.range_first + joint;
+        const Stored planes = stored_at(tables, bound.range_first + joint, body);
         if (!(columns.flags & REST_TRANSLATION)) {
-            const Vec3 arm = sample_vector(tables, columns, TRANSLATION, at, planes + 6 * padded,
-                                           planes + 9 * padded, padded);
+            const Vec3 arm = sample_vector(tables, columns, TRANSLATION, at, planes, 6);
             const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
             trs.t = vec3_add(trs.t, quat_rotated(unit, arm));
         }
-        Quat q = load_quat(planes, padded);
+        Quat q = stored_quat(planes, 0);
         if (columns.block.rotation_first != NONE) {
             const Quat n = rotation_steps(tables, columns, at);
-            const Real step = LOAD(planes + 4 * padded), step_w = LOAD(planes + 5 * padded);
+            const Real step = stored_real(planes, 4), step_w = stored_real(planes, 5);
             const Quat scaled = { n.x * step, n.y * step, n.z * step, n.w * step_w };
             q = quat_add(scaled, q);
         }
-        trs.r = quat_mul(quat_mul(trs.r, q), load_quat(planes + 10 * padded, padded));
+        trs.r = quat_mul(quat_mul(trs.r, q), stored_quat(planes, 10));
     }
     *posed = trs;
 }

@@ -21,17 +21,12 @@ typedef struct {
 INLINE void walk_leg(const Stop *at, __global const Constraint *foot, uint start, Vec3 axis,
                      Leg *leg)
 {
-    __global const Link *links = at->members->tables->links + foot->link_first;
     const uint ankle = ankle_link(foot);
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
     leg->hip = leg->knee = leg->bend = none;
-    leg->toes = leg->ankle = at->own;
+    leg->toes = leg->ankle = own_models(at);
     for (uint link = start; link < foot->link_count; link++) {
-        if (link > start) {
-            Matrix locals;
-            locals_of(at->joints, links[link].joint, &locals);
-            matrix_product(&leg->toes, &locals, &leg->toes);
-        }
+        if (link > start) walk(at, foot, link, &leg->toes);
         if (link == foot->upper) {
             leg->hip = matrix_origin(&leg->toes);
             leg->bend = matrix_transform_vector(&leg->toes, axis);
@@ -47,14 +42,12 @@ INLINE Legs bend_leg(const Leg *leg, const FootGoals *goals, Real soft, Real wei
     const Limb limb = { vec3_add_scaled(leg->knee, leg->hip, -1.0f),
                         vec3_add_scaled(matrix_origin(&leg->ankle), leg->knee, -1.0f), leg->bend,
                         vec3_add_scaled(goals->ankle, leg->hip, -1.0f) };
-    const Legs legs = {
-        limb,
-        bone_lengths(limb),
-        { goals->normal.x, goals->normal.y, goals->normal.z, goals->near },
-        goals->turn,
-        soft,
-        weight
-    };
+    const Legs legs = { limb,
+                        bone_lengths(limb),
+                        { goals->normal.x, goals->normal.y, goals->normal.z, goals->near },
+                        goals->turn,
+                        soft,
+                        weight };
     return legs;
 }
 
@@ -106,13 +99,26 @@ INLINE void hand_down_leg(Stop *at, uint foot, const Legs *legs)
     hand_down(at, 3 * foot + 2, rotations.ankle);
 }
 
-// Hands down goals, for legs that another step moves after the pelvis.
+// Hands down goals, for legs that are solved later.
 INLINE void hand_down_goals(Stop *at, uint foot, const FootGoals *goals)
 {
     const Quat ankle = { goals->ankle.x, goals->ankle.y, goals->ankle.z, goals->turn };
     const Quat follows = { goals->normal.x, goals->normal.y, goals->normal.z, goals->near };
     hand_down(at, 3 * foot, ankle);
     hand_down(at, 3 * foot + 1, follows);
+}
+
+// Returns legs from link `start` on, which is the joint of the step, to goals that were handed down.
+INLINE Legs legs_to_goals(const Stop *at, uint foot, uint start)
+{
+    const Numbers settings = settings_of(at, foot);
+    const Quat ankle = handed_down(at, 3 * foot), follows = handed_down(at, 3 * foot + 1);
+    const FootGoals goals = {
+        { ankle.x, ankle.y, ankle.z }, { follows.x, follows.y, follows.z }, ankle.w, follows.w
+    };
+    Leg leg;
+    walk_leg(at, constraint_in(at, 0) + foot, start, vec3_of(&settings, 0), &leg);
+    return bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
 }
 
 // Returns how far pelvises are lowered, in metres, and keeps it. They sink at once, so that feet
@@ -126,66 +132,76 @@ INLINE Real eased_drop(const Stop *at, Real wanted)
         const Solver *s = at->members + lane;
         const float4 left = s->tables->states_before[s->index * STATES_PER_CONTROL + PELVIS_STATE];
         PUT(before, lane, left.x);
-        PUT(known, lane, as_uint(left.w) == s->control.epoch ? 1.0f : 0.0f);
+        PUT(known, lane, as_uint(left.w) == s->control->epoch ? 1.0f : 0.0f);
     }
     const Choice rises = (wanted < before) & (known > (Real)(0.5f));
     const Real drop = rises ? before + (wanted - before) * part : wanted;
     for (uint lane = 0; lane < at->count; lane++) {
         const Solver *s = at->members + lane;
         s->tables->states[s->index * STATES_PER_CONTROL + PELVIS_STATE] =
-            (float4)(LANE(drop, lane), 0.0f, 0.0f, as_float(s->control.epoch));
+            (float4)(LANE(drop, lane), 0.0f, 0.0f, as_float(s->control->epoch));
     }
     return drop;
 }
 
 // Finds the goals of all feet, and lowers pelvises until the legs can reach them. Solves the legs
 // too, unless another step moves them after the pelvis.
-APART_STEP void pelvis(Stop *at)
+SELDOM void pelvis(Stop *at)
 {
     __global const Constraint *feet = constraint_in(at, 0);
     const uint count = feet->target_count;
     const Stance stance = stance_of(at);
-    FootStates states = foot_states(at, count);
-    Real within_secs[MAX_FEET], needed = 0.0f, weight = 0.0f;
+    Real needed = 0.0f, weight = 0.0f;
+#if LANES > 1
     Legs legs[MAX_FEET];
-    put_contacts(at, feet, count, within_secs);
-    for (uint foot = 0; foot < count; foot++) {
-        const Numbers settings = settings_of(at, foot);
-        Leg leg;
-        walk_leg(at, feet + foot, 0, vec3_of(&settings, 0), &leg);
-        const FootInputs inputs = { at->members->tables, feet + foot, &settings,
-                                    &stance,             &leg,        within_secs[foot] };
-        FootState state = foot_state(&states, foot);
-        const FootGoals goals = foot_goal(&inputs, &state);
-        put_foot_state(&states, foot, &state);
-        if (!feet->at_once) hand_down_goals(at, foot, &goals);
-        if (foot == 0) weight = settings.n[13];
-        legs[foot] = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
-        const Real own = sinks(&legs[foot]);
-        needed = needed < own ? own : needed;
+#endif
+    for (uint first = 0; first < count; first += FEET_AT_ONCE) {
+        FootStates states = foot_states(at, first);
+        Real within_secs[FEET_AT_ONCE];
+        const uint here = FEET_AT_ONCE == 1 ? 1 : min(count - first, FEET_AT_ONCE);
+        put_contacts(at, feet + first, here, within_secs);
+        for (uint nth = 0; nth < here; nth++) {
+            const uint foot = first + nth;
+            const Numbers settings = settings_of(at, foot);
+            Leg leg;
+            walk_leg(at, feet + foot, 0, vec3_of(&settings, 0), &leg);
+            const FootInputs inputs = { at,   at->members->tables, feet + foot, &settings, &stance,
+                                        &leg, within_secs[nth] };
+            const FootGoals goals = foot_goal(&inputs, &states, nth);
+            if (LANES == 1 || !feet->at_once) hand_down_goals(at, foot, &goals);
+            if (foot == 0) weight = settings.n[13];
+#if LANES == 1
+            const Legs bent = legs_to_goals(at, foot, 0);
+#else
+            const Legs bent = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
+            legs[foot] = bent;
+#endif
+            const Real own = sinks(&bent);
+            needed = needed < own ? own : needed;
+        }
+        keep_foot_states(at, &states, first, here);
     }
     const Real drop = eased_drop(at, needed * weight);
-    at->own.m[7] -= drop;
     for (uint foot = 0; foot < count && feet->at_once; foot++) {
-        legs[foot].limb.to.y += drop;
-        hand_down_leg(at, foot, &legs[foot]);
+#if LANES > 1
+        Legs bent = legs[foot];
+#else
+        // Walks once more, since an array that a variable indexes would take a GPU's stack.
+        Legs bent = legs_to_goals(at, foot, 0);
+#endif
+        bent.limb.to.y += drop;
+        hand_down_leg(at, foot, &bent);
     }
-    keep_foot_states(at, &states, count);
+    Matrix own = own_models(at);
+    own.m[7] -= drop;
+    keep_models(at->joints, at->step.joint, &own);
 }
 
 // Solves legs that another step moved after the pelvis. They go where the pelvis step found.
-APART_STEP void foot(Stop *at)
+SELDOM void foot(Stop *at)
 {
     __global const Constraint *constraint = constraint_in(at, 0);
-    const Numbers settings = settings_of(at, 0);
-    const Quat ankle = handed_down(at, 0), follows = handed_down(at, 1);
-    const FootGoals goals = { { ankle.x, ankle.y, ankle.z },
-                              { follows.x, follows.y, follows.z },
-                              ankle.w,
-                              follows.w };
-    Leg leg;
-    walk_leg(at, constraint, constraint->upper, vec3_of(&settings, 0), &leg);
-    const Legs legs = bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
+    const Legs legs = legs_to_goals(at, 0, constraint->upper);
     hand_down_leg(at, 0, &legs);
-    matrix_rotated(&at->own, handed_down(at, 0));
+    rotate_own(at, handed_down(at, 0));
 }

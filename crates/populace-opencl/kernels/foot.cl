@@ -42,19 +42,21 @@ INLINE Vec3 turned(Turn turn, Vec3 v)
 }
 
 // Feet as their clips and the members' strides pose them, in model space. `along` leads from heel to
-// ball, as the clips have it. `sole` are its points relative to the ankle, as the clips have them:
-// first the point on the ground beneath the ankle, which stands in for a sole without points. Then
-// the index of the lowest point, the point, and its height in model space.
+// ball, as the clips have it. Then the count of the sole's points; the index of the lowest one, that
+// point relative to the ankle, and its height in model space; and the point that stood before.
 typedef struct {
-    Vec3 ankle, along, lowest_point;
+    Vec3 ankle, along, lowest_point, stood;
     Turn turn;
-    Vec3 sole[1 + SOLE_POINTS];
+#if LANES > 1
+    Vec3 sole[SOLE_POINTS]; // relative to the ankle
+#endif
     uint points;
     Real lowest, clearance;
 } Stepped;
 
 // Feet and all that they go by.
 typedef struct {
+    const Stop *at;
     const ConstraintTables *tables;
     __global const Constraint *foot; // of the first member
     const Numbers *settings;
@@ -76,54 +78,59 @@ INLINE Vec3 same_in_lanes(float4 v)
     return all;
 }
 
-// Adds the points of the sole that a joint carries.
-INLINE void put_points(Stepped *stepped, const Matrix *joint, Vec3 ankle,
-                       __global const float4 *points, uint count)
+// Returns a point of the soles in the joint that carries it: those of the ankle come first, then those
+// of the toes.
+INLINE Vec3 sole_point(const FootInputs *in, uint nth)
 {
-    for (uint i = 0; i < count; i++) {
-        const Vec3 at = matrix_transform_point(joint, same_in_lanes(points[i]));
-        const Vec3 point = vec3_add_scaled(at, ankle, -1.0f);
+    __global const Constraint *foot = in->foot;
+    const uint of_ankle = foot->sole_count;
+    return same_in_lanes(in->tables->soles[nth < of_ankle ? foot->sole_first + nth
+                                                          : foot->toe_first + nth - of_ankle]);
+}
+
+// Finds the lowest point of the soles, and the one that stood before, whose index is `pivot`. The
+// point on the ground beneath the ankle stands in for a sole without points.
+INLINE void put_points(const FootInputs *in, Real pivot, Stepped *stepped)
+{
+    const Vec3 ankle = matrix_origin(&in->leg->ankle);
+    const Vec3 beneath = { ankle.x, ankle.y - in->settings->n[15], ankle.z };
+    stepped->points = in->foot->sole_count + in->foot->toe_count;
+    stepped->lowest = 0.0f;
+    stepped->lowest_point = stepped->stood = vec3_add_scaled(beneath, ankle, -1.0f);
+    stepped->clearance = stepped->points == 0 ? beneath.y : (Real)(FLT_MAX);
+    for (uint nth = 0; nth < stepped->points; nth++) {
+        const Matrix *joint = nth < in->foot->sole_count ? &in->leg->ankle : &in->leg->toes;
+        const Vec3 at = matrix_transform_point(joint, sole_point(in, nth)),
+                   point = vec3_add_scaled(at, ankle, -1.0f);
         const Choice is_lower = at.y < stepped->clearance;
         stepped->clearance = is_lower ? at.y : stepped->clearance;
-        stepped->lowest = is_lower ? (Real)((float)stepped->points) : stepped->lowest;
+        stepped->lowest = is_lower ? (Real)((float)nth) : stepped->lowest;
         stepped->lowest_point = vec3_choose(is_lower, point, stepped->lowest_point);
-        stepped->sole[++stepped->points] = point;
+        const Choice was_before = pivot < (Real)((float)nth - 0.5f);
+        stepped->stood = vec3_choose(was_before, stepped->stood, point);
+#if LANES > 1
+        stepped->sole[nth] = point;
+#endif
     }
 }
 
 // Applies the members' strides: distances that the clips step along +Z, from the ankle's position at
 // rest, are scaled and turned, and the foot turns by them about the origin.
-INLINE void step_foot(const FootInputs *in, Stepped *stepped)
+INLINE void step_foot(const FootInputs *in, Real pivot, Stepped *stepped)
 {
     __global const Constraint *foot = in->foot;
-    __global const float4 *soles = in->tables->soles, *of_ankle = soles + foot->sole_first;
+    __global const float4 *of_ankle = in->tables->soles + foot->sole_first;
     const Vec3 at = matrix_origin(&in->leg->ankle), with = in->stance->stride;
     const Real rest_z = in->settings->n[14], stride = at.z - rest_z;
     const Vec3 strided = { at.x + stride * with.x, at.y, rest_z + stride * with.y };
-    const Vec3 beneath = { at.x, at.y - in->settings->n[15], at.z }, none = { 0.0f, 0.0f, 0.0f };
+    const Vec3 none = { 0.0f, 0.0f, 0.0f };
     stepped->turn = turn_of(with.z * stride);
     stepped->ankle = turned(stepped->turn, strided);
     stepped->along = none;
     if (foot->sole_count > 1)
         stepped->along = matrix_transform_vector(
             &in->leg->ankle, same_in_lanes(of_ankle[foot->sole_count - 1] - of_ankle[0]));
-    stepped->sole[0] = vec3_add_scaled(beneath, at, -1.0f);
-    stepped->points = 0;
-    stepped->lowest = 0.0f;
-    stepped->lowest_point = stepped->sole[0];
-    stepped->clearance = FLT_MAX;
-    put_points(stepped, &in->leg->ankle, at, of_ankle, foot->sole_count);
-    put_points(stepped, &in->leg->toes, at, soles + foot->toe_first, foot->toe_count);
-    if (stepped->points == 0) stepped->clearance = beneath.y;
-}
-
-// Returns the points of the soles with an index in each lane, relative to the ankles.
-INLINE Vec3 sole_point(const Stepped *stepped, Real index)
-{
-    Vec3 point = stepped->sole[stepped->points];
-    for (uint nth = max(stepped->points, 1u) - 1; nth > 0; nth--)
-        point = vec3_choose(index < (Real)((float)nth - 0.5f), stepped->sole[nth], point);
-    return point;
+    put_points(in, pivot, stepped);
 }
 
 // Returns a part of the way from 0 to 1 that begins and ends without speed.
@@ -204,8 +211,7 @@ INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *st
 {
     Lock lock;
     const Vec3 none = { 0.0f, 0.0f, 0.0f };
-    const Vec3 kept_arm =
-        vec3_choose(state->planted, turned(turn, sole_point(stepped, state->pivot)), none);
+    const Vec3 kept_arm = vec3_choose(state->planted, turned(turn, stepped->stood), none);
     const Vec3 pivot = vec3_to_world(in->stance, vec3_add(stepped->ankle, kept_arm));
     lock.vector = offset(state, pivot, decay, most, &lock.moved_elsewhere);
     const Real relock = FOOT_RELOCK * most;
@@ -241,50 +247,83 @@ INLINE Vec3 ankle_over(const Stance *stance, const Stepped *stepped, Vec3 place,
     return vec3_add_scaled(vec3_to_model(stance, over), tilted, -1.0f);
 }
 
-// Returns where feet go. `state` becomes that after this frame.
-INLINE FootGoals foot_goal(const FootInputs *in, FootState *state)
+// Where the points of soles go: as the clips have them, turned, and moved by the offset of the lock.
+typedef struct {
+    Turn turn;
+    Vec3 offset;
+    Real edge; // see stand_on()
+} SolesTo;
+
+INLINE void stand_on_point(const FootInputs *in, const Stepped *stepped, const SolesTo *to,
+                           Vec3 point, Under *under)
+{
+    const Vec3 at = vec3_to_world(in->stance, vec3_add(stepped->ankle, turned(to->turn, point)));
+    stand_on(in->tables, under, vec3_add(at, to->offset), to->edge);
+}
+
+// Raises the ground under soles until none of their points is in it.
+INLINE void stand_on_points(const FootInputs *in, const Stepped *stepped, const SolesTo *to,
+                            Under *under)
+{
+#if LANES == 1
+    // Walks once more, since an array that a variable indexes would take a GPU's stack.
+    __global const Constraint *foot = in->foot;
+    const uint ankle_at = ankle_link(foot);
+    Matrix joint = own_models(in->at);
+    Vec3 ankle = matrix_origin(&joint);
+    for (uint link = 0, nth = 0; link < foot->link_count; link++) {
+        if (link > 0) walk(in->at, foot, link, &joint);
+        if (link == ankle_at) ankle = matrix_origin(&joint);
+        const uint of_ankle = link < ankle_at ? 0 : foot->sole_count,
+                   end = link + 1 < foot->link_count ? of_ankle : stepped->points;
+        for (; nth < end; nth++) {
+            const Vec3 at = matrix_transform_point(&joint, sole_point(in, nth));
+            stand_on_point(in, stepped, to, vec3_add_scaled(at, ankle, -1.0f), under);
+        }
+    }
+#else
+    for (uint nth = 0; nth < stepped->points; nth++)
+        stand_on_point(in, stepped, to, stepped->sole[nth], under);
+#endif
+    settle(under);
+}
+
+// Returns where the nth feet of `states` go, and puts their states after this frame there.
+INLINE FootGoals foot_goal(const FootInputs *in, FootStates *states, uint nth)
 {
     const ConstraintTables *tables = in->tables;
     const Stance *stance = in->stance;
+    const FootState state = foot_state(states, nth);
     const Real none = 0.0f, most = in->settings->n[11] * stance->scale;
     Stepped stepped;
     FootGoals goals;
-    step_foot(in, &stepped);
+    step_foot(in, state.pivot, &stepped);
     const Choice standing = stands(in, stepped.ankle.y, &goals.near);
     const float decay = 1.0f / (1.0f + tables->elapsed_secs * (1.0f / FOOT_RELEASE_SECS));
     const Vec3 own = level_direction(stance, turned(stepped.turn, stepped.along));
-    const Real lag = in->foot->sole_count > 1 ? turn_lag(state, own, decay) : none;
+    const Real lag = in->foot->sole_count > 1 ? turn_lag(&state, own, decay) : none;
     const Turn turn = turn_and(stepped.turn, lag);
-    const Lock to = lock(in, state, &stepped, standing, turn, decay, most);
-    const Vec3 place =
-        vec3_add(vec3_to_world(stance, vec3_add(stepped.ankle, to.arm)), to.vector);
-    Under under = ground_under(tables, place);
-    if (tables->ground->per_metre > 0.0f) {
-        for (uint point = 0; point < stepped.points; point++) {
-            const Vec3 arm = turned(turn, stepped.sole[point + 1]);
-            const Vec3 at = vec3_to_world(stance, vec3_add(stepped.ankle, arm));
-            stand_on(tables, &under, vec3_add(at, to.vector), FOOT_EDGE * most);
-        }
-        settle(&under);
-    }
-    state->known = state->known & !to.moved_elsewhere;
-    const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near);
-    Real climb;
-    const Real height = shown_height(tables, state, to.planted, &under, ahead, &climb);
+    const Lock to = lock(in, &state, &stepped, standing, turn, decay, most);
+    const Vec3 place = vec3_add(vec3_to_world(stance, vec3_add(stepped.ankle, to.arm)), to.vector);
     const Vec3 direction = turned(turn_of(lag), own);
+    const Choice known = state.known & !to.moved_elsewhere;
     const FootState next = { to.planted ? place.x : to.vector.x,
                              to.planted ? place.z : to.vector.z,
                              to.planted ? direction.x : lag,
                              to.planted ? direction.z : none,
-                             height,
-                             to.planted ? height - under.ground : none,
-                             climb,
                              to.pivot,
                              to.planted,
                              to.released,
-                             state->known };
-    *state = next;
-    const Vec3 over = { place.x, height, place.z };
+                             known };
+    put_foot_state(states, nth, next);
+    Under under = ground_under(tables, place);
+    const SolesTo soles_to = { turn, to.vector, FOOT_EDGE * most };
+    if (tables->ground->per_metre > 0.0f) stand_on_points(in, &stepped, &soles_to, &under);
+    const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near);
+    const FootHeights heights = next_heights(tables, foot_heights(states, nth), known,
+                                             state.planted, to.planted, &under, ahead);
+    put_foot_heights(states, nth, heights);
+    const Vec3 over = { place.x, heights.shown, place.z };
     goals.normal = vec3_direction_to_model(stance, under.normal);
     goals.ankle = ankle_over(stance, &stepped, over, to.arm, goals.normal, goals.near);
     goals.turn = turn.half_tan;

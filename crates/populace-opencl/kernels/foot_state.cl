@@ -5,16 +5,20 @@
 //
 // Twin of populace-native/src/constraints/foot_state.rs: same arithmetic, same order of operations.
 
-// A foot's state, in world space. If planted: the horizontal position of the pivot and its index, the
-// direction from heel to toes along X and Z, and the height of the pivot above the true ground. Else
-// the offset from the clip, and the tangent of half the angle by which the foot is turned from it.
-// Then the height of the ground that the foot is shown on, and the speed at which it rises to it; and
-// whether the lock was let go within a contact that has not ended, and whether the member had a state
-// in the previous frame.
+// A foot's state, in world space. If planted: the horizontal position of the pivot and its index, and
+// the direction from heel to toes along X and Z. Else the offset from the clip, and the tangent of
+// half the angle by which the foot is turned from it. Then whether the lock was let go within a
+// contact that has not ended, and whether the member had a state in the previous frame.
 typedef struct {
-    Real x, z, along_x, along_z, height, above, climb, pivot;
+    Real x, z, along_x, along_z, pivot;
     Choice planted, released, known;
 } FootState;
+
+// The height of the ground that a foot is shown on, the height of a planted foot's pivot above the
+// true ground, and the speed at which the first rises.
+typedef struct {
+    Real shown, above, climb;
+} FootHeights;
 
 // Places and strides of members, in lanes.
 typedef struct {
@@ -22,44 +26,107 @@ typedef struct {
     Real scale, sine, cosine;
 } Stance;
 
-// Stored states of members' feet, sixteen numbers for two feet, and the members' epochs.
+// Feet whose stored states are sixteen numbers, which turn into lanes at once. A GPU takes one foot
+// after another, which needs no arrays.
+#if LANES == 1
+#define FEET_AT_ONCE 1u
+#else
+#define FEET_AT_ONCE 2u
+#endif
+
+INLINE uint stored_foot(const Solver *s, uint foot)
+{
+    return s->index * STATES_PER_CONTROL + FOOT_STATE + 2 * foot;
+}
+
+#if LANES == 1
+
+// The member, and the first element of a foot's state, which is eight numbers.
 typedef struct {
-    Numbers pairs[MAX_FEET / 2];
+    const Solver *member;
+    uint first;
+} FootStates;
+
+INLINE FootStates foot_states(const Stop *at, uint foot)
+{
+    const FootStates states = { at->members, stored_foot(at->members, foot) };
+    return states;
+}
+
+INLINE uint epochs_of(const FootStates *all) { return all->member->control->epoch; }
+
+INLINE float foot_number(const FootStates *all, uint nth, uint i)
+{
+    return ((__global const float *)(all->member->tables->states_before + all->first))[i];
+}
+
+INLINE void put_foot_number(FootStates *all, uint nth, uint i, float number)
+{
+    ((__global float *)(all->member->tables->states + all->first))[i] = number;
+}
+
+INLINE void keep_foot_states(const Stop *at, FootStates *all, uint first, uint count) {}
+
+#else
+
+// Stored states of FEET_AT_ONCE feet, and the members' epochs.
+typedef struct {
+    Numbers feet;
     Words epochs;
 } FootStates;
 
-// Returns the states of the first `feet` feet of each member.
-INLINE FootStates foot_states(const Stop *at, uint feet)
+INLINE FootStates foot_states(const Stop *at, uint first)
 {
     FootStates all;
+    all.feet = no_numbers();
     all.epochs = 0;
-    for (uint lane = 0; lane < at->count; lane++)
-        PUT_WORD(all.epochs, lane, at->members[lane].control.epoch);
-    for (uint pair = 0; 2 * pair < feet; pair++) {
-        Numbers *numbers = all.pairs + pair;
-        *numbers = no_numbers();
-        for (uint lane = 0; lane < at->count; lane++) {
-            const Solver *s = at->members + lane;
-            const uint first = s->index * STATES_PER_CONTROL + FOOT_STATE + 4 * pair;
-            put_numbers(numbers, lane, (__global const float *)(s->tables->states_before + first));
-        }
-        turn_numbers(numbers);
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        PUT_WORD(all.epochs, lane, s->control->epoch);
+        put_numbers(&all.feet, lane,
+                    (__global const float *)(s->tables->states_before + stored_foot(s, first)));
     }
+    turn_numbers(&all.feet);
     return all;
 }
 
-INLINE FootState foot_state(const FootStates *all, uint foot)
+INLINE Words epochs_of(const FootStates *all) { return all->epochs; }
+
+INLINE Real foot_number(const FootStates *all, uint nth, uint i)
 {
-    const Real *place = all->pairs[foot / 2].n + 8 * (foot % 2), *turn = place + 4, none = 0.0f;
-    const Words bits = AS_WORDS(place[3]);
-    const Choice known = bits >> FOOT_STATE_BITS == all->epochs;
-    const FootState state = { known ? place[0] : none,
-                              known ? place[2] : none,
-                              known ? turn[0] : none,
-                              known ? turn[1] : none,
-                              place[1],
-                              turn[2],
-                              turn[3],
+    return all->feet.n[8 * nth + i];
+}
+
+INLINE void put_foot_number(FootStates *all, uint nth, uint i, Real number)
+{
+    all->feet.n[8 * nth + i] = number;
+}
+
+// Writes the states of `count` feet of members, from `first` on.
+INLINE void keep_foot_states(const Stop *at, FootStates *all, uint first, uint count)
+{
+    turn_numbers(&all->feet);
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        for (uint i = 0; i < 2 * count; i++)
+            s->tables->states[stored_foot(s, first) + i] = numbers_in(&all->feet, lane, 4 * i);
+    }
+}
+
+#endif
+
+// Numbers of a foot's state.
+enum { FOOT_X, FOOT_SHOWN, FOOT_Z, FOOT_BITS, FOOT_ALONG_X, FOOT_ALONG_Z, FOOT_ABOVE, FOOT_CLIMB };
+
+INLINE FootState foot_state(const FootStates *all, uint nth)
+{
+    const Real none = 0.0f;
+    const Words bits = AS_WORDS(foot_number(all, nth, FOOT_BITS));
+    const Choice known = bits >> FOOT_STATE_BITS == epochs_of(all);
+    const FootState state = { known ? foot_number(all, nth, FOOT_X) : none,
+                              known ? foot_number(all, nth, FOOT_Z) : none,
+                              known ? foot_number(all, nth, FOOT_ALONG_X) : none,
+                              known ? foot_number(all, nth, FOOT_ALONG_Z) : none,
                               CONVERT_REAL(AS_INTS(bits >> 1 & 15u)),
                               known & ((bits & 1u) != 0u),
                               known & ((bits & 32u) != 0u),
@@ -67,37 +134,31 @@ INLINE FootState foot_state(const FootStates *all, uint foot)
     return state;
 }
 
-INLINE void put_foot_state(FootStates *all, uint foot, const FootState *state)
+INLINE FootHeights foot_heights(const FootStates *all, uint nth)
 {
-    Real *place = all->pairs[foot / 2].n + 8 * (foot % 2), *turn = place + 4;
-    const Words none = 0, flags = (state->released ? (Words)(32u) : none)
-                                  | (state->planted ? (Words)(1u) : none);
-    const Words bits =
-        all->epochs << FOOT_STATE_BITS | flags | CONVERT_WORDS(state->pivot) << 1;
-    place[0] = state->x;
-    place[1] = state->height;
-    place[2] = state->z;
-    place[3] = AS_REAL(bits);
-    turn[0] = state->along_x;
-    turn[1] = state->along_z;
-    turn[2] = state->above;
-    turn[3] = state->climb;
+    const FootHeights heights = { foot_number(all, nth, FOOT_SHOWN),
+                                  foot_number(all, nth, FOOT_ABOVE),
+                                  foot_number(all, nth, FOOT_CLIMB) };
+    return heights;
 }
 
-// Writes the states of the first feet of members.
-INLINE void keep_foot_states(const Stop *at, FootStates *all, uint feet)
+INLINE void put_foot_state(FootStates *all, uint nth, FootState state)
 {
-    for (uint pair = 0; 2 * pair < feet; pair++) {
-        Numbers *numbers = all->pairs + pair;
-        const uint count = min(feet - 2 * pair, 2u);
-        turn_numbers(numbers);
-        for (uint lane = 0; lane < at->count; lane++) {
-            const Solver *s = at->members + lane;
-            const uint first = s->index * STATES_PER_CONTROL + FOOT_STATE + 4 * pair;
-            for (uint i = 0; i < 2 * count; i++)
-                s->tables->states[first + i] = numbers_in(numbers, lane, 4 * i);
-        }
-    }
+    const Words none = 0, flags = (state.released ? (Words)(32u) : none)
+                                  | (state.planted ? (Words)(1u) : none);
+    const Words bits = epochs_of(all) << FOOT_STATE_BITS | flags | CONVERT_WORDS(state.pivot) << 1;
+    put_foot_number(all, nth, FOOT_X, state.x);
+    put_foot_number(all, nth, FOOT_Z, state.z);
+    put_foot_number(all, nth, FOOT_BITS, AS_REAL(bits));
+    put_foot_number(all, nth, FOOT_ALONG_X, state.along_x);
+    put_foot_number(all, nth, FOOT_ALONG_Z, state.along_z);
+}
+
+INLINE void put_foot_heights(FootStates *all, uint nth, FootHeights heights)
+{
+    put_foot_number(all, nth, FOOT_SHOWN, heights.shown);
+    put_foot_number(all, nth, FOOT_ABOVE, heights.above);
+    put_foot_number(all, nth, FOOT_CLIMB, heights.climb);
 }
 
 INLINE Stance stance_of(const Stop *at)

@@ -100,8 +100,7 @@ INLINE Under ground_under(const ConstraintTables *tables, Vec3 pivot)
 {
     Under under;
     under.pivot = pivot;
-    under.ground = under.level = under.tilted =
-        grounds_at(tables, pivot.x, pivot.z, &under.normal);
+    under.ground = under.level = under.tilted = grounds_at(tables, pivot.x, pivot.z, &under.normal);
     under.on_edge = 0;
     return under;
 }
@@ -144,19 +143,22 @@ INLINE Real ground_ahead(const ConstraintTables *tables, const Stance *stance, V
     return ground + rise * (1.0f - near);
 }
 
-// Returns the height of the ground that a foot is shown on. It rises at the speed *climb. A planted
-// foot goes to the ground, a lifted one to the height `ahead`.
-INLINE Real shown_height(const ConstraintTables *tables, const FootState *state, Choice planted,
-                         const Under *under, Real ahead, Real *climb)
+// Returns heights of feet after this frame. The shown ground rises at a limited speed: under planted
+// feet to the ground, under lifted ones to the height `ahead`. `stood` tells which were planted in
+// the previous frame, and `known` which had a state there.
+INLINE FootHeights next_heights(const ConstraintTables *tables, FootHeights last, Choice known,
+                                Choice stood, Choice planted, const Under *under, Real ahead)
 {
-    const Choice known = state->known, stood = state->planted;
+    const Real none = 0.0f;
     // A foot that stays planted loses its height above or below the ground.
     const Choice stays = planted & stood & !under->on_edge;
-    const Real before = stays ? state->above : state->height;
+    const Real before = stays ? last.above : last.shown;
     const Real ground = planted ? under->ground : ahead;
-    *climb = state->climb;
-    Real height = climbs(before, climb, stays ? (Real)(0.0f) : ground, tables->elapsed_secs);
+    Real climb = last.climb;
+    Real height = climbs(before, &climb, stays ? none : ground, tables->elapsed_secs);
     height = stays ? under->ground + height : height;
-    *climb = known ? *climb : (Real)(0.0f);
-    return known ? height : under->ground;
+    height = known ? height : under->ground;
+    const FootHeights next = { height, planted ? height - under->ground : none,
+                               known ? climb : none };
+    return next;
 }

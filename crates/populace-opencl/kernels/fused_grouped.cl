@@ -79,9 +79,10 @@ INLINE Grouped grouped_of(GROUPED_PARAMETERS)
     const ConstraintTables constraint_tables =
         constraint_tables_of(CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips,
                              masks, slots_per_member, machines, tick);
-    const Grouped tables = { members,   bodies,    parents, levels, slots,
-                             layers,    row_times, buckets, tick,   slots_per_member,
-                             clip_tables, adjustments, machines, constraint_tables };
+    const Grouped tables = { members,  bodies,           parents,     levels,
+                             slots,    layers,           row_times,   buckets,
+                             tick,     slots_per_member, clip_tables, adjustments,
+                             machines, constraint_tables };
     return tables;
 }
 
@@ -96,20 +97,24 @@ typedef struct {
 typedef struct {
     __local const Place *places;
     uint count;
-    Body body;
     __local float4 *memory;
     uint share, stride;
 } Batch;
+
+INLINE __global const Body *body_of(const Grouped *tables, const Batch *batch)
+{
+    return tables->bodies + batch->places->posed;
+}
 
 // Returns the first members of a list that have one body and fit into local memory. `share_of` in
 // src/program.rs describes a member's share.
 INLINE Batch batch_of(const Grouped *tables, __local const Place *places, uint listed, bool plain,
                       uint room, __local float4 *memory)
 {
-    Batch batch = { places, 1, tables->bodies[places->posed], memory, 0, 0 };
-    batch.stride = batch.body.padded_count + STRIDE_PAST_BODY;
-    batch.share = 3 * batch.stride + MAX_SLOTS * PLAYING_ELEMENTS
-                  + (plain ? 0 : MAX_STEP_ROTATIONS);
+    Batch batch = { places, 1, memory, 0, 0 };
+    batch.stride = body_of(tables, &batch)->padded_count + STRIDE_PAST_BODY;
+    batch.share =
+        3 * batch.stride + MAX_SLOTS * PLAYING_ELEMENTS + (plain ? 0 : MAX_STEP_ROTATIONS);
     const uint most = min(min((uint)BATCH, room / batch.share), listed);
     while (batch.count < most && places[batch.count].posed == places->posed) batch.count++;
     return batch;
@@ -145,24 +150,93 @@ INLINE void play_all(const Grouped *tables, const Batch *batch)
     barrier(CLK_LOCAL_MEM_FENCE);
 }
 
+// Where a work-item keeps a pose, so that it takes no registers meanwhile: three rows in local
+// memory, `stride` elements apart. They are volatile, or compilers keep a copy in registers.
+typedef struct {
+    volatile __local float4 *rows;
+    uint stride;
+} Kept;
+
+INLINE void keep(Kept kept, Local trs)
+{
+    kept.rows[0] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);
+    kept.rows[kept.stride] = (float4)(trs.r.x, trs.r.y, trs.r.z, trs.r.w);
+    kept.rows[2 * kept.stride] = (float4)(trs.s.x, trs.s.y, trs.s.z, 0.0f);
+}
+
+INLINE Local take(Kept kept)
+{
+    const float4 t = kept.rows[0], r = kept.rows[kept.stride], s = kept.rows[2 * kept.stride];
+    const Local trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
+    return trs;
+}
+
+// Adds all inertializations of a layer to its pose, as inertialize() does.
+INLINE Local inertialize_kept(const ClipTables *tables, Inertialization inertialization, uint l,
+                              bool additive, Body body, uint joint, Kept kept, Local rest,
+                              Local pose)
+{
+    keep(kept, pose);
+    ulong start = ULONG_MAX;
+    while (earlier_start(inertialization, l, &start)) {
+        const Local left =
+            left_since(tables, inertialization, l, start, additive, body, joint, rest);
+        keep(kept, inertialized(take(kept), left, additive));
+    }
+    return take(kept);
+}
+
+// Returns the local transform of a joint, as pose_joint() does. Keeps the pose beneath a layer in
+// the joint's rows, and that of the layer among rotations of steps, which follow later.
+INLINE Local pose_kept(const Grouped *tables, const Batch *batch, uint nth, Playback playback,
+                       uint joint)
+{
+    const ClipTables *clips = &tables->clips;
+    const uint owner = batch->places[nth].owner;
+    const Member member = tables->members[owner];
+    const Body body = *body_of(tables, batch);
+    const Local rest = rest_of(clips, body, joint);
+    const Hierarchy models = models_in(batch, nth);
+    const Kept beneath = { models.rows + joint, models.stride };
+    const Kept posed = { rotations_in(batch, nth) + joint % JOINTS, JOINTS };
+    for (uint l = 0; l < member_layers(member); l++) {
+        const Layer whole = { 1.0f, LAYER_MASK };
+        const Laying how =
+            laying_of(clips, l == 0 ? whole : tables->layers[owner * LAYERS_PER_MEMBER + l], joint);
+        if (!how.laid) continue;
+        float total;
+        Local own = layer_pose(clips, playback, l, how.additive, body, joint, rest, &total);
+        if (l > 0 && is_silent(how, total)) continue;
+        if (playback.inertialization.count > 0)
+            own = inertialize_kept(clips, playback.inertialization, l, how.additive, body, joint,
+                                   posed, rest, own);
+        keep(beneath, l == 0 ? own : laid_over(take(beneath), own, total, how, rest));
+    }
+    Local trs = take(beneath);
+    if (member.control != NONE) {
+        __global const Control *control = tables->adjustments.controls + member.control;
+        if (is_adjusted(control)) adjust(tables->adjustments, control, joint, &trs);
+    }
+    return trs;
+}
+
 // Computes the local transforms of a member's joints, every `JOINTS`-th from `joint` on. If
 // `planes` is not 0, it also receives them as ten planes, in the layout of stored poses.
 INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain,
                         __global float *planes)
 {
     const uint owner = batch->places[nth].owner, each = tables->slots_per_member;
-    const Member member = tables->members[owner];
+    const Body body = *body_of(tables, batch);
     __global const Slot *slots = tables->slots + owner * each;
     Inertialization inertialization = { slots, 0, tables->tick };
     if (!plain) inertialization = inertialization_of(slots, each, tables->tick);
     const Playback playback = { playing_in(batch, nth), each, inertialization };
     const Hierarchy models = models_in(batch, nth);
-    for (; joint < batch->body.joint_count; joint += JOINTS) {
-        const Local trs =
-            pose_joint(&tables->clips, tables->adjustments, plain ? NONE : member.control, playback,
-                       tables->layers + owner * LAYERS_PER_MEMBER,
-                       plain ? 1 : member_layers(member), batch->body, joint);
-        if (planes) store_trs(trs, planes + joint, batch->body.padded_count);
+    for (; joint < body.joint_count; joint += JOINTS) {
+        const Local trs = plain ? pose_joint(&tables->clips, tables->adjustments, NONE, playback, 0,
+                                             1, body, joint)
+                                : pose_kept(tables, batch, nth, playback, joint);
+        if (planes) store_trs(trs, planes + joint, body.padded_count);
         float m[12];
         components_of(trs, m);
         keep_model(models, joint, (float4)(m[0], m[1], m[2], m[3]),
@@ -173,22 +247,17 @@ INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uin
 // Turns the local transform of a joint into model_from_joint.
 INLINE void descend(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain)
 {
-    const uint parent = tables->parents[batch->body.joint_first + joint],
+    const uint parent = tables->parents[body_of(tables, batch)->joint_first + joint],
                control = plain ? NONE : tables->members[batch->places[nth].owner].control;
-    // Without a parent, the local transform is the model transform.
-    if (parent == NONE && control == NONE) return;
     const Hierarchy models = models_in(batch, nth);
-    float16 model = model_of(models, joint), above = model;
+    // Without a parent, the local transform is the model transform.
     if (parent != NONE) {
-        above = model_of(models, parent);
-        model = affine_mul(above, model);
+        const float16 model = affine_mul(model_of(models, parent), model_of(models, joint));
+        keep_model(models, joint, model.s0123, model.s4567, model.s89ab);
     }
-    if (control != NONE) {
-        const Solver s = solver_of(&tables->constraints, control);
-        model = solve_joint(&s, models, rotations_in(batch, nth), joint, model, above,
-                            parent != NONE);
-    }
-    keep_model(models, joint, model.s0123, model.s4567, model.s89ab);
+    if (control == NONE) return;
+    const Solver s = solver_of(&tables->constraints, control);
+    solve_joint(&s, models, rotations_in(batch, nth), joint, parent);
 }
 
 // Computes model_from_joint of all joints of the members, for the whole group. `plain` is a
@@ -204,10 +273,10 @@ INLINE void batch_models(const Grouped *tables, const Batch *batch, bool plain,
     if (item / JOINTS < batch->count)
         pose_member(tables, batch, item / JOINTS, item % JOINTS, plain, planes);
     barrier(CLK_LOCAL_MEM_FENCE);
-    __global const uint *level = tables->levels + batch->body.level_first;
-    for (uint l = 0; l < batch->body.level_count; l++) {
+    for (uint l = 0; l < body_of(tables, batch)->level_count; l++) {
+        const uint level = body_of(tables, batch)->level_first + l, end = tables->levels[level + 1];
         if (item % BATCH < batch->count)
-            for (uint joint = level[l] + item / BATCH; joint < level[l + 1]; joint += JOINTS)
+            for (uint joint = tables->levels[level] + item / BATCH; joint < end; joint += JOINTS)
                 descend(tables, batch, item % BATCH, joint, plain);
         LEVEL_BARRIER;
     }
@@ -261,17 +330,17 @@ INLINE uint list_places(const Grouped *tables, bool plain, Page page, __local Pl
 
 // Writes the palettes of the members. Three neighbouring work-items write the three rows of an
 // entry.
-INLINE void write_palettes(const Grouped *tables, const Batch *batch,
-                           __global const Entry *entries, uint page_first,
-                           __global float4 *restrict palette)
+INLINE void write_palettes(const Grouped *tables, const Batch *batch, __global const Entry *entries,
+                           uint page_first, __global float4 *restrict palette)
 {
     const uint item = (uint)get_local_id(0), nth = item / JOINTS;
     if (nth >= batch->count) return;
     const uint first = tables->members[batch->places[nth].owner].palette_first - page_first;
     __global float4 *to = palette + 3 * (size_t)first;
     const Hierarchy models = models_in(batch, nth);
-    for (uint i = item % JOINTS; i < 3 * batch->body.entry_count; i += JOINTS) {
-        __global const Entry *entry = entries + batch->body.entry_first + i / 3;
+    const Body body = *body_of(tables, batch);
+    for (uint i = item % JOINTS; i < 3 * body.entry_count; i += JOINTS) {
+        __global const Entry *entry = entries + body.entry_first + i / 3;
         to[i] = affine_row(models.rows[i % 3 * models.stride + entry->joint], entry->row0,
                            entry->row1, entry->row2);
     }
@@ -293,8 +362,8 @@ INLINE void run_frame(const Grouped *tables, bool plain, Page page, __local Plac
 }
 
 // Computes members that need all of the pipeline.
-__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(
-    GROUPED_PARAMETERS, PAGE_PARAMETERS)
+__kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(GROUPED_PARAMETERS,
+                                                                               PAGE_PARAMETERS)
 {
     __local Place listed[GROUP];
     const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
@@ -325,8 +394,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_j
     barrier(CLK_LOCAL_MEM_FENCE);
     const Batch batch = batch_of(&tables, only, 1, false, room, memory);
     batch_models(&tables, &batch, false, planes);
-    for (uint s = item; s < slots_per_member; s += GROUP)
-        samples[s] = playing_in(&batch, 0)[s].at;
-    for (uint joint = item; joint < batch.body.joint_count; joint += GROUP)
+    for (uint s = item; s < slots_per_member; s += GROUP) samples[s] = playing_in(&batch, 0)[s].at;
+    for (uint joint = item; joint < body_of(&tables, &batch)->joint_count; joint += GROUP)
         vstore16(model_of(models_in(&batch, 0), joint), joint, (__global float *)matrices);
 }

@@ -117,10 +117,10 @@ INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
 {
     if (all->parents[joint] == NONE) return;
     Matrix parent, own;
-    matrices_of(joints, all->parents[joint], &parent);
+    models_of(joints, all->parents[joint], &parent);
     locals_of(joints, joint, &own);
     matrix_product(&parent, &own, &own);
-    keep_matrices(joints, joint, &own);
+    keep_models(joints, joint, &own);
 }
 
 // Asks for the members' controls and states, for the steps of their programs, and for the settings of
@@ -164,10 +164,9 @@ INLINE void pose_block(const Company *all, const ClipTables *tables, Adjustments
                        __global float *planes)
 {
     for (uint lane = 0; lane < all->count; lane++) {
-        const Local trs =
-            pose_joint(tables, adjustments, all->controls[lane], all->plays[lane],
-                       layers + all->owners[lane] * LAYERS_PER_MEMBER, all->layer_counts[lane],
-                       all->body, first);
+        const Local trs = pose_joint(tables, adjustments, all->controls[lane], all->plays[lane],
+                                     layers + all->owners[lane] * LAYERS_PER_MEMBER,
+                                     all->layer_counts[lane], all->body, first);
         if (planes) store_trs(trs, planes + first, all->body.padded_count);
         posed[0][lane] = trs.t.x;
         posed[1][lane] = trs.t.y;
@@ -202,7 +201,7 @@ INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustmen
                                 { posed[7][at], posed[8][at], posed[9][at] } };
             Matrix own;
             components_of(trs, own.m);
-            keep_matrices(joints, first + at, &own);
+            keep_models(joints, first + at, &own);
             if (!is_led) descend_to(all, joints, first + at);
         }
         if (is_led && first == 0) fetch_steps(all, constraint_tables);
@@ -225,15 +224,11 @@ APART void descend(const Company *all, const ConstraintTables *tables, Hierarchy
     at.joints = joints;
     at.rotations = rotations;
     uint joint = 0;
-    for (at.nth = 0; at.nth < members->control.step_count; at.nth++) {
+    for (at.nth = 0; at.nth < members->control->step_count; at.nth++) {
         at.step = step_in(&at, 0);
         for (; joint <= at.step.joint; joint++) descend_to(all, joints, joint);
-        const uint parent = all->parents[at.step.joint];
-        at.has_parent = parent != NONE;
-        if (at.has_parent && at.step.kind == STEP_GAZE) matrices_of(joints, parent, &at.parent);
-        matrices_of(joints, at.step.joint, &at.own);
+        at.parent = all->parents[at.step.joint];
         take_steps(&at);
-        keep_matrices(joints, at.step.joint, &at.own);
     }
     for (; joint < all->body.joint_count; joint++) descend_to(all, joints, joint);
 }
@@ -254,7 +249,7 @@ INLINE void write_palettes(const Company *all, __global const Entry *entries, Hi
             const Matrix bind = { { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y, row1.z, row1.w,
                                     row2.x, row2.y, row2.z, row2.w } };
             Matrix models;
-            matrices_of(joints, entry->joint, &models);
+            models_of(joints, entry->joint, &models);
             matrix_product(&models, &bind, &palettes[e]);
         }
         // Four matrices are three squares of sixteen numbers.
@@ -295,9 +290,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };
     const Machines machines = { machine_states, running };
-    const ConstraintTables constraint_tables = constraint_tables_of(
-        CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks, slots_per_member,
-        machines, tick);
+    const ConstraintTables constraint_tables =
+        constraint_tables_of(CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips,
+                             masks, slots_per_member, machines, tick);
     const uint desk = take_desk(is_taken, desk_count);
     const Hierarchy joints = { (__global Matrix *)desks + desk * padded_most };
     const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
@@ -355,9 +350,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };
     const Machines machines = { machine_states, running };
-    const ConstraintTables constraint_tables = constraint_tables_of(
-        CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks, slots_per_member,
-        machines, tick);
+    const ConstraintTables constraint_tables =
+        constraint_tables_of(CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips,
+                             masks, slots_per_member, machines, tick);
     const Member member = members[owner];
     __global const Slot *mine = slots + owner * slots_per_member;
     for (uint s = 0; s < slots_per_member; s++)

@@ -26,10 +26,9 @@ typedef struct {
     const Stop *at;
     uint targets_most;
     Frame frame;
-    Vec3 places[MAX_LINKS]; // origins of the chain's joints as the clips pose them
-    Real shares[MAX_LINKS]; // share of the whole rotation for each link but the last
-    Sight start;            // direction that the end of the chain faces
-    Vec3 tangents, limits;  // of the limits: to either side, up, down (radians)
+    Vec3 end;              // origin of the chain's last joint as the clips pose it
+    Sight start;           // direction that the end of the chain faces
+    Vec3 tangents, limits; // of the limits: to either side, up, down (radians)
 } Gazes;
 
 INLINE Frame frame_of(Vec3 front, Vec3 up)
@@ -94,7 +93,7 @@ INLINE Sight see_target(const Gazes *g, uint t, Vec3 from, Real *weight, Choice 
 }
 
 // Returns the rotation towards the weighted mean of all targets within the limits.
-APART_STEP Quat aim_by_angles(const Gazes *g, Vec3 from)
+SELDOM Quat aim_by_angles(const Gazes *g, Vec3 from)
 {
     const Real none = 0.0f, side = g->limits.x, most = g->limits.y, least = -g->limits.z;
     Real yaw = 0.0f, pitch = 0.0f, total = 0.0f, half_side, half_ahead, height, level;
@@ -136,49 +135,67 @@ INLINE Quat aim(const Gazes *g, Vec3 from, Real *weight)
     *weight = total < (Real)(1.0f) ? total : (Real)(1.0f);
     // Limits are compared by their tangents. If start and target are both in front, the short
     // rotation is the one through the front.
-    const Choice within = (to.level >= (Real)(GAZE_STEEP))
-                          & (fabs(to.left) <= g->tangents.x * to.front)
-                          & (to.up <= g->tangents.y * to.level)
-                          & (-to.up <= g->tangents.z * to.level);
+    const Choice within =
+        (to.level >= (Real)(GAZE_STEEP)) & (fabs(to.left) <= g->tangents.x * to.front)
+        & (to.up <= g->tangents.y * to.level) & (-to.up <= g->tangents.z * to.level);
     const Choice some = seen_count > (Real)(0.0f), one = seen_count == (Real)(1.0f);
     const Choice straight = one & within & (start.front > (Real)(0.0f)),
                  by_angles = some & !straight;
     const Real side = start.front * to.left - start.left * to.front;
     const Real ahead = start.level * to.level + (start.left * to.left + start.front * to.front);
-    Quat rotation = quat_choose(straight,
-                                gaze_rotation(g->frame, start, side, ahead, to.level, to.up),
-                                quat_identity());
+    Quat rotation = quat_choose(
+        straight, gaze_rotation(g->frame, start, side, ahead, to.level, to.up), quat_identity());
     if (ANY(by_angles)) rotation = quat_choose(by_angles, aim_by_angles(g, from), rotation);
     return rotation;
 }
 
-// Collects the shares of the chains' joints, and the largest number of targets.
-INLINE void put_gazes(Gazes *g, uint link_count)
+// Returns the largest number of targets.
+INLINE uint targets_most(const Stop *at)
 {
-    g->targets_most = 0;
-    for (uint link = 0; link < link_count; link++) g->shares[link] = 0.0f;
-    for (uint lane = 0; lane < g->at->count; lane++) {
-        __global const Constraint *constraint = constraint_in(g->at, lane);
-        __global const Link *links = g->at->members->tables->links + constraint->link_first;
-        g->targets_most = max(g->targets_most, constraint->target_count);
-        for (uint link = 0; link + 1 < link_count; link++)
-            PUT(g->shares[link], lane, links[link].share);
-    }
+    uint most = 0;
+    for (uint lane = 0; lane < at->count; lane++)
+        most = max(most, constraint_in(at, lane)->target_count);
+    return most;
 }
 
-// Finds the frames of the chains' parents, and what the ends of the chains face.
-INLINE void gaze_of(Gazes *g, __global const Constraint *constraint)
+// Returns the share of the whole rotation that a link of each chain takes. The last takes the rest.
+INLINE Real shares_of(const Stop *at, uint link)
 {
-    const Stop *at = g->at;
+    Real shares = 0.0f;
+    for (uint lane = 0; lane < at->count; lane++) {
+        __global const Constraint *constraint = constraint_in(at, lane);
+        PUT(shares, lane, at->members->tables->links[constraint->link_first + link].share);
+    }
+    return shares;
+}
+
+// Finds the frames of the chains' parents, and what the ends of the chains face. Until their
+// rotations are known, step_rotations hold the origins and shares of the further joints: arrays that
+// a variable indexes would take a GPU's stack.
+INLINE void gaze_of(Gazes *g, Stop *at, __global const Constraint *constraint)
+{
     const Numbers settings = settings_of(at, 0);
     const Vec3 ahead = vec3_of(&settings, 4), above = vec3_of(&settings, 8);
     const Vec3 tangents = { settings.n[3], settings.n[7], settings.n[11] };
-    Matrix end;
-    walk(at, constraint, g->places, &end);
+    Matrix end = own_models(at), parent;
+    for (uint link = 1; link < constraint->link_count; link++) {
+        walk(at, constraint, link, &end);
+        const Vec3 origin = matrix_origin(&end);
+        const Quat further = { origin.x, origin.y, origin.z, shares_of(at, link) };
+        hand_down(at, link - 1, further);
+    }
+    g->at = at;
+    g->targets_most = targets_most(at);
+    g->end = matrix_origin(&end);
     g->tangents = tangents;
     g->limits = vec3_of(&settings, 12);
-    g->frame = frame_of(at->has_parent ? matrix_transform_vector(&at->parent, ahead) : ahead,
-                        at->has_parent ? matrix_transform_vector(&at->parent, above) : above);
+    if (at->parent == NONE) {
+        g->frame = frame_of(ahead, above);
+    } else {
+        models_of(at->joints, at->parent, &parent);
+        g->frame = frame_of(matrix_transform_vector(&parent, ahead),
+                            matrix_transform_vector(&parent, above));
+    }
     g->start = seen_in(g->frame, matrix_transform_vector(&end, vec3_of(&settings, 0)));
     // Straight up or down there is no side to turn from.
     const Choice upright = g->start.level < (Real)(GAZE_UPRIGHT);
@@ -187,31 +204,33 @@ INLINE void gaze_of(Gazes *g, __global const Constraint *constraint)
     g->start.level = upright ? (Real)(GAZE_UPRIGHT) : g->start.level;
 }
 
-APART_STEP void gaze(Stop *at)
+SELDOM void gaze(Stop *at)
 {
     __global const Constraint *constraint = constraint_in(at, 0);
     const uint last = constraint->link_count - 1;
     Gazes g;
-    g.at = at;
-    put_gazes(&g, last + 1);
-    gaze_of(&g, constraint);
+    gaze_of(&g, at, constraint);
 
-    Real weight, weight_there, shared = 0.0f;
+    Real weight, weight_there, shared = 0.0f, link_share = shares_of(at, 0);
     Quat so_far = quat_identity(), first = quat_identity();
-    const Quat whole = aim(&g, g.places[last], &weight);
-    Vec3 place = g.places[0];
+    const Quat whole = aim(&g, g.end, &weight);
+    const Matrix own = own_models(at);
+    Vec3 posed = matrix_origin(&own), place = posed;
     for (uint link = 0; link < last; link++) {
-        const Real share = g.shares[link] * weight;
+        const Quat further = handed_down(at, link);
+        const Real share = link_share * weight;
         const Choice takes_part = share > (Real)(0.0f);
         shared += takes_part ? share : (Real)(0.0f);
         const Quat now = quat_choose(takes_part, quat_part_as_told(whole, shared), so_far);
-        const Quat own =
+        const Quat part =
             quat_choose(takes_part, quat_mul(now, quat_conjugate(so_far)), quat_identity());
-        if (link == 0) first = own;
-        else hand_down(at, link - 1, own);
+        if (link == 0) first = part;
+        else hand_down(at, link - 1, part);
         so_far = now;
-        const Vec3 on = vec3_add_scaled(g.places[link + 1], g.places[link], -1.0f);
-        place = vec3_add(place, quat_rotated(so_far, on));
+        const Vec3 next = { further.x, further.y, further.z };
+        place = vec3_add(place, quat_rotated(so_far, vec3_add_scaled(next, posed, -1.0f)));
+        posed = next;
+        link_share = further.w;
     }
     // The other joints have moved the last one. It looks from its new origin and turns by the rest.
     const Quat there = aim(&g, place, &weight_there);
@@ -220,5 +239,5 @@ APART_STEP void gaze(Stop *at)
     const Quat left = quat_mul(held_back, quat_conjugate(so_far));
     if (last == 0) first = left;
     else hand_down(at, last - 1, left);
-    matrix_rotated(&at->own, first);
+    rotate_own(at, first);
 }

@@ -37,19 +37,16 @@ typedef struct {
     __global Matrix *joints;
 } Hierarchy;
 
-INLINE void matrices_of(Hierarchy all, uint joint, Matrix *matrices)
-{
-    *matrices = all.joints[joint];
-}
+INLINE void models_of(Hierarchy all, uint joint, Matrix *models) { *models = all.joints[joint]; }
 
-INLINE void keep_matrices(Hierarchy all, uint joint, const Matrix *matrices)
+INLINE void keep_models(Hierarchy all, uint joint, const Matrix *models)
 {
-    all.joints[joint] = *matrices;
+    all.joints[joint] = *models;
 }
 
 INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
 {
-    matrices_of(joints, joint, locals);
+    models_of(joints, joint, locals);
 }
 
 INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
@@ -60,12 +57,25 @@ INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
 
 #else
 
-// The joint buffer from the member's first joint on.
+// The joint buffer from the member's first joint on: local transforms, and rows of model transforms.
 typedef struct {
     __global const float4 *translations, *rotations, *scales;
+    __global float4 *row0, *row1, *row2;
 } Hierarchy;
 
 #define STEP_ROTATIONS __global
+
+INLINE float16 model_of(Hierarchy joints, uint joint)
+{
+    return (float16)(joints.row0[joint], joints.row1[joint], joints.row2[joint], (float4)(0.0f));
+}
+
+INLINE void keep_model(Hierarchy joints, uint joint, float4 row0, float4 row1, float4 row2)
+{
+    joints.row0[joint] = row0;
+    joints.row1[joint] = row1;
+    joints.row2[joint] = row2;
+}
 
 INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
 {
@@ -81,6 +91,17 @@ INLINE float16 local_in(Hierarchy joints, uint joint, uint lane)
 #endif
 
 #if LANES == 1
+
+INLINE void models_of(Hierarchy models, uint joint, Matrix *one)
+{
+    put_matrix(one, 0, model_of(models, joint));
+}
+
+INLINE void keep_models(Hierarchy models, uint joint, const Matrix *one)
+{
+    const float16 m = matrix_in(one, 0);
+    keep_model(models, joint, m.s0123, m.s4567, m.s89ab);
+}
 
 INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
 {
@@ -102,6 +123,11 @@ INLINE void hand_rotations(Rotations rotations, uint index, Quat all)
     rotations[index] = (float4)(all.x, all.y, all.z, all.w);
 }
 
+INLINE float4 handed_rotation_in(Rotations rotations, uint index, uint lane)
+{
+    return rotations[index];
+}
+
 INLINE void hand_rotation_in(Rotations rotations, uint index, uint lane, float4 one)
 {
     rotations[index] = one;
@@ -115,6 +141,12 @@ typedef Quat *Rotations;
 INLINE Quat handed_rotations(Rotations rotations, uint index) { return rotations[index]; }
 
 INLINE void hand_rotations(Rotations rotations, uint index, Quat all) { rotations[index] = all; }
+
+INLINE float4 handed_rotation_in(Rotations rotations, uint index, uint lane)
+{
+    return (float4)(LANE(rotations[index].x, lane), LANE(rotations[index].y, lane),
+                    LANE(rotations[index].z, lane), LANE(rotations[index].w, lane));
+}
 
 INLINE void hand_rotation_in(Rotations rotations, uint index, uint lane, float4 one)
 {

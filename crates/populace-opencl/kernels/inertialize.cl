@@ -48,41 +48,11 @@ INLINE SlotSample place_of(ClipRows clip, float at)
     return place;
 }
 
-// Poses of a clip: where it was sampled, at its far row, and the reference of its differences:
-// where it was sampled, or in additive layers its first row.
-typedef struct {
-    Local at, far, reference;
-} SampledPoses;
-
-INLINE SampledPoses sampled_poses(const ClipTables *tables, SampledState state, bool additive,
-                                  Body body, uint joint, Local rest)
-{
-    const BoundClip bound = tables->bound_clips[state.bound_clip];
-    const ClipRows clip = tables->clips[bound.clip];
-    const SlotSample places[3] = { place_of(clip, state.row),
-                                   row_of(clip, far_row(state.row, clip.row_count - 1)),
-                                   row_of(clip, 0) };
-    Local found[3];
-    for (uint i = 0; i < (additive ? 3 : 2); i++)
-        found[i] = normalized(sample_joint(tables, bound, body, joint, places[i], rest));
-    const SampledPoses poses = { found[0], found[1], found[additive ? 2 : 0] };
-    return poses;
-}
-
 // Factors of the four samples. Those of `_step` belong to the step from the instant of the
 // transition to the far row.
 typedef struct {
     float outgoing, outgoing_step, incoming, incoming_step;
 } InertializationWeights;
-
-INLINE Real inertialization_part(Real sum, Real at, Real far, Real incoming_at,
-                                 Real incoming_far, InertializationWeights by)
-{
-    const Real outgoing = at * by.outgoing + (far - at) * by.outgoing_step;
-    const Real incoming =
-        incoming_at * by.incoming + (incoming_far - incoming_at) * by.incoming_step;
-    return sum + (outgoing - incoming);
-}
 
 // Returns the parts that are left of the initial difference and of its velocity. They are quintics
 // whose value, slope and curvature are 0 at the end, and whose curvature is 0 at the start.
@@ -105,38 +75,65 @@ INLINE InertializationWeights inertialization_weights(InertializationSlot slot, 
     return by;
 }
 
+// Samples of a clip, in the order in which a difference needs them.
+enum { SAMPLE_REFERENCE, SAMPLE_AT, SAMPLE_FAR, SAMPLES_OF_CLIP };
+
+// Returns a sample of a clip: where it was at the transition, its far row, or the reference of its
+// differences. In additive layers that is its first row, else where it was.
+INLINE Local inertialization_sample(const ClipTables *tables, SampledState state, uint sample,
+                                    bool additive, Body body, uint joint, Local rest)
+{
+    const BoundClip bound = tables->bound_clips[state.bound_clip];
+    const ClipRows clip = tables->clips[bound.clip];
+    SlotSample place = place_of(clip, state.row);
+    if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
+    if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);
+    return normalized(sample_joint(tables, bound, body, joint, place, rest));
+}
+
+// Returns the part that is left of a clip's differences from its reference.
+INLINE Local part_left(Local at, Local far, Real weight, Real weight_of_step)
+{
+    at = change(at);
+    far = change(far);
+    return local_add(local_scale(at, weight), local_scale(local_less(far, at), weight_of_step));
+}
+
+// Adds what is left of one slot's difference to a sum. Takes one sample after another, so that a
+// GPU keeps few of them in registers.
 INLINE Local add_inertialization(const ClipTables *tables, InertializationSlot slot, ulong tick,
                                  bool additive, Body body, uint joint, Local rest, Local sum)
 {
     const InertializationWeights by = inertialization_weights(slot, tick, additive);
-    const SampledPoses outgoing =
-        sampled_poses(tables, outgoing_state(slot), additive, body, joint, rest);
-    const SampledPoses incoming =
-        sampled_poses(tables, incoming_state(slot), additive, body, joint, rest);
-    const Local reference = additive ? outgoing.reference : incoming.reference;
-    Local a = quotient(outgoing.at, reference, quat_identity(), 0),
-          f = quotient(outgoing.far, reference, a.r, 0);
-    Local n = quotient(incoming.at, incoming.reference, quat_identity(), 0),
-          b = quotient(incoming.far, incoming.reference, n.r, 0);
-    if (!additive) {
-        // The difference is applied on top of the incoming clip and moves along with it.
-        n = a;
-        b = after(b, a);
+    Local reference = rest, at = rest, outgoing = rest;
+#pragma unroll 1
+    for (uint nth = 0; nth < 2 * SAMPLES_OF_CLIP; nth++) {
+        const bool incoming = nth >= SAMPLES_OF_CLIP;
+        const uint sample = incoming ? nth - SAMPLES_OF_CLIP : nth;
+        // Over a mean, both clips differ from the incoming one, where it was.
+        const bool shares = !additive && sample == SAMPLE_REFERENCE;
+        if (incoming && !additive && sample != SAMPLE_FAR) continue;
+        const Local posed = inertialization_sample(
+            tables, incoming || shares ? incoming_state(slot) : outgoing_state(slot), sample,
+            additive, body, joint, rest);
+        if (sample == SAMPLE_REFERENCE) {
+            reference = posed;
+        } else if (sample == SAMPLE_AT) {
+            at = quotient(posed, reference, quat_identity(), 0);
+        } else {
+            // Over a mean, the difference is applied over the incoming clip, and moves with it.
+            const bool moves = incoming && !additive;
+            const Quat side = moves ? quotient(reference, reference, quat_identity(), 0).r : at.r;
+            Local far = quotient(posed, reference, side, 0);
+            if (moves) far = after(far, at);
+            if (!incoming) {
+                outgoing = part_left(at, far, by.outgoing, by.outgoing_step);
+                continue;
+            }
+            const Local left = part_left(at, far, by.incoming, by.incoming_step);
+            sum = local_add(sum, local_less(outgoing, left));
+        }
     }
-    a = change(a);
-    f = change(f);
-    n = change(n);
-    b = change(b);
-    sum.t.x = inertialization_part(sum.t.x, a.t.x, f.t.x, n.t.x, b.t.x, by);
-    sum.t.y = inertialization_part(sum.t.y, a.t.y, f.t.y, n.t.y, b.t.y, by);
-    sum.t.z = inertialization_part(sum.t.z, a.t.z, f.t.z, n.t.z, b.t.z, by);
-    sum.r.x = inertialization_part(sum.r.x, a.r.x, f.r.x, n.r.x, b.r.x, by);
-    sum.r.y = inertialization_part(sum.r.y, a.r.y, f.r.y, n.r.y, b.r.y, by);
-    sum.r.z = inertialization_part(sum.r.z, a.r.z, f.r.z, n.r.z, b.r.z, by);
-    sum.r.w = inertialization_part(sum.r.w, a.r.w, f.r.w, n.r.w, b.r.w, by);
-    sum.s.x = inertialization_part(sum.s.x, a.s.x, f.s.x, n.s.x, b.s.x, by);
-    sum.s.y = inertialization_part(sum.s.y, a.s.y, f.s.y, n.s.y, b.s.y, by);
-    sum.s.z = inertialization_part(sum.s.z, a.s.z, f.s.z, n.s.z, b.s.z, by);
     return sum;
 }
 
@@ -145,37 +142,56 @@ INLINE bool inertializes_in(Slot slot, uint layer, ulong tick)
     return slot_layer(slot) == layer && slot_inertializes(slot, tick);
 }
 
-// Adds all inertializations of a layer to its mean, or to its sum of differences if it is additive.
-// A mean takes the newest start first: each earlier one is applied on top of what was outgoing
-// then.
+// Finds the newest start of a layer's inertializations that is earlier than *start, and returns
+// whether there is one.
+INLINE bool earlier_start(Inertialization inertialization, uint layer, ulong *start)
+{
+    ulong newest = 0;
+    bool any = false;
+    for (uint s = 0; s < inertialization.count; s++) {
+        const Slot slot = inertialization.slots[s];
+        if (!inertializes_in(slot, layer, inertialization.tick) || slot.start_tick >= *start)
+            continue;
+        newest = any ? max(newest, slot.start_tick) : slot.start_tick;
+        any = true;
+    }
+    *start = newest;
+    return any;
+}
+
+// Returns what is left of the differences of a layer's inertializations that started at a tick.
+INLINE Local left_since(const ClipTables *tables, Inertialization inertialization, uint layer,
+                        ulong start, bool additive, Body body, uint joint, Local rest)
+{
+    Local sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
+    for (uint s = 0; s < inertialization.count; s++) {
+        const Slot slot = inertialization.slots[s];
+        if (inertializes_in(slot, layer, inertialization.tick) && slot.start_tick == start)
+            sum = add_inertialization(tables, as_inertialization(slot), inertialization.tick,
+                                      additive, body, joint, rest, sum);
+    }
+    return sum;
+}
+
+// Adds what is left of differences to a layer's mean, or to its sum of differences if it is
+// additive.
+INLINE Local inertialized(Local pose, Local left, bool additive)
+{
+    return additive ? local_add(pose, left) : add_layer(pose, left, 1.0f);
+}
+
+// Adds all inertializations of a layer. A mean takes the newest start first: each earlier one is
+// applied on top of what was outgoing then.
 SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
-                        bool additive, Body body, uint joint, const Local *at_rest, Local *mean)
+                        bool additive, Body body, uint joint, const Local *at_rest, Local *pose)
 {
     const Local rest = *at_rest;
-    Local trs = *mean;
-    ulong earlier = ULONG_MAX;
-    for (;;) {
-        ulong start = 0;
-        bool any = false;
-        for (uint s = 0; s < inertialization.count; s++) {
-            const Slot slot = inertialization.slots[s];
-            if (!inertializes_in(slot, layer, inertialization.tick) || slot.start_tick >= earlier)
-                continue;
-            start = any ? max(start, slot.start_tick) : slot.start_tick;
-            any = true;
-        }
-        if (!any) break;
-        Local sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
-        for (uint s = 0; s < inertialization.count; s++) {
-            const Slot slot = inertialization.slots[s];
-            if (inertializes_in(slot, layer, inertialization.tick) && slot.start_tick == start)
-                sum = add_inertialization(tables, as_inertialization(slot), inertialization.tick,
-                                          additive, body, joint, rest, sum);
-        }
-        const Local added = { vec3_add(trs.t, sum.t), quat_add(trs.r, sum.r),
-                              vec3_add(trs.s, sum.s) };
-        trs = additive ? added : add_layer(trs, sum, 1.0f);
-        earlier = start;
+    Local trs = *pose;
+    ulong start = ULONG_MAX;
+    while (earlier_start(inertialization, layer, &start)) {
+        const Local left =
+            left_since(tables, inertialization, layer, start, additive, body, joint, rest);
+        trs = inertialized(trs, left, additive);
     }
-    *mean = trs;
+    *pose = trs;
 }

@@ -70,7 +70,51 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
 
 // Adds the inertializations of a layer; see inertialize.cl.
 SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
-                        bool additive, Body body, uint joint, const Local *at_rest, Local *mean);
+                        bool additive, Body body, uint joint, const Local *at_rest, Local *pose);
+
+// Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
+// additive. *total is their weight.
+INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, bool additive,
+                        Body body, uint joint, Local rest, float *total)
+{
+    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, rest);
+    *total = sum.total;
+    if (additive) return sum.trs;
+    // Layer 0 is always divided by its total weight, so that the rest pose never shines through.
+    return sum.total > (l == 0 ? 1e-3f : LEAST_WEIGHT) ? mean_of(sum, rest) : rest;
+}
+
+// How a layer is laid over the pose beneath. `laid` tells in which lanes it has weight.
+typedef struct {
+    Real weight;
+    Choice laid;
+    bool additive;
+} Laying;
+
+INLINE Laying laying_of(const ClipTables *tables, Layer layer, uint joint)
+{
+    const uint mask = layer.mask_and_mode & LAYER_MASK;
+    Laying how;
+    how.weight = mask == LAYER_MASK ? (Real)(layer.weight)
+                                    : layer.weight * LOAD(tables->masks + mask + joint);
+    how.laid = how.weight > (Real)(0.0f);
+    how.additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
+    return how;
+}
+
+// Returns whether a layer shows nothing. `total` is the weight of its slots.
+INLINE bool is_silent(Laying how, float total) { return !how.additive && total <= LEAST_WEIGHT; }
+
+// Lays the pose of a layer over the pose beneath.
+INLINE Local laid_over(Local beneath, Local own, float total, Laying how, Local rest)
+{
+    const Local above = how.additive ? add_layer(beneath, own, how.weight)
+                                     : mix_layer(beneath, own, total, how.weight, rest);
+    const Local trs = { vec3_choose(how.laid, above.t, beneath.t),
+                        quat_choose(how.laid, above.r, beneath.r),
+                        vec3_choose(how.laid, above.s, beneath.s) };
+    return trs;
+}
 
 // Applies the layers above 0 to the pose beneath. Takes pointers, since passing by value copies
 // more than it computes.
@@ -80,27 +124,18 @@ APART void lay_over(const ClipTables *tables, Playback playback, __global const 
     const Local rest = *at_rest;
     Local trs = *beneath;
     for (uint l = 1; l < layer_count; l++) {
-        const Layer layer = layers[l];
-        const uint mask = layer.mask_and_mode & LAYER_MASK;
-        const Real weight = mask == LAYER_MASK ? (Real)(layer.weight)
-                                               : layer.weight * LOAD(tables->masks + mask + joint);
-        const Choice laid = weight > (Real)(0.0f);
-        if (!ANY(laid)) continue;
-        const bool additive = (layer.mask_and_mode & LAYER_ADDITIVE) != 0;
-        const Sum sum = sum_layer(tables, playback, l, additive, body, joint, rest);
-        if (!additive && sum.total <= LEAST_WEIGHT) continue;
-        Local own = additive ? sum.trs : mean_of(sum, rest);
+        const Laying how = laying_of(tables, layers[l], joint);
+        if (!ANY(how.laid)) continue;
+        float total;
+        Local own = layer_pose(tables, playback, l, how.additive, body, joint, rest, &total);
+        if (is_silent(how, total)) continue;
         if (playback.inertialization.count > 0) {
-            Local inertialized = own;
-            inertialize(tables, playback.inertialization, l, additive, body, joint, at_rest,
-                        &inertialized);
-            own = inertialized;
+            Local posed = own;
+            inertialize(tables, playback.inertialization, l, how.additive, body, joint, at_rest,
+                        &posed);
+            own = posed;
         }
-        const Local above =
-            additive ? add_layer(trs, own, weight) : mix_layer(trs, own, sum.total, weight, rest);
-        trs.t = vec3_choose(laid, above.t, trs.t);
-        trs.r = quat_choose(laid, above.r, trs.r);
-        trs.s = vec3_choose(laid, above.s, trs.s);
+        trs = laid_over(trs, own, total, how, rest);
     }
     *beneath = trs;
 }
@@ -147,9 +182,16 @@ APART void adjust(Adjustments adjustments, __global const Control *control, uint
         trs.s = vec3_choose(only, whole ? there.s : vec3_mix(trs.s, there.s, t4.w), trs.s);
     }
 #ifdef USER_STAGES
-    trs = stage_locals(adjustments.stages, *control, joint, trs);
+    trs = stage_locals(adjustments.stages, control, joint, trs);
 #endif
     *pose = trs;
+}
+
+INLINE Local rest_of(const ClipTables *tables, Body body, uint joint)
+{
+    const Stored planes = stored_at(tables, body.rest_first + joint, body);
+    const Local rest = { stored_vec3(planes, 4), stored_quat(planes, 0), stored_vec3(planes, 7) };
+    return rest;
 }
 
 // Returns the local transforms of one joint, or of sixteen from `joint` on. `layers` are the
@@ -158,13 +200,9 @@ INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint 
                         Playback playback, __global const Layer *layers, uint layer_count,
                         Body body, uint joint)
 {
-    const uint padded = body.padded_count;
-    __global const float *planes = tables->poses + body.rest_first + joint;
-    const Local rest = { load_vec3(planes + 4 * padded, padded), load_quat(planes, padded),
-                         load_vec3(planes + 7 * padded, padded) };
-    const Sum sum = sum_layer(tables, playback, 0, false, body, joint, rest);
-    // Layer 0 is always divided by its total weight, so that the rest pose never shines through.
-    Local trs = sum.total > 1e-3f ? mean_of(sum, rest) : rest;
+    const Local rest = rest_of(tables, body, joint);
+    float total;
+    const Local trs = layer_pose(tables, playback, 0, false, body, joint, rest, &total);
     const bool inertializes = playback.inertialization.count > 0,
                adjusts = control != NONE && is_adjusted(adjustments.controls + control);
     if (!inertializes && layer_count == 1 && !adjusts) return trs;

@@ -8,15 +8,15 @@
 // used ones must not take registers from them. With one lane everything is inlined, since a GPU
 // would pass arguments through memory.
 #define INLINE static inline __attribute__((always_inline))
-// Large and rarely used functions are always called: inlined copies would dominate compile time.
-#define SELDOM static __attribute__((noinline))
+// Large and rarely used functions are called where a device has cheap calls: inlined copies would
+// dominate compile time.
 
 #if LANES == 1
 #define APART INLINE
-#ifdef CALLS // the device has cheap calls
-#define APART_STEP SELDOM
+#ifdef CALLS
+#define SELDOM static __attribute__((noinline))
 #else
-#define APART_STEP INLINE
+#define SELDOM INLINE
 #endif
 typedef float Real;
 typedef uint Words;
@@ -35,7 +35,7 @@ typedef int Choice;
 #define STORE(value, pointer) (*(pointer) = (value))
 #else
 #define APART __attribute__((noinline))
-#define APART_STEP static __attribute__((noinline))
+#define SELDOM static __attribute__((noinline))
 typedef float16 Real;
 typedef uint16 Words;
 typedef int16 Choice;

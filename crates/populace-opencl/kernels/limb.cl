@@ -130,35 +130,38 @@ INLINE Quat weighted(Quat rotation, Real weight)
     return quat_choose(partly, quat_part(rotation, weight), rotation);
 }
 
-APART_STEP void reach(Stop *at)
+SELDOM void reach(Stop *at)
 {
     __global const Constraint *constraint = constraint_in(at, 0);
     const Numbers settings = settings_of(at, 0);
-    Vec3 places[MAX_LINKS], target = { 0.0f, 0.0f, 0.0f };
+    const Matrix own = own_models(at);
+    Matrix end = own;
+    const Vec3 start = matrix_origin(&end);
+    Vec3 middle = start, target = { 0.0f, 0.0f, 0.0f };
     Real weight = 0.0f, keeps_end = 0.0f;
-    Matrix end;
-    walk(at, constraint, places, &end);
-    for (uint lane = 0; lane < at->count; lane++) {
-        __global const Constraint *own = constraint_in(at, lane);
-        float own_weight;
-        put_vec3(&target, lane, goal(at->members + lane, own, vec3_in(places[0], lane),
-                                     &own_weight));
-        PUT(weight, lane, own_weight);
-        PUT(keeps_end, lane, own->keeps_end ? 1.0f : 0.0f);
+    for (uint link = 1; link < constraint->link_count; link++) {
+        walk(at, constraint, link, &end);
+        if (link == constraint->middle) middle = matrix_origin(&end);
     }
-    const Vec3 middle = places[constraint->middle];
-    const Limb limb = { vec3_add_scaled(middle, places[0], -1.0f),
-                        vec3_add_scaled(places[constraint->link_count - 1], middle, -1.0f),
-                        matrix_transform_vector(&at->own, vec3_of(&settings, 0)),
-                        vec3_add_scaled(target, places[0], -1.0f) };
+    for (uint lane = 0; lane < at->count; lane++) {
+        __global const Constraint *reach = constraint_in(at, lane);
+        float own_weight;
+        put_vec3(&target, lane, goal(at->members + lane, reach, vec3_in(start, lane), &own_weight));
+        PUT(weight, lane, own_weight);
+        PUT(keeps_end, lane, reach->keeps_end ? 1.0f : 0.0f);
+    }
+    const Limb limb = { vec3_add_scaled(middle, start, -1.0f),
+                        vec3_add_scaled(matrix_origin(&end), middle, -1.0f),
+                        matrix_transform_vector(&own, vec3_of(&settings, 0)),
+                        vec3_add_scaled(target, start, -1.0f) };
     Quat first, second;
-    limb_rotations(limb, bone_lengths(limb), vec3_of(&settings, 4),
-                   settings.n[7] > (Real)(0.0f), settings.n[12], &first, &second);
+    limb_rotations(limb, bone_lengths(limb), vec3_of(&settings, 4), settings.n[7] > (Real)(0.0f),
+                   settings.n[12], &first, &second);
     const Choice aims = weight > (Real)(0.0f);
     first = weighted(quat_choose(aims, first, quat_identity()), weight);
     second = weighted(quat_choose(aims, second, quat_identity()), weight);
     const Quat undone = quat_conjugate(quat_mul(second, first));
     hand_down(at, 0, second);
     hand_down(at, 1, quat_choose(keeps_end > (Real)(0.0f), undone, quat_identity()));
-    matrix_rotated(&at->own, first);
+    rotate_own(at, first);
 }

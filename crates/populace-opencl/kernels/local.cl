@@ -8,6 +8,22 @@ typedef struct {
     Vec3 s;
 } Local;
 
+// Sums, differences and multiples, component by component.
+
+INLINE Local local_add(Local a, Local b)
+{
+    const Local sum = { vec3_add(a.t, b.t), quat_add(a.r, b.r), vec3_add(a.s, b.s) };
+    return sum;
+}
+
+INLINE Local local_scale(Local a, Real k)
+{
+    const Local scaled = { vec3_scale(a.t, k), quat_scale(a.r, k), vec3_scale(a.s, k) };
+    return scaled;
+}
+
+INLINE Local local_less(Local a, Local b) { return local_add(a, local_scale(b, -1.0f)); }
+
 // Returns the ratio of two scales; 1 if the reference is 0 or no number.
 INLINE Real scale_ratio(Real value, Real reference)
 {

@@ -171,7 +171,7 @@ INLINE float weight_at_root(ConstraintTables tables, uint owner, uint l)
 
 // Mixes the moves of all clips within a span, each for as long as it plays. Additive layers move
 // nothing.
-APART_STEP Move move_within(ConstraintTables tables, uint owner, Span span)
+SELDOM Move move_within(ConstraintTables tables, uint owner, Span span)
 {
     Move moved = NO_MOVE;
     const Moves lowest = moves_of_layer(tables, owner, 0, span);
@@ -248,9 +248,9 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
         begins ? newest_inertialization(tables, owner, frame.from) : newest;
     const ulong until = begins ? tables.slots[newest].start_tick : tables.tick;
     if (inertialization != NONE)
-        moved = move_then(moved,
-                          inertialized_within(as_inertialization(tables.slots[inertialization]),
-                                              last.excess, frame.from, until));
+        moved =
+            move_then(moved, inertialized_within(as_inertialization(tables.slots[inertialization]),
+                                                 last.excess, frame.from, until));
     if (begins && has_last) {
         const Span after = { until, until + tables.elapsed_ticks };
         last.excess =
@@ -266,24 +266,23 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
 }
 
 // Applies the member's root motion to a root joint.
-APART_STEP float16 moves(const Solver *s, uint joint, float16 own)
+SELDOM float16 moves(const Solver *s, uint joint, float16 own)
 {
-    const uint state = s->index * STATES_PER_CONTROL + MOTION_STATE,
-               epoch = s->control.motion_epoch;
-    const float4 place = s->tables->states_before[state],
-                 heading = s->tables->states_before[state + 1];
+    const uint first = s->index * STATES_PER_CONTROL + MOTION_STATE,
+               epoch = s->control->motion_epoch;
+    __global const float4 *before = s->tables->states_before + first;
+    __global float4 *state = s->tables->states + first;
+    const float4 place = before[0], heading = before[1];
     const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f) };
-    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y },
-                        s->tables->states_before[state + 2],
-                        s->tables->states_before[state + 3] };
+    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y }, before[2], before[3] };
     const bool begun = as_uint(place.w) == epoch;
-    const Last next = next_of(*s->tables, s->control.member, begun ? kept : none, begun);
+    const Last next = next_of(*s->tables, s->control->member, begun ? kept : none, begun);
     const Move now = next.place;
     if (joint == 0) {
-        s->tables->states[state] = (float4)(now.x, now.y, now.z, as_float(epoch));
-        s->tables->states[state + 1] = (float4)(now.s, now.c, 0.0f, 0.0f);
-        s->tables->states[state + 2] = next.speed;
-        s->tables->states[state + 3] = next.excess;
+        state[0] = (float4)(now.x, now.y, now.z, as_float(epoch));
+        state[1] = (float4)(now.s, now.c, 0.0f, 0.0f);
+        state[2] = next.speed;
+        state[3] = next.excess;
     }
     const float4 row0 = (float4)(now.c, 0.0f, now.s, now.x);
     const float4 row1 = (float4)(0.0f, 1.0f, 0.0f, now.y);

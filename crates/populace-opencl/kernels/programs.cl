@@ -18,15 +18,28 @@ typedef struct {
     Step step; // of the first member; kind, joint and operand are those of all
     Hierarchy joints;
     Rotations rotations;
-    // Model transforms of the joint, which the step changes, and of its parent.
-    Matrix own, parent;
-    bool has_parent;
+    uint parent; // of the step's joint, or NONE
 } Stop;
+
+// Returns the model transforms of the step's joint, which the step changes.
+INLINE Matrix own_models(const Stop *at)
+{
+    Matrix own;
+    models_of(at->joints, at->step.joint, &own);
+    return own;
+}
+
+INLINE void rotate_own(Stop *at, Quat rotations)
+{
+    Matrix own = own_models(at);
+    matrix_rotated(&own, rotations);
+    keep_models(at->joints, at->step.joint, &own);
+}
 
 INLINE Step step_in(const Stop *at, uint lane)
 {
     const Solver *s = at->members + lane;
-    return s->tables->steps[s->control.step_first + at->nth];
+    return s->tables->steps[s->control->step_first + at->nth];
 }
 
 // Returns the constraint of a member. That of the first has the chain, the soles and the number of
@@ -51,7 +64,7 @@ INLINE bool share_rows(const Solver *members, uint count)
 {
     bool share = true;
     for (uint lane = 1; lane < count; lane++)
-        share = share & (members[lane].control.step_first == members->control.step_first);
+        share = share & (members[lane].control->step_first == members->control->step_first);
     return share;
 }
 
@@ -89,17 +102,10 @@ INLINE float4 vec3_in(Vec3 all, uint lane)
     return vec(LANE(all.x, lane), LANE(all.y, lane), LANE(all.z, lane));
 }
 
-// Computes the origins of the joints of chains as the clips pose them, and writes the last joint's
-// model transforms.
-INLINE void walk(const Stop *at, __global const Constraint *constraint, Vec3 *places, Matrix *end)
+// Takes model transforms of a chain's joint to its next link, as the clips pose it.
+INLINE void walk(const Stop *at, __global const Constraint *constraint, uint link, Matrix *models)
 {
-    *end = at->own;
-    places[0] = matrix_origin(end);
-    for (uint link = 1; link < constraint->link_count; link++) {
-        Matrix locals;
-        locals_of(at->joints, at->members->tables->links[constraint->link_first + link].joint,
-                  &locals);
-        matrix_product(end, &locals, end);
-        places[link] = matrix_origin(end);
-    }
+    Matrix locals;
+    locals_of(at->joints, at->members->tables->links[constraint->link_first + link].joint, &locals);
+    matrix_product(models, &locals, models);
 }

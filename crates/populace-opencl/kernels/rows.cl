@@ -315,26 +315,47 @@ INLINE Vec3 vector_steps(const ClipTables *tables, Columns columns, uint propert
     return n;
 }
 
-INLINE Quat load_quat(__global const float *planes, uint padded)
+// Planes of a joint, or of sixteen, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
+// of 64 bits in two registers.
+typedef struct {
+    __global const float *poses;
+    uint first, padded;
+} Stored;
+
+INLINE Stored stored_at(const ClipTables *tables, uint first, Body body)
 {
-    const Quat q = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded),
-                     LOAD(planes + 3 * padded) };
+    const Stored stored = { tables->poses, first, body.padded_count };
+    return stored;
+}
+
+INLINE Real stored_real(Stored stored, uint plane)
+{
+    return LOAD(stored.poses + (stored.first + plane * stored.padded));
+}
+
+INLINE Quat stored_quat(Stored stored, uint plane)
+{
+    const Quat q = { stored_real(stored, plane), stored_real(stored, plane + 1),
+                     stored_real(stored, plane + 2), stored_real(stored, plane + 3) };
     return q;
 }
 
-INLINE Vec3 load_vec3(__global const float *planes, uint padded)
+INLINE Vec3 stored_vec3(Stored stored, uint plane)
 {
-    const Vec3 v = { LOAD(planes), LOAD(planes + padded), LOAD(planes + 2 * padded) };
+    const Vec3 v = { stored_real(stored, plane), stored_real(stored, plane + 1),
+                     stored_real(stored, plane + 2) };
     return v;
 }
 
-// Returns translations or scales between two rows; `offset` and `step` are planes.
+// Returns translations or scales between two rows. `plane` is the first of their offset; after it
+// comes their step.
 INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, SlotSample at,
-                          __global const float *offset, __global const float *step, uint padded)
+                          Stored range, uint plane)
 {
-    const Vec3 still = load_vec3(offset, padded);
+    const Vec3 still = stored_vec3(range, plane);
     if (planes_of(columns.block, property).first == NONE) return still;
-    return vec3_add(vec3_scale(vector_steps(tables, columns, property, at), LOAD(step)), still);
+    const Vec3 n = vector_steps(tables, columns, property, at);
+    return vec3_add(vec3_scale(n, stored_real(range, plane + 3)), still);
 }
 
 // A sample of a clip. `unit` scales the rotation to length 1 in the hemisphere of the rest
@@ -362,21 +383,18 @@ INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body,
                            SlotSample at, Local rest)
 {
     const Columns columns = columns_of(tables, bound, joint);
-    const uint padded = body.padded_count;
-    __global const float *range = tables->poses + bound.range_first + joint;
-    Sample sample = { { rest.t, load_quat(range, padded), rest.s },
+    const Stored range = stored_at(tables, bound.range_first + joint, body);
+    Sample sample = { { rest.t, stored_quat(range, 0), rest.s },
                       0.0f,
                       columns.flags & (REST_TRANSLATION | REST_SCALE) };
     Local *trs = &sample.trs;
     if (columns.block.rotation_first != NONE)
-        trs->r = quat_add(quat_scale(rotation_steps(tables, columns, at), LOAD(range + 4 * padded)),
+        trs->r = quat_add(quat_scale(rotation_steps(tables, columns, at), stored_real(range, 4)),
                           trs->r);
     if (!(sample.at_rest & REST_TRANSLATION))
-        trs->t = sample_vector(tables, columns, TRANSLATION, at, range + 5 * padded,
-                               range + 8 * padded, padded);
+        trs->t = sample_vector(tables, columns, TRANSLATION, at, range, 5);
     if (!(sample.at_rest & REST_SCALE))
-        trs->s = sample_vector(tables, columns, SCALE, at, range + 9 * padded, range + 12 * padded,
-                               padded);
+        trs->s = sample_vector(tables, columns, SCALE, at, range, 9);
     if (columns.flags & BLOCK_CORRECTED) {
         Local turned = *trs;
         correct(tables, bound, body, joint, at, &turned);

@@ -20,21 +20,21 @@ typedef struct {
     float elapsed_secs;
 } StageTables;
 
-INLINE StageJoint stage_joint(StageTables tables, Step step, Control control)
+INLINE StageJoint stage_joint(StageTables tables, Step step, __global const Control *control)
 {
     StageJoint joint;
     joint.translation = joint.scale = (float4)(0.0f);
     joint.rotation = (float4)(0.0f, 0.0f, 0.0f, 1.0f);
     joint.row0 = joint.row1 = joint.row2 = (float4)(0.0f);
-    joint.place = control.place;
-    joint.facing = (float4)(control.sine, control.cosine, 0.0f, 0.0f);
+    joint.place = control->place;
+    joint.facing = (float4)(control->sine, control->cosine, 0.0f, 0.0f);
     joint.values = tables.values[step.operand];
     for (uint i = 0; i < STAGE_PARAMETERS / 4; i++)
         vstore4(tables.values[step.index * (STAGE_PARAMETERS / 4) + i], i, joint.parameters);
     joint.ticks = tables.tick > FIRST_TICK ? tables.tick - FIRST_TICK : 0;
     joint.elapsed_secs = tables.elapsed_secs;
     joint.joint = step.joint;
-    joint.member = control.member;
+    joint.member = control->member;
     return joint;
 }
 
@@ -45,7 +45,8 @@ INLINE bool stage_bounded(float4 v)
 }
 
 // Runs a stage on a model transform. A result out of bounds is dropped.
-APART_STEP float16 stage_model(StageTables tables, Step step, Control control, float16 own)
+SELDOM float16 stage_model(StageTables tables, Step step, __global const Control *control,
+                               float16 own)
 {
     StageJoint joint = stage_joint(tables, step, control);
     joint.row0 = own.s0123;
@@ -70,7 +71,8 @@ INLINE float lane_of(Real all, uint lane)
 }
 
 // Runs a stage on the local transform in one lane. A result out of bounds is dropped.
-APART_STEP Local stage_local(StageTables tables, Step step, Control control, uint lane, Local trs)
+SELDOM Local stage_local(StageTables tables, Step step, __global const Control *control,
+                             uint lane, Local trs)
 {
     StageJoint joint = stage_joint(tables, step, control);
     joint.translation =
@@ -93,10 +95,11 @@ APART_STEP Local stage_local(StageTables tables, Step step, Control control, uin
 }
 
 // Runs a member's stages on its local transforms from `joint` on. Their steps are sorted by joint.
-INLINE Local stage_locals(StageTables tables, Control control, uint joint, Local trs)
+INLINE Local stage_locals(StageTables tables, __global const Control *control, uint joint,
+                          Local trs)
 {
-    for (uint i = 0; i < control.pose_step_count; i++) {
-        const Step step = tables.steps[control.step_first + control.step_count + i];
+    for (uint i = 0; i < control->pose_step_count; i++) {
+        const Step step = tables.steps[control->step_first + control->step_count + i];
         if (step.joint >= joint + LANES) break;
         if (step.joint >= joint) trs = stage_local(tables, step, control, step.joint - joint, trs);
     }

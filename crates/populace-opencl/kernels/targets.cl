@@ -34,36 +34,28 @@ typedef struct {
 // A member's constraint program.
 typedef struct {
     const ConstraintTables *tables;
-    Control control;
+    __global const Control *control;
     uint index;
 } Solver;
 
 INLINE Solver solver_of(const ConstraintTables *tables, uint control)
 {
-    const Solver solver = { tables, tables->controls[control], control };
+    const Solver solver = { tables, tables->controls + control, control };
     return solver;
 }
 
 // Rotates a direction of the world into model space.
-INLINE float4 direction_to_model(Control control, float4 d)
+INLINE float4 direction_to_model(__global const Control *control, float4 d)
 {
-    const float sine = control.sine, cosine = control.cosine;
+    const float sine = control->sine, cosine = control->cosine;
     return vec(cosine * d.x - sine * d.z, d.y, sine * d.x + cosine * d.z);
 }
 
-INLINE float4 to_model(Control control, float4 point)
+INLINE float4 to_model(__global const Control *control, float4 point)
 {
     const float4 d =
-        vec(point.x - control.place.x, point.y - control.place.y, point.z - control.place.z);
-    return direction_to_model(control, d) * (1.0f / control.place.w);
-}
-
-INLINE float4 to_world(Control control, float4 p)
-{
-    const float4 place = control.place;
-    const float sine = control.sine, cosine = control.cosine;
-    return vec((cosine * p.x + sine * p.z) * place.w + place.x, p.y * place.w + place.y,
-               (cosine * p.z - sine * p.x) * place.w + place.z);
+        vec(point.x - control->place.x, point.y - control->place.y, point.z - control->place.z);
+    return direction_to_model(control, d) * (1.0f / control->place.w);
 }
 
 // Returns a target's weight now, eased at both ends of its ramp, and 0 below LEAST_WEIGHT.
@@ -100,7 +92,7 @@ INLINE float4 sight(const Solver *s, Target target, float4 from, float *weight)
 // Returns a target of one of the member's constraints.
 INLINE Target target_of(const Solver *s, __global const Constraint *constraint, uint nth)
 {
-    return s->tables->targets[s->control.target_first + constraint->target_first + nth];
+    return s->tables->targets[s->control->target_first + constraint->target_first + nth];
 }
 
 // Returns the weighted mean of all targets, and their total weight, at most 1.

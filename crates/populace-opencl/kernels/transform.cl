@@ -44,25 +44,17 @@ __kernel void transform(
     const uint joint = levels[body.level_first + level] + item % level_width;
     if (joint >= levels[body.level_first + level + 1]) return;
 
-    const uint first = member.joint_first, place = first + joint,
-               parent = parents[body.joint_first + joint];
-    const Hierarchy joints = { translations + first, rotations + first, scales + first };
-    float16 model = local_in(joints, joint, 0), above = model;
-    if (parent != NONE) {
-        above = (float16)(row0[first + parent], row1[first + parent], row2[first + parent],
-                          (float4)(0.0f));
-        model = affine_mul(above, model);
-    }
-    if (member.control != NONE) {
-        const Machines machines = { machine_states, running };
-        const ConstraintTables constraint_tables = constraint_tables_of(
-            CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips, masks,
-            slots_per_member, machines, tick);
-        const Solver s = solver_of(&constraint_tables, member.control);
-        model = solve_joint(&s, joints, step_rotations + member.control * MAX_STEP_ROTATIONS, joint,
-                            model, above, parent != NONE);
-    }
-    row0[place] = model.s0123;
-    row1[place] = model.s4567;
-    row2[place] = model.s89ab;
+    const uint first = member.joint_first, parent = parents[body.joint_first + joint];
+    const Hierarchy joints = { translations + first, rotations + first, scales + first,
+                               row0 + first,         row1 + first,      row2 + first };
+    float16 model = local_in(joints, joint, 0);
+    if (parent != NONE) model = affine_mul(model_of(joints, parent), model);
+    keep_model(joints, joint, model.s0123, model.s4567, model.s89ab);
+    if (member.control == NONE) return;
+    const Machines machines = { machine_states, running };
+    const ConstraintTables constraint_tables =
+        constraint_tables_of(CONSTRAINT_ARGUMENTS, members, slots, layers, bound_clips, clips,
+                             masks, slots_per_member, machines, tick);
+    const Solver s = solver_of(&constraint_tables, member.control);
+    solve_joint(&s, joints, step_rotations + member.control * MAX_STEP_ROTATIONS, joint, parent);
 }

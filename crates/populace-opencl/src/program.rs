@@ -44,13 +44,18 @@ pub(crate) fn share_of(padded: usize, plain: bool) -> usize {
 }
 
 impl GroupShape {
-    /// Divides a group of at most `work_items` among members: 16 work-items each, for a block of
-    /// joints in a row of a clip.
+    /// Divides a group of at most `work_items` among members: up to 16 work-items each, for a block
+    /// of joints in a row of a clip.
     pub(crate) fn of(work_items: usize) -> Self {
-        let batch = (work_items / JOINT_BLOCK as usize).max(1);
-        Self { group: work_items / batch * batch, batch }
+        let batch = (work_items / JOINTS_MOST).max(1);
+        Self { group: batch * work_items.min(JOINTS_MOST), batch }
     }
 }
+
+/// Most work-items of a member.
+const JOINTS_MOST: usize = JOINT_BLOCK as usize;
+// While a work-item computes a pose, it keeps three elements in place of its member's rotations.
+const _: () = assert!(3 * JOINTS_MOST <= MAX_STEP_ROTATIONS as usize);
 
 impl Form {
     fn settings(self) -> String {

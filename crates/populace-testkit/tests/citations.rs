@@ -129,11 +129,18 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("foot_state", "put_foot_state", "populace-native/src/constraints/foot_state.rs", "numbers"),
     ("foot_state", "stance_of", "populace-native/src/constraints/foot_state.rs", "of_numbers"),
     ("hierarchy", "local_in", "populace-native/src/hierarchy.rs", "local_of"),
-    ("hierarchy", "matrices_of", "populace-native/src/hierarchy.rs", "model_of"),
-    ("hierarchy", "keep_matrices", "populace-native/src/hierarchy.rs", "keep_model"),
+    ("hierarchy", "models_of", "populace-native/src/hierarchy.rs", "model_of"),
+    ("hierarchy", "keep_models", "populace-native/src/hierarchy.rs", "keep_model"),
     ("foot", "put_points", "populace-native/src/constraints/foot.rs", "step_foot"),
     ("foot", "same_in_lanes", "populace-native/src/constraints/foot.rs", "splat"),
+    ("foot", "stand_on_point", "populace-native/src/constraints/foothold.rs", "stand_on"),
+    ("foot", "stand_on_points", "populace-native/src/constraints/foot.rs", "foot_goal"),
     ("foothold", "grounds_at", "populace-native/src/constraints/foothold.rs", "ground_at"),
+    ("foothold", "next_heights", "populace-native/src/constraints/foothold.rs", "shown_height"),
+    ("fused_grouped", "pose_kept", "populace-native/src/joint.rs", "pose_joint"),
+    ("fused_grouped", "inertialize_kept", "populace-native/src/inertialize.rs", "inertialize"),
+    ("gaze", "shares_of", "populace-native/src/constraints/gaze.rs", "put_gazes"),
+    ("gaze", "targets_most", "populace-native/src/constraints/gaze.rs", "put_gazes"),
     (
         "inertialize",
         "outgoing_state",
@@ -146,8 +153,23 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
         "populace-device/src/playback/inertialize.rs",
         "incoming_state",
     ),
+    ("inertialize", "earlier_start", "populace-native/src/inertialize.rs", "inertialize"),
+    ("inertialize", "left_since", "populace-native/src/inertialize.rs", "inertialize"),
+    ("inertialize", "inertialized", "populace-native/src/inertialize.rs", "inertialize"),
+    (
+        "inertialize",
+        "inertialization_sample",
+        "populace-native/src/inertialize.rs",
+        "sampled_poses",
+    ),
+    ("inertialize", "part_left", "populace-native/src/inertialize.rs", "left_of"),
     ("inertialize", "row_before", "populace-device/src/playback/inertialize.rs", "row_before"),
     ("inertialize", "far_row", "populace-device/src/playback/inertialize.rs", "far_row"),
+    ("joint", "layer_pose", "populace-native/src/joint.rs", "lay_over"),
+    ("joint", "laying_of", "populace-native/src/joint.rs", "lay_over"),
+    ("joint", "is_silent", "populace-native/src/joint.rs", "lay_over"),
+    ("joint", "laid_over", "populace-native/src/joint.rs", "lay_over"),
+    ("joint", "rest_of", "populace-native/src/joint.rs", "pose_base"),
     ("members", "member_phase", "populace-device/src/tables/members.rs", "phase"),
     ("motion", "move_of", "populace-native/src/constraints/motion.rs", "new"),
     ("motion", "moves_over", "populace-native/src/constraints/motion.rs", "over"),
@@ -183,6 +205,8 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("foot_state", "vec3_to_model", "populace-native/src/constraints/targets.rs", "to_model"),
     ("foot_state", "vec3_to_world", "populace-native/src/constraints/targets.rs", "to_world"),
     ("chain", "walk_in", "populace-native/src/constraints/chain.rs", "positions"),
+    ("chain", "keep_points", "populace-native/src/constraints/chain.rs", "chain"),
+    ("chain", "stretch", "populace-native/src/constraints/chain.rs", "chain"),
     ("targets", "solver_of", "populace-native/src/constraints/targets.rs", "new"),
     ("targets", "target_weight", "populace-device/src/control.rs", "weight_at"),
     ("vec3", "vec3_mix", "populace-model/src/math/real.rs", "mix"),
@@ -198,21 +222,38 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
 /// Kernel functions without a twin, by file, with the reason. `*` stands for all of a file.
 const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("affine", &["repeated", "last_column"], "vectors of OpenCL C"),
+    ("chain", &["point_of", "keep_point", "keep_rotation"], "arrays in Rust"),
     ("contacts", &["stepping", "play_count", "play_in"], "inputs in lanes"),
     ("contacts", &["share_clip", "contacts_of"], "one slice, natively"),
     ("targets", &["target_of"], "targets() returns all"),
-    ("feet", &["hand_down_leg", "hand_down_goals"], "stores in Rust"),
+    ("feet", &["hand_down_leg", "hand_down_goals", "legs_to_goals"], "stores in Rust"),
     ("floor", &["floor_float4", "floor_matrix", "floor_run"], "one way to write among several"),
-    ("foot_state", &["foot_states", "keep_foot_states"], "one foot of a member, natively"),
+    (
+        "foot_state",
+        &[
+            "stored_foot",
+            "foot_states",
+            "keep_foot_states",
+            "epochs_of",
+            "foot_number",
+            "put_foot_number",
+            "foot_heights",
+            "put_foot_heights",
+        ],
+        "one foot of a member, natively",
+    ),
     ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),
     (
         "fused_grouped",
         &[
             "grouped_of",
+            "body_of",
             "batch_of",
             "models_in",
             "playing_in",
             "rotations_in",
+            "keep",
+            "take",
             "pose_member",
             "descend",
             "place_at",
@@ -225,16 +266,23 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ("fused_wide", &["*"], "work-items, their memory and its caches"),
     (
         "hierarchy",
-        &["locals_of", "handed_rotations", "hand_rotations", "hand_rotation_in"],
+        &[
+            "locals_of",
+            "handed_rotations",
+            "hand_rotations",
+            "handed_rotation_in",
+            "hand_rotation_in",
+        ],
         "arrays in Rust",
     ),
-    ("inertialize", &["inertialization_part", "inertializes_in"], "closures in Rust"),
+    ("inertialize", &["inertializes_in"], "closures in Rust"),
     ("joint", &["inertialize"], "a declaration of another file's function"),
     (
         "lanes",
         &["permute", "transpose", "no_numbers", "put_numbers", "turn_numbers", "numbers_in"],
         "arrays in Rust",
     ),
+    ("local", &["local_add", "local_scale", "local_less"], "loops over components in Rust"),
     ("machines", &["machine_clip"], "the field of a slot in Rust"),
     ("matrices", &["matrix_in", "put_matrix"], "arrays in Rust"),
     ("motion", &["between", "motion_row"], "closures in Rust"),
@@ -242,6 +290,8 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
     (
         "programs",
         &[
+            "own_models",
+            "rotate_own",
             "step_in",
             "constraint_in",
             "hand_down",
@@ -258,6 +308,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
         &["is_packed", "is_plain", "words_at", "halves_at", "low_half", "high_half", "correct"],
         "formats of a block in the device's registers",
     ),
+    ("rows", &["stored_at", "stored_real", "stored_quat", "stored_vec3"], "slices in Rust"),
     ("stages", &["run_user_stage", "lane_of"], "generated code, and lanes"),
     ("vec3", &["vec"], "vectors of OpenCL C"),
 ];
@@ -266,7 +317,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
 const PREFIXES: &[&str] = &["quat_", "vec3_", "affine_", "slot_", "move_", "stage_", "matrix_"];
 
 /// Words that begin the definition of a kernel's function.
-const STARTS: &[&str] = &["INLINE ", "SELDOM ", "APART ", "APART_STEP ", "__kernel ", "static "];
+const STARTS: &[&str] = &["INLINE ", "SELDOM ", "APART ", "__kernel ", "static "];
 
 /// Returns the names of the functions that a kernel file declares or defines.
 fn kernel_functions(text: &str) -> Vec<&str> {

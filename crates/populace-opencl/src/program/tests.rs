@@ -1,5 +1,7 @@
 use std::collections::BTreeSet;
 
+use populace_device::layout::MAX_STEP_ROTATIONS;
+
 use super::{Form, GroupShape};
 use crate::OpenClDevice;
 use crate::buffer::Buffer;
@@ -87,5 +89,17 @@ fn scale_ratio_to_no_number_is_one() {
         let mut found = vec![0; wanted.len()];
         out.read(&queue, 0, &mut found).unwrap();
         assert_eq!(found, wanted, "{form:?}");
+    }
+}
+
+#[test]
+fn groups_divide_evenly_and_members_keep_their_poses_among_rotations() {
+    for work_items in 1..=300 {
+        let GroupShape { group, batch } = GroupShape::of(work_items);
+        assert!(
+            group <= work_items && group.is_multiple_of(batch),
+            "{work_items}: {group}/{batch}"
+        );
+        assert!(3 * group / batch <= MAX_STEP_ROTATIONS as usize, "{work_items}: {group}/{batch}");
     }
 }
