@@ -56,7 +56,8 @@ faults! {
     }
     check_small_totals {
         small_totals_are_divided:
-            "sum.total > 1e-3f ? mean_of(sum, rest) : rest" => "mean_of(sum, rest)";
+            "sum.total > (l == 0 ? 1e-3f : LEAST_WEIGHT) ? mean_of(sum, rest) : rest" =>
+            "mean_of(sum, rest)";
     }
     check_override_layers {
         masks_do_not_count:
@@ -87,8 +88,9 @@ faults! {
         velocities_decay_too_fast:
             "inertialized * cube * (1.0f + 3.0f * inertialized)" => "inertialized * cube";
         shares_do_not_change: "moving * slot.share_change" => "0.0f";
-        velocities_turn_beneath: "b = after(b, a);" => "b = after(a, b);";
-        incoming_velocities_stay: "return sum + (outgoing - incoming);" => "return sum + outgoing;";
+        velocities_turn_beneath: "far = after(far, at);" => "far = after(at, far);";
+        incoming_velocities_stay: "local_add(sum, local_less(outgoing, left))" =>
+            "local_add(sum, outgoing)";
     }
     check_transform_alone {
         rotations_are_transposed:
@@ -119,11 +121,11 @@ faults! {
             "*weight = total < (Real)(1.0f) ? total : (Real)(1.0f);" => "*weight = 1.0f;";
         shares_do_not_add_up: "shared += takes_part ? share : (Real)(0.0f);" => "shared = share;";
         eyes_stay_behind: "aim(&g, place, &weight_there)" =>
-            "aim(&g, g.places[last], &weight_there)";
-        necks_do_not_carry: "place = vec3_add(place, quat_rotated(so_far, on));" =>
-            "place = vec3_add(place, on);";
+            "aim(&g, g.end, &weight_there)";
+        necks_do_not_carry: "quat_rotated(so_far, vec3_add_scaled(next, posed, -1.0f))" =>
+            "vec3_add_scaled(next, posed, -1.0f)";
         gaze_forgets_its_carrier:
-            "at->has_parent ? matrix_transform_vector(&at->parent, above) : above" => "above";
+            "matrix_transform_vector(&parent, above)" => "above";
         yaw_is_reversed: "start.front * to.left - start.left * to.front" =>
             "start.left * to.front - start.front * to.left";
         headings_are_reversed:
@@ -151,12 +153,12 @@ faults! {
         middles_bend_about_the_old_axis:
             "vec3_scale(quat_rotated(first, axis), x * half_unit)" =>
             "vec3_scale(axis, x * half_unit)";
-        ends_do_not_keep: "PUT(keeps_end, lane, own->keeps_end ? 1.0f : 0.0f);" => "";
+        ends_do_not_keep: "PUT(keeps_end, lane, reach->keeps_end ? 1.0f : 0.0f);" => "";
         ends_are_undone_in_the_wrong_order: "quat_conjugate(quat_mul(second, first))" =>
             "quat_conjugate(quat_mul(first, second))";
         limbs_ignore_weights: "quat_choose(partly, quat_part(rotation, weight), rotation)" =>
             "rotation";
-        places_have_no_scale: "direction_to_model(control, d) * (1.0f / control.place.w)" =>
+        places_have_no_scale: "direction_to_model(control, d) * (1.0f / control->place.w)" =>
             "direction_to_model(control, d)";
         goals_are_not_weighted: "sum = add_scaled(sum, place, own);" =>
             "sum = add_scaled(sum, place, 1.0f);";
@@ -164,12 +166,12 @@ faults! {
     check_chains {
         rotations_move_joints: "    result.s7 = m.s7;\n" => "";
         chains_stop_early: "pass < CHAIN_PASSES" => "pass < 1u";
-        chains_leave_their_root: "            points[0] = places[0];\n" => "";
+        chains_leave_their_root: "        point = start;\n" => "";
         chains_turn_twice: "rotation_mul(rotation, rotated_by)" =>
             "rotation_mul(rotated_by, rotation)";
         chains_ignore_weights: "part_of(rotation_between(was, is, any_across(is)), weight)" =>
             "rotation_between(was, is, any_across(is))";
-        chains_are_not_soft: "soft_distance(distance, total, 0.0f, constraint->limits.x)" =>
+        chains_are_not_soft: "soft_distance(distance, total, 0.0f, c.constraint->limits.x)" =>
             "distance";
         directions_end_near: "direction_to_model(s->control, point), TARGET_FAR_M)" =>
             "direction_to_model(s->control, point), 1.0f)";
@@ -267,7 +269,7 @@ faults! {
         watched_joints_have_no_offset:
             "vec(a.w + point.x, rows[1].w + point.y, rows[2].w + point.z)" =>
             "vec(a.w, rows[1].w, rows[2].w)";
-        watched_joints_have_no_scale: "const float sine = s->control.sine * place.w, cosine" =>
-            "const float sine = s->control.sine, cosine";
+        watched_joints_have_no_scale: "const float sine = s->control->sine * place.w, cosine" =>
+            "const float sine = s->control->sine, cosine";
     }
 }
