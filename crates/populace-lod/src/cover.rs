@@ -1,15 +1,16 @@
-//! Surfaces beneath others, such as a scalp beneath hair.
+//! Surfaces beneath others, such as a scalp beneath hair, and features on them, such as eyes.
 //!
 //! Two surfaces that lie close together cross once each is off by more than the distance between
-//! them. Levels therefore draw in the vertices that lie beneath, which nobody sees.
+//! them. Levels therefore draw in the vertices that lie beneath, which nobody sees, and draw out
+//! features.
 
 use std::collections::HashMap;
 
-use glam::DMat3;
+use glam::{DMat3, Vec3};
 use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
-use populace_character::{Character, Influences, Mesh};
+use populace_character::{Character, Influences, Mesh, PaletteEntry};
 use populace_model::f64math;
 
 use crate::bound;
@@ -24,45 +25,50 @@ const FARTHEST: f32 = 0.03;
 const THINNEST: f32 = 0.04;
 /// Start of a ray before its vertex, which lies on its own surface, as a fraction of the height.
 const CLEAR: f32 = 1e-4;
+/// How far features are drawn out, in errors of the level.
+const FEATURE_ERRORS: f32 = 0.5;
 
-/// A vertex beneath another surface.
+/// A vertex that levels move: one beneath another surface against its normal, one of a feature to where
+/// the feature faces.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Beneath {
-    /// Distance in metres to the surface above, along the normal.
+pub(crate) struct Shift {
+    /// Distance in metres to the surface above, along the normal; 0 for a feature.
     depth_m: f32,
-    /// Greatest distance in metres by which the vertex is drawn in.
+    /// Greatest error in metres that counts.
     farthest_m: f32,
-    /// Offset in bind space that moves the vertex at rest by a metre against its normal.
-    inwards: [f32; 3],
+    /// Offset in bind space for an error of a metre.
+    per_m: [f32; 3],
 }
 
-impl Beneath {
+impl Shift {
+    /// `per_m` is the offset at rest for an error of a metre. `None` if no offset in bind space
+    /// gives it.
+    fn new(depth_m: f32, farthest_m: f32, rest_from_bind: &DMat3, per_m: [f32; 3]) -> Option<Self> {
+        let per_m = f64math::to_f32((rest_from_bind.inverse() * f64math::vec3(per_m)).to_array());
+        per_m.iter().all(|c| c.is_finite()).then_some(Self { depth_m, farthest_m, per_m })
+    }
+
     /// Returns the offset in bind space at a level.
     pub(crate) fn offset(&self, error_m: f32) -> [f32; 3] {
         let is_close = self.depth_m <= DEEPEST_ERRORS * error_m;
         let by_m = if is_close { error_m.min(self.farthest_m) } else { 0.0 };
-        self.inwards.map(|component| by_m * component)
+        self.per_m.map(|component| by_m * component)
     }
 }
 
-/// Returns for each vertex of each part how it lies beneath the outer side of another surface, if
-/// levels of up to `most_m` metres draw it in. `parts` are those of the character, not yet
-/// simplified. Parts that are options have no such vertices: members who wear them do not wear the
-/// other options above.
+/// Returns for each vertex of each part how levels of up to `most_m` metres draw it in, if it lies
+/// beneath the outer side of another surface. `parts` are those of the character, not yet simplified.
+/// Parts that are options have no such vertices: members who wear them do not wear the other options
+/// above.
 pub(crate) fn beneath(
     character: &Character,
     parts: &[Simplifier<'_>],
     most_m: f32,
-) -> Vec<Vec<Option<Beneath>>> {
+) -> Vec<Vec<Option<Shift>>> {
     let nothing = |part: &Simplifier<'_>| vec![None; part.surface().positions.len()];
     let Some(surface) = bound::surface(parts) else { return parts.iter().map(nothing).collect() };
     let normals = normals(&surface);
-    let models = character.skeleton.rest_models();
-    let binds: Vec<DMat3> = character
-        .palette
-        .iter()
-        .map(|e| (models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind)).matrix3)
-        .collect();
+    let binds = binds(character);
     let height = character.height_m();
     let of_vertex = |mesh: &Mesh, vertex: usize, place: [f32; 3]| {
         let normal = normals.get(&key(place))?.try_normalize()?;
@@ -71,10 +77,8 @@ pub(crate) fn beneath(
         if surface.cast_local_ray(&into, THINNEST * height, false).is_some() {
             return None;
         }
-        let rest_from_bind = rest_from_bind(mesh, vertex, &binds);
-        let inwards = -(rest_from_bind.inverse() * f64math::vec3(normal.to_array()));
-        let (farthest_m, inwards) = (FARTHEST * height, f64math::to_f32(inwards.to_array()));
-        inwards.iter().all(|c| c.is_finite()).then_some(Beneath { depth_m, farthest_m, inwards })
+        let inwards = (-normal).to_array();
+        Shift::new(depth_m, FARTHEST * height, &rest_from_bind(mesh, vertex, &binds), inwards)
     };
     let of_part = |(index, part): (usize, &Simplifier<'_>)| {
         if character.option_of(index).is_some() {
@@ -85,6 +89,31 @@ pub(crate) fn beneath(
         places.map(|(vertex, place)| of_vertex(mesh, vertex, *place)).collect()
     };
     parts.iter().enumerate().map(of_part).collect()
+}
+
+/// Returns for each vertex of each part how levels draw it out, if it is one of a feature that faces
+/// somewhere.
+pub(crate) fn out(character: &Character, parts: &[Simplifier<'_>]) -> Vec<Vec<Option<Shift>>> {
+    let (binds, farthest_m) = (binds(character), FARTHEST * character.height_m());
+    let of_vertex = |mesh: &Mesh, (vertex, facing): (usize, &Option<Vec3>)| {
+        let facing = facing.filter(|facing| *facing != Vec3::ZERO)?;
+        let outwards = (FEATURE_ERRORS * facing).to_array();
+        Shift::new(0.0, farthest_m, &rest_from_bind(mesh, vertex, &binds), outwards)
+    };
+    let of_part = |(index, part): (usize, &Simplifier<'_>)| {
+        let mesh = &character.parts[index].mesh;
+        part.features().iter().enumerate().map(|vertex| of_vertex(mesh, vertex)).collect()
+    };
+    parts.iter().enumerate().map(of_part).collect()
+}
+
+/// Returns the matrix of each palette entry at rest.
+fn binds(character: &Character) -> Vec<DMat3> {
+    let models = character.skeleton.rest_models();
+    let bind = |e: &PaletteEntry| {
+        (models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind)).matrix3
+    };
+    character.palette.iter().map(bind).collect()
 }
 
 /// Returns the blended matrix of a vertex at rest. `binds` holds that of each palette entry.
@@ -131,7 +160,6 @@ fn depth_m(
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
     use populace_cast::{Look, person};
     use populace_character::CharacterSource;
 
@@ -161,7 +189,7 @@ mod tests {
     }
 
     /// Returns the vertices of a cube around which another one is 5 mm larger.
-    fn beneath_larger(half_m: f32) -> Vec<Option<Beneath>> {
+    fn beneath_larger(half_m: f32) -> Vec<Option<Shift>> {
         let mut source = CharacterSource::clone(&person(&Look::girl()).unwrap());
         source.parts.iter_mut().for_each(|part| part.node_name = "body".into());
         source.parts[0].mesh = cube(half_m);

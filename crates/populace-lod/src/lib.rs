@@ -6,6 +6,10 @@
 //! texture coordinates, colours and joint weights count as distances, so that folds, seams and bends
 //! stay. Pieces that stick out much farther than the error, such as the brim of a hat, stay too.
 //!
+//! Features, such as eyes and brows, and colours stay longer in fine levels, in which faces count.
+//! Features are drawn out by half an error, so that a coarser face does not cover them. Coarse levels
+//! are not simplified from these, but from levels without.
+//!
 //! Palettes, textures and materials stay as they are. Vertices are a subset of the character's, with
 //! normals and colours that stand for the surface around them. Those that lie beneath another surface
 //! by less than two errors, such as a scalp beneath hair, are drawn in by one, so that they stay
@@ -17,8 +21,11 @@
 
 mod bound;
 mod cover;
+mod features;
 mod groups;
 mod mesh;
+
+use std::ops::Range;
 
 use populace_character::{Character, CharacterSource, Error, Level, Mesh, joints_needed};
 
@@ -41,6 +48,9 @@ const LEVELS: [(f32, usize, bool); 10] = [
     (0.042, 1, false),
     (0.056, 1, true),
 ];
+/// Errors of levels in which faces count, as fractions of the character's height. Finer levels keep
+/// them by their sizes alone.
+const FACES_COUNT: Range<f32> = 0.0015..0.012;
 /// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
 /// than the one before.
 const FIRST_REDUCTION: f32 = 0.0001;
@@ -67,15 +77,21 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
     let mut simplifiers = simplifiers(character);
     let most_m = LEVELS.map(|(fraction, ..)| fraction).into_iter().fold(0.0, f32::max);
     let beneath = cover::beneath(character, &simplifiers, most_m * character.height_m());
-    let count =
-        |simplifiers: &[Simplifier]| -> usize { simplifiers.iter().map(triangles_of).sum() };
+    let out = cover::out(character, &simplifiers);
+    let mut faces: Option<Vec<Simplifier>> = None;
     let mut levels: Vec<Level> = Vec::new();
     let mut shown = count(&simplifiers);
     for (fraction, influences, leads) in LEVELS {
         let error_m = fraction * character.height_m();
+        let faces_count = FACES_COUNT.contains(&fraction);
+        if faces_count {
+            let with_faces = || simplifiers.iter().map(Simplifier::with_faces).collect();
+            bound::simplify(faces.get_or_insert_with(with_faces), error_m, |_| true);
+        }
         let mut between = (!leads).then(|| simplifiers.clone());
-        let own = between.as_mut().unwrap_or(&mut simplifiers);
-        bound::simplify(own, error_m, |_| true);
+        let coarse = between.as_mut().unwrap_or(&mut simplifiers);
+        bound::simplify(coarse, error_m, |_| true);
+        let own = faces.as_ref().filter(|_| faces_count).unwrap_or(coarse);
         let left = count(own);
         if left == 0 {
             break;
@@ -84,15 +100,19 @@ pub fn levels_of(character: &Character) -> Vec<Level> {
             continue;
         }
         shown = left;
-        let meshes = own.iter().zip(&beneath).map(|(simplifier, beneath)| {
-            let offset = |vertex: usize| beneath[vertex].map(|b| b.offset(error_m));
-            simplifier.mesh(influences, &offset)
+        let meshes = own.iter().zip(beneath.iter().zip(&out)).map(|(part, (beneath, out))| {
+            let shift = |vertex: usize| out[vertex].filter(|_| faces_count).or(beneath[vertex]);
+            part.mesh(influences, &|vertex| shift(vertex).map(|shift| shift.offset(error_m)))
         });
         let meshes: Vec<Mesh> = meshes.collect();
         let joint_count = joints_needed(&character.skeleton, error_m);
         levels.push(Level { error_m, meshes, joint_count });
     }
     levels
+}
+
+fn count(simplifiers: &[Simplifier<'_>]) -> usize {
+    simplifiers.iter().map(triangles_of).sum()
 }
 
 /// Returns the character's parts, not yet simplified.
@@ -118,7 +138,7 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
     let mut simplifiers = simplifiers(character);
     let small = triangles / SMALL_PART;
     let mut next_m = FIRST_REDUCTION * character.height_m();
-    while next_m <= error_m && simplifiers.iter().map(triangles_of).sum::<usize>() > triangles {
+    while next_m <= error_m && count(&simplifiers) > triangles {
         bound::simplify(&mut simplifiers, next_m, |s| triangles_of(s) > small);
         next_m *= REDUCTION_STEP;
     }
@@ -126,4 +146,37 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
         part.mesh = simplifier.mesh(part.mesh.influences.per_vertex, &|_| None);
     }
     Character::new(source)
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_cast::{Look, person};
+
+    use super::*;
+
+    /// Returns the triangles of a face's features, and all, in levels of the given errors, each
+    /// simplified from the one before.
+    fn triangles_of_face<const COUNT: usize>(fractions: [f32; COUNT]) -> [[usize; 2]; COUNT] {
+        let girl = person(&Look::girl()).unwrap();
+        let height = girl.height_m();
+        let mut simplifiers: Vec<Simplifier> =
+            simplifiers(&girl).iter().map(Simplifier::with_faces).collect();
+        fractions.map(|fraction| {
+            bound::simplify(&mut simplifiers, fraction * height, |_| true);
+            let of_face = |part: &Simplifier<'_>| {
+                let is_of_face = |vertex: usize| {
+                    let y = part.surface().positions[vertex][1];
+                    part.features()[vertex].is_some() && y > 0.85 * height
+                };
+                part.surface().triangles().iter().filter(|t| is_of_face(t[0] as usize)).count()
+            };
+            [simplifiers.iter().map(of_face).sum(), count(&simplifiers)]
+        })
+    }
+
+    #[test]
+    fn eyes_stay_in_levels_in_which_faces_count() {
+        let [[face, all]] = triangles_of_face([0.01]);
+        assert!((20..all / 4).contains(&face), "{face} of {all} triangles");
+    }
 }

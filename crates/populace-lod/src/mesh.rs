@@ -8,12 +8,18 @@ use meshopt::{SimplifyOptions, SimplifyVertex, optimize_vertex_cache, simplify_w
 use populace_character::{Character, Influences, Mesh};
 use populace_model::convert::{single, u32_from};
 
+use crate::features::features;
 use crate::groups::JointGroups;
 
 /// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
 const NORMAL: f32 = 0.01;
 /// The same between linear colours.
 const COLOR: f32 = 0.045;
+/// The same where faces count.
+const COLOR_OF_FACES: f32 = 0.15;
+/// Error of features where faces count, as a fraction of the character's height: they are seen by their
+/// colours, not by their shapes.
+const FEATURE_ERROR: f32 = 0.0015;
 /// The same between the weights of two groups of joints.
 const WEIGHT: f32 = 0.04;
 /// Part of the distance on the surface that a shift of the texture counts as.
@@ -39,6 +45,12 @@ pub(crate) struct Simplifier<'a> {
     before: Surface,
     /// Vertices that stay.
     locked: Vec<SimplifyVertex>,
+    /// For each vertex of a feature the direction in which the feature faces.
+    features: Vec<Option<Vec3>>,
+    /// Of the character.
+    height_m: f32,
+    /// Whether features and colours stay longer than their sizes alone would let them.
+    faces_count: bool,
 }
 
 /// A simplified surface. Its vertices are numbered as those of the source.
@@ -87,11 +99,35 @@ impl<'a> Simplifier<'a> {
         let locked = vec![SimplifyVertex::None; positions.len()];
         let indices = welded(source, &positions);
         let now = Surface { positions, attributes, indices };
-        Self { source, weights, now, before: Surface::default(), locked }
+        let features = features(&now.positions, now.triangles(), height);
+        let before = Surface::default();
+        Self {
+            source,
+            weights,
+            now,
+            before,
+            locked,
+            features,
+            height_m: height,
+            faces_count: false,
+        }
     }
 
     pub(crate) fn surface(&self) -> &Surface {
         &self.now
+    }
+
+    /// Returns the same part, of which features and colours stay longer.
+    pub(crate) fn with_faces(&self) -> Self {
+        let mut faces = self.clone();
+        faces.faces_count = true;
+        faces.weights[COLORS].iter_mut().for_each(|weight| *weight *= COLOR_OF_FACES / COLOR);
+        faces
+    }
+
+    /// Returns for each vertex of a feature the direction in which the feature faces.
+    pub(crate) fn features(&self) -> &[Option<Vec3>] {
+        &self.features
     }
 
     /// Returns the surface at the last call of [`Self::begin`].
@@ -122,13 +158,33 @@ impl<'a> Simplifier<'a> {
     /// Simplifies the surface of the last call of [`Self::begin`] until it is `error_m` off.
     pub(crate) fn collapse(&mut self, error_m: f32) {
         self.now.clone_from(&self.before);
-        if self.now.indices.is_empty() {
+        let is_feature =
+            |[vertex, ..]: &[u32; 3]| self.faces_count && self.features[*vertex as usize].is_some();
+        let (features, rest): (Vec<[u32; 3]>, Vec<[u32; 3]>) =
+            self.before.triangles().iter().partition(|triangle| is_feature(triangle));
+        self.now.indices.clear();
+        self.collapse_some(rest, error_m);
+        self.collapse_some(features, error_m.min(FEATURE_ERROR * self.height_m));
+        // Vertices that slide along the surface would take their joints with them, and the texture
+        // would slide.
+        self.now.positions.clone_from(&self.before.positions);
+        let stride = self.weights.len();
+        let vertices = self.now.attributes.chunks_exact_mut(stride);
+        for (now, before) in vertices.zip(self.before.attributes.chunks_exact(stride)) {
+            now[UVS].copy_from_slice(&before[UVS]);
+        }
+    }
+
+    /// Simplifies some triangles, and adds what is left of them to the present surface.
+    fn collapse_some(&mut self, triangles: Vec<[u32; 3]>, error_m: f32) {
+        let mut indices = triangles.into_flattened();
+        if indices.is_empty() {
             return;
         }
         let options =
             SimplifyOptions::ErrorAbsolute | SimplifyOptions::Prune | SimplifyOptions::Permissive;
         let count = simplify_with_update(
-            &mut self.now.indices,
+            &mut indices,
             &mut self.now.positions,
             &mut self.now.attributes,
             &self.weights,
@@ -139,15 +195,7 @@ impl<'a> Simplifier<'a> {
             options,
             None,
         );
-        self.now.indices.truncate(count);
-        // Vertices that slide along the surface would take their joints with them, and the texture
-        // would slide.
-        self.now.positions.clone_from(&self.before.positions);
-        let stride = self.weights.len();
-        let vertices = self.now.attributes.chunks_exact_mut(stride);
-        for (now, before) in vertices.zip(self.before.attributes.chunks_exact(stride)) {
-            now[UVS].copy_from_slice(&before[UVS]);
-        }
+        self.now.indices.extend(&indices[..count]);
     }
 
     /// Returns the present mesh, with at most `influences` joints for each vertex. `offset` is what
