@@ -62,7 +62,7 @@ INLINE float keep_points(Chain c, uint last, float16 from)
 }
 
 // Moves the points until the chain reaches from its start to an end.
-INLINE void stretch(Chain c, uint last, float4 start, float4 reached)
+INLINE void stretch_chain(Chain c, uint last, float4 start, float4 reached)
 {
     for (uint pass = 0; pass < CHAIN_PASSES; pass++) {
         float length, own_length;
@@ -96,7 +96,7 @@ SELDOM float16 chain(const Stop *at, uint lane, float16 own)
     const float distance = vec_length(to);
     if (weight > 0.0f && total > 1e-6f && distance > 1e-6f) {
         const Real softened = soft_distance(distance, total, 0.0f, c.constraint->limits.x);
-        stretch(c, last, start, add_scaled(start, to, LANE(softened, 0) / distance));
+        stretch_chain(c, last, start, add_scaled(start, to, LANE(softened, 0) / distance));
     }
     float4 rotated_by = IDENTITY_ROTATION, posed = start, point = start;
     float16 from = own, result = own;

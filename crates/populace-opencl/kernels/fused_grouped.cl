@@ -157,14 +157,14 @@ typedef struct {
     uint stride;
 } Kept;
 
-INLINE void keep(Kept kept, Local trs)
+INLINE void keep_pose(Kept kept, Local trs)
 {
     kept.rows[0] = (float4)(trs.t.x, trs.t.y, trs.t.z, 0.0f);
     kept.rows[kept.stride] = (float4)(trs.r.x, trs.r.y, trs.r.z, trs.r.w);
     kept.rows[2 * kept.stride] = (float4)(trs.s.x, trs.s.y, trs.s.z, 0.0f);
 }
 
-INLINE Local take(Kept kept)
+INLINE Local kept_pose(Kept kept)
 {
     const float4 t = kept.rows[0], r = kept.rows[kept.stride], s = kept.rows[2 * kept.stride];
     const Local trs = { { t.x, t.y, t.z }, { r.x, r.y, r.z, r.w }, { s.x, s.y, s.z } };
@@ -176,14 +176,14 @@ INLINE Local inertialize_kept(const ClipTables *tables, Inertialization inertial
                               bool additive, Body body, uint joint, Kept kept, Local rest,
                               Local pose)
 {
-    keep(kept, pose);
+    keep_pose(kept, pose);
     ulong start = ULONG_MAX;
     while (earlier_start(inertialization, l, &start)) {
         const Local left =
             left_since(tables, inertialization, l, start, additive, body, joint, rest);
-        keep(kept, inertialized(take(kept), left, additive));
+        keep_pose(kept, inertialized(kept_pose(kept), left, additive));
     }
-    return take(kept);
+    return kept_pose(kept);
 }
 
 // Returns the local transform of a joint, as pose_joint() does. Keeps the pose beneath a layer in
@@ -210,9 +210,9 @@ INLINE Local pose_kept(const Grouped *tables, const Batch *batch, uint nth, Play
         if (playback.inertialization.count > 0)
             own = inertialize_kept(clips, playback.inertialization, l, how.additive, body, joint,
                                    posed, rest, own);
-        keep(beneath, l == 0 ? own : laid_over(take(beneath), own, total, how, rest));
+        keep_pose(beneath, l == 0 ? own : laid_over(kept_pose(beneath), own, total, how, rest));
     }
-    Local trs = take(beneath);
+    Local trs = kept_pose(beneath);
     if (member.control != NONE) {
         __global const Control *control = tables->adjustments.controls + member.control;
         if (is_adjusted(control)) adjust(tables->adjustments, control, joint, &trs);
