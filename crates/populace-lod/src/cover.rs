@@ -138,7 +138,8 @@ fn normals(surface: &TriMesh) -> HashMap<[u32; 3], Vector> {
     normals
 }
 
-fn key(place: [f32; 3]) -> [u32; 3] {
+/// Returns the bits of a place, equal for 0 and -0.
+pub(crate) fn key(place: [f32; 3]) -> [u32; 3] {
     place.map(|component| (component + 0.0).to_bits())
 }
 

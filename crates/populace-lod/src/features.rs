@@ -4,6 +4,8 @@ use std::collections::HashMap;
 
 use glam::Vec3;
 
+use crate::cover::key;
+
 /// Greatest extent of a feature, as a fraction of the character's height.
 const LARGEST: f32 = 0.04;
 /// Pieces face the mean direction of their triangles if it is at least this long. It is 0 for a closed
@@ -44,9 +46,8 @@ pub(crate) fn features(
     height_m: f32,
 ) -> Vec<Option<Vec3>> {
     let mut first_at = HashMap::new();
-    let at_place = |(vertex, place): (usize, &[f32; 3])| {
-        *first_at.entry(place.map(|c| (c + 0.0).to_bits())).or_insert(vertex)
-    };
+    let at_place =
+        |(vertex, place): (usize, &[f32; 3])| *first_at.entry(key(*place)).or_insert(vertex);
     // Leads from each vertex to another one of its piece, in the end to the same one for all.
     let mut leads: Vec<usize> = positions.iter().enumerate().map(at_place).collect();
     for [a, b, c] in triangles {

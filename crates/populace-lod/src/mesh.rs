@@ -47,9 +47,9 @@ pub(crate) struct Simplifier<'a> {
     locked: Vec<SimplifyVertex>,
     /// For each vertex of a feature the direction in which the feature faces.
     features: Vec<Option<Vec3>>,
-    /// Of the character.
+    /// Height of the character in metres.
     height_m: f32,
-    /// Whether features and colours stay longer than their sizes alone would let them.
+    /// Features and colours stay longer.
     faces_count: bool,
 }
 
