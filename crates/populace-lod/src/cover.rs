@@ -11,6 +11,7 @@ use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
 use populace_character::{Character, Influences, Mesh, PaletteEntry};
+use populace_model::convert::place_bits;
 use populace_model::f64math;
 
 use crate::bound;
@@ -71,7 +72,7 @@ pub(crate) fn beneath(
     let binds = binds(character);
     let height = character.height_m();
     let of_vertex = |mesh: &Mesh, vertex: usize, place: [f32; 3]| {
-        let normal = normals.get(&key(place))?.try_normalize()?;
+        let normal = normals.get(&place_bits(place))?.try_normalize()?;
         let depth_m = depth_m(&surface, place, normal, CLEAR * height, DEEPEST_ERRORS * most_m)?;
         let into = Ray::new(Vector::from_array(place) - CLEAR * height * normal, -normal);
         if surface.cast_local_ray(&into, THINNEST * height, false).is_some() {
@@ -132,15 +133,10 @@ fn normals(surface: &TriMesh) -> HashMap<[u32; 3], Vector> {
         let [a, b, c] = [triangle.a, triangle.b, triangle.c];
         let normal = (b - a).cross(c - a);
         for corner in [a, b, c] {
-            *normals.entry(key(corner.to_array())).or_insert(Vector::ZERO) += normal;
+            *normals.entry(place_bits(corner.to_array())).or_insert(Vector::ZERO) += normal;
         }
     }
     normals
-}
-
-/// Returns the bits of a place, equal for 0 and -0.
-pub(crate) fn key(place: [f32; 3]) -> [u32; 3] {
-    place.map(|component| (component + 0.0).to_bits())
 }
 
 /// Returns the distance along `normal` to the inner side of a surface; `None` if there is none

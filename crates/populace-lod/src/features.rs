@@ -3,8 +3,7 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
-
-use crate::cover::key;
+use populace_model::convert::place_bits;
 
 /// Greatest extent of a feature, as a fraction of the character's height.
 const LARGEST: f32 = 0.04;
@@ -47,7 +46,7 @@ pub(crate) fn features(
 ) -> Vec<Option<Vec3>> {
     let mut first_at = HashMap::new();
     let at_place =
-        |(vertex, place): (usize, &[f32; 3])| *first_at.entry(key(*place)).or_insert(vertex);
+        |(vertex, place): (usize, &[f32; 3])| *first_at.entry(place_bits(*place)).or_insert(vertex);
     // Leads from each vertex to another one of its piece, in the end to the same one for all.
     let mut leads: Vec<usize> = positions.iter().enumerate().map(at_place).collect();
     for [a, b, c] in triangles {

@@ -19,6 +19,12 @@ pub fn u32_from(index: usize) -> u32 {
     index as u32
 }
 
+/// Returns the bits of a place: a key that is equal for 0 and -0.
+#[must_use]
+pub fn place_bits(place: [f32; 3]) -> [u32; 3] {
+    place.map(|component| (component + 0.0).to_bits())
+}
+
 /// Returns the first value that is not finite.
 #[must_use]
 pub fn not_finite(values: &[f32]) -> Option<f32> {

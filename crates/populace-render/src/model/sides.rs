@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 use populace_character::Mesh;
+use populace_model::convert::place_bits;
 use populace_model::f64math;
 
 /// Least volume of a solid, as a fraction of the cube over the square root of its area. Two layers
@@ -83,9 +84,8 @@ impl Sides {
 /// Returns for each vertex the first one at the same place.
 fn welded(mesh: &Mesh) -> Vec<usize> {
     let mut first = HashMap::new();
-    let place = |position: &[f32; 3]| position.map(|x| (x + 0.0).to_bits());
     let all = mesh.positions.iter().enumerate();
-    all.map(|(vertex, position)| *first.entry(place(position)).or_insert(vertex)).collect()
+    all.map(|(vertex, position)| *first.entry(place_bits(*position)).or_insert(vertex)).collect()
 }
 
 /// Returns for each welded vertex one that stands for its piece.

@@ -1,4 +1,4 @@
-//! Inertialized transitions: slots that are left become inertializing slots in member_index.
+//! Inertialized transitions: slots that are left become inertializing slots in place.
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;

@@ -14,13 +14,13 @@ use crate::crowd::by_member::ByMember;
 /// The action of a start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Action {
-    /// Plays a clip, in member_index of the layer's clips if `alone`, else beside them.
+    /// Plays a clip, in place of the layer's clips if `alone`, else beside them.
     Clip { bound: u32, alone: bool },
-    /// Plays a blend space, in member_index of what the layer plays.
+    /// Plays a blend space, in place of what the layer plays.
     Space { index: u32, at: SpacePoint },
     /// Moves the active blend space to another position within `over_secs`.
     Move { at: SpacePoint, over_secs: f32 },
-    /// Runs a state machine with initial parameters, in member_index of what the layer plays.
+    /// Runs a state machine with initial parameters, in place of what the layer plays.
     Machine { state: u32, parameters: [f32; MACHINE_PARAMETERS as usize] },
 }
 
