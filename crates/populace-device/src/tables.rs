@@ -14,6 +14,7 @@ mod rows;
 mod runs;
 mod sample;
 mod set;
+mod slots;
 mod soles;
 mod space;
 mod table;

@@ -1,30 +1,18 @@
-//! Members, their slots and their layers.
+//! Members: their rows, and their joints and palette entries.
 
 use std::cmp::Reverse;
-use std::ops::Range;
 
 use populace_model::convert::u32_from;
 
+use super::slots::{EMPTY_SLOT, PLAIN_LAYER};
 use super::table::Table;
 use super::{BodyIndex, Tables};
 use crate::Error;
 use crate::layout::{
-    Body, BoundClip, InertializationSlot, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, Layer,
-    MAX_PHASES, MEMBER_HIDDEN, MEMBER_LAYER_BITS, Member, NONE, PAGE_ENTRIES, PALETTE_BLOCK,
-    SLOT_LIVE, SLOT_LOOP, SLOT_MACHINE, Slot,
+    Body, JOINT_BLOCK, LAYERS_PER_MEMBER, MAX_PHASES, MEMBER_HIDDEN, MEMBER_LAYER_BITS, Member,
+    NONE, PAGE_ENTRIES, PALETTE_BLOCK,
 };
 
-const EMPTY_SLOT: Slot = Slot {
-    start_tick: 0,
-    phase_rate: 0,
-    weight_tick: 0,
-    start_phase: 0,
-    bound_clip: NONE,
-    layer_and_mode: SLOT_LOOP,
-    start_weight: 0.0,
-    weight_rate: 0.0,
-    end_weight: 0.0,
-};
 const FREE_MEMBER: Member = Member {
     body: NONE,
     joint_first: 0,
@@ -34,7 +22,6 @@ const FREE_MEMBER: Member = Member {
     posed: NONE,
     shape: NONE,
 };
-const PLAIN_LAYER: Layer = Layer { weight: 1.0, mask_and_mode: LAYER_MASK };
 
 impl Member {
     /// Number of layers in use.
@@ -179,106 +166,10 @@ impl Tables {
         self.blocks.palette_blocks.truncate(self.palette_space.end());
     }
 
-    fn reset_playback(&mut self, member_index: u32) {
-        for slot in self.slot_range(member_index) {
-            self.replace_slot(slot, EMPTY_SLOT);
-        }
-        for layer in self.layer_range(member_index) {
-            self.all.layers.set(layer, PLAIN_LAYER);
-        }
-    }
-
-    /// Replaces a slot of a member.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadPlayback`] if the member, slot or layer does not exist, the clip is not bound to
-    /// the member's body or does not allow the slot's mode, or the state machine belongs to another
-    /// body.
-    pub fn set_slot(&mut self, member_index: u32, index: usize, slot: Slot) -> Result<(), Error> {
-        let member = self.used_member(member_index)?;
-        let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
-        if index >= self.slots_per_member {
-            return bad("slot", u32::try_from(index).unwrap_or(NONE));
-        }
-        if slot.layer() >= LAYERS_PER_MEMBER {
-            return bad("layer", slot.layer());
-        }
-        if slot.mode() == SLOT_MACHINE {
-            self.check_machine_instance(&slot, &member)?;
-        } else {
-            self.check_bound(&slot, &member)?;
-        }
-        self.replace_slot(member_index as usize * self.slots_per_member + index, slot);
-        self.use_layer(member_index, slot.layer());
-        Ok(())
-    }
-
-    pub(super) fn check_bound(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
-        let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
-        let bound_of = |index: u32| self.all.bound_clips.as_slice().get(index as usize);
-        let bound = bound_of(slot.bound_clip);
-        if slot.bound_clip != NONE && bound.is_none_or(|bound| bound.body != member.body) {
-            return bad("bound clip", slot.bound_clip);
-        }
-        let is_live =
-            |bound: &BoundClip| self.all.clips.as_slice()[bound.clip as usize].ring_rows > 0;
-        if bound.is_some_and(|bound| is_live(bound) != (slot.mode() == SLOT_LIVE)) {
-            return bad("slot mode for this clip", slot.mode());
-        }
-        if let Some(&InertializationSlot { outgoing_clip, incoming_clip, .. }) =
-            slot.as_inertialization()
-            && outgoing_clip != NONE
-            && bound_of(incoming_clip)
-                .is_none_or(|bound| bound.body != member.body || is_live(bound))
-        {
-            return bad("bound clip to inertialize into", incoming_clip);
-        }
-        Ok(())
-    }
-
-    fn replace_slot(&mut self, index: usize, slot: Slot) {
-        let before = self.all.slots.as_slice()[index].machine_instance();
-        self.all.slots.set(index, slot);
-        self.update_instance_uses(before, slot.machine_instance());
-    }
-
-    /// Replaces a layer of a member.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::BadPlayback`] if the member, layer or mask does not exist.
-    pub fn set_layer(
-        &mut self,
-        member_index: u32,
-        index: usize,
-        layer: Layer,
-    ) -> Result<(), Error> {
-        let member = self.used_member(member_index)?;
-        let joints = self.all.bodies.as_slice()[member.body as usize].padded_count as usize;
-        let layer_index = u32::try_from(index).unwrap_or(NONE);
-        if layer_index >= LAYERS_PER_MEMBER {
-            return Err(Error::BadPlayback { what: "layer", value: layer_index });
-        }
-        if let Some(first) = layer.mask().filter(|m| *m as usize + joints > self.all.masks.len()) {
-            return Err(Error::BadPlayback { what: "mask", value: first });
-        }
-        self.all.layers.set(member_index as usize * LAYERS_PER_MEMBER as usize + index, layer);
-        self.use_layer(member_index, layer_index);
-        Ok(())
-    }
-
     pub(super) fn used_member(&self, member_index: u32) -> Result<Member, Error> {
-        let member =
-            self.all.members.as_slice().get(member_index as usize).filter(|m| m.body != NONE);
-        member.copied().ok_or(Error::BadPlayback { what: "member", value: member_index })
-    }
-
-    fn use_layer(&mut self, member_index: u32, layer: u32) {
-        let mut member = self.all.members.as_slice()[member_index as usize];
-        if member.layer_count() <= layer {
-            member.layers_and_phase += layer + 1 - member.layer_count();
-            self.all.members.set(member_index as usize, member);
+        match self.all.members.as_slice().get(member_index as usize) {
+            Some(member) if member.body != NONE => Ok(*member),
+            _ => Err(Error::BadPlayback { what: "member", value: member_index }),
         }
     }
 
@@ -313,20 +204,6 @@ impl Tables {
             self.phase_members.iter().rposition(|members| *members > 0).map_or(1, |last| last + 1),
         )
     }
-
-    /// Range of a member's slots in [`Tables::slots`].
-    #[must_use]
-    pub fn slot_range(&self, member_index: u32) -> Range<usize> {
-        let first = member_index as usize * self.slots_per_member;
-        first..first + self.slots_per_member
-    }
-
-    /// Range of a member's layers in [`Tables::layers`].
-    #[must_use]
-    pub fn layer_range(&self, member_index: u32) -> Range<usize> {
-        let first = member_index as usize * LAYERS_PER_MEMBER as usize;
-        first..first + LAYERS_PER_MEMBER as usize
-    }
 }
 
 fn page_of((palette_block, _): (usize, usize)) -> usize {
@@ -347,15 +224,16 @@ fn fill(blocks: &mut Table<u32>, (first, count): (usize, usize), member_index: u
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::collections::HashSet;
 
     use super::*;
+    use crate::layout::{LAYER_MASK, Layer};
     use populace_character::PaletteEntry;
     use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
     /// Bodies given as (joint count, palette entry count).
-    fn tables(bodies: &[(usize, usize)]) -> (Tables, Vec<BodyIndex>) {
+    pub(in crate::tables) fn tables(bodies: &[(usize, usize)]) -> (Tables, Vec<BodyIndex>) {
         let mut tables = Tables::new(2);
         let add = |(joints, entries): &(usize, usize)| {
             let joint = |j| JointSource { name: format!("{j}"), parent: None, rest: Trs::IDENTITY };
@@ -443,33 +321,5 @@ mod tests {
         assert_eq!(tables.phase_count(), 1);
         tables.set_phase(first, MAX_PHASES).unwrap_err();
         tables.set_phase(second, 0).unwrap_err();
-    }
-
-    #[test]
-    fn new_member_inherits_no_playback() {
-        let (mut tables, bodies) = tables(&[(1, 1)]);
-        let member_index = tables.add_member(bodies[0]).unwrap();
-        tables
-            .set_layer(member_index, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK })
-            .unwrap();
-        // No clip is bound.
-        tables.set_slot(member_index, 1, Slot::default().on_layer(3)).unwrap_err();
-        tables.mark_clean();
-        tables.remove_member(member_index);
-        assert_eq!(tables.add_member(bodies[0]), Ok(member_index));
-        assert_eq!(tables.members().as_slice()[member_index as usize].layers_and_phase, 1);
-        assert!(
-            tables.layers().as_slice()[tables.layer_range(member_index)]
-                .iter()
-                .all(|l| *l == PLAIN_LAYER)
-        );
-        assert!(
-            tables.slots().as_slice()[tables.slot_range(member_index)]
-                .iter()
-                .all(|s| *s == EMPTY_SLOT)
-        );
-        // It has the index of the old member on devices.
-        assert_eq!(tables.members().changed().collect::<Vec<_>>(), [member_index]);
-        assert_eq!((tables.slots().changed().count(), tables.layers().changed().count()), (2, 4));
     }
 }

@@ -7,6 +7,7 @@ mod playback;
 pub(super) mod scheduled;
 pub(super) mod slots;
 
+use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
 
 use super::MemberId;
@@ -55,4 +56,9 @@ impl Player {
     pub(super) fn take_left(&mut self) -> Vec<(u32, Slot, u64)> {
         std::mem::take(&mut self.left)
     }
+}
+
+/// Returns the tick that is `secs` after another.
+fn tick_after(tick: u64, secs: f32) -> u64 {
+    tick.saturating_add(ticks_from_secs(f64::from(secs)))
 }

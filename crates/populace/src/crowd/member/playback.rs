@@ -45,7 +45,7 @@ impl MemberMut<'_> {
     /// character ([`CharacterRef::binding`](crate::CharacterRef::binding)).
     pub fn play(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.play(base, self.id, clip, playback.parts())
+        player.play(base, self.id, self.character, clip, playback.parts())
     }
 
     /// Adds a clip to those that the layer plays. Clips of one layer are mixed by their weights.
@@ -55,7 +55,7 @@ impl MemberMut<'_> {
     /// As for [`play`](Self::play).
     pub fn blend(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.blend(base, self.id, clip, playback.parts())
+        player.blend(base, self.id, self.character, clip, playback.parts())
     }
 
     /// Plays a clip when the newest clip of the layer ends: a clip that plays once at its end, a
@@ -84,7 +84,7 @@ impl MemberMut<'_> {
     /// As for [`play`](Self::play).
     pub fn queue(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
-        player.queue(base, self.id, clip, playback.parts())
+        player.queue(base, self.id, self.character, clip, playback.parts())
     }
 
     /// Fades layer 0 over to a looping clip within `secs`.

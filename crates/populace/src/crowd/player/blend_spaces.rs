@@ -1,6 +1,6 @@
 //! Blend spaces that members play.
 
-use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
+use populace_clip::TICKS_PER_SEC;
 use populace_device::BodyIndex;
 use populace_device::layout::{NONE, Slot};
 use populace_model::convert::single;
@@ -8,9 +8,9 @@ use populace_settings::parts::{
     Check, Key, MOST, Parts, Playback, Weights, check_secs, phase_offset, slots_needed, weights_at,
 };
 
-use super::Player;
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
+use super::{Player, tick_after};
 use crate::crowd::base::{Base, ClipIndex};
 use crate::crowd::{BlendSpaceId, MemberId, u32_from};
 use crate::{BlendSpace, BlendSpaceFault, Error, IdKind, SpacePoint};
@@ -108,7 +108,7 @@ impl Player {
         self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         let action = Action::Space { index: space.parts().index, at };
         let start = Start { serial: self.next_serial(), action, play, follows_after: None };
-        let due = base.clock.tick.saturating_add(ticks_from_secs(f64::from(play.after_secs)));
+        let due = tick_after(base.clock.tick, play.after_secs);
         self.begin_or_wait(base, member.number(), due, start)
     }
 
@@ -204,7 +204,7 @@ impl Player {
             start_tick: tick,
             phase: cycles(phase),
             cycles_per_sec: self.cycles_per_sec(index, at, &weights, start.play.speed),
-            faded_in_tick: tick.saturating_add(ticks_from_secs(f64::from(secs))),
+            faded_in_tick: tick_after(tick, secs),
         };
         self.active_space.insert(member_index, active_space);
         for (sample, weight) in weights.into_iter().filter(|(_, weight)| *weight > 0.0) {
@@ -224,7 +224,7 @@ impl Player {
         (at, secs): (SpacePoint, f32),
         tick: u64,
     ) {
-        let due = tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1);
+        let due = tick_after(tick, secs).saturating_add(1);
         let action = Action::Move { at, over_secs: secs };
         self.scheduled.push(member_index, due, Start { action, ..start.at_its_time() });
         if let Some(active_space) = self.active_space.get_mut(member_index) {

@@ -4,7 +4,7 @@ use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;
 
 use super::Player;
-use super::slots::{Started, faded_out};
+use super::slots::{SlotSet, Started, weighing};
 use crate::Error;
 use crate::crowd::base::Base;
 
@@ -17,17 +17,9 @@ impl Player {
         starting: &Slot,
         tick: u64,
     ) -> bool {
-        let left = self.weighing(base, member_index, starting.layer(), tick);
-        starting.can_inertialize()
-            && left.iter().all(|index| base.slots(member_index)[*index].can_inertialize())
-    }
-
-    /// Returns the slots of a layer that have not faded out.
-    fn weighing(&self, base: &Base, member_index: u32, layer: u32, tick: u64) -> Vec<usize> {
         let slots = base.slots(member_index);
-        (0..slots.len())
-            .filter(|i| slots[*i].layer() == layer && !faded_out(&slots[*i], tick))
-            .collect()
+        let mut left = weighing(slots, starting.layer(), tick);
+        starting.can_inertialize() && left.all(|index| slots[index].can_inertialize())
     }
 
     /// Returns the slots of a layer whose inertialization began at this tick: their target has not
@@ -38,12 +30,11 @@ impl Player {
         member_index: u32,
         layer: u32,
         tick: u64,
-    ) -> Vec<usize> {
+    ) -> SlotSet {
         let unevaluated = |slot: &Slot| {
             slot.is_inertialization() && slot.layer() == layer && slot.start_tick == tick
         };
-        let slots = base.slots(member_index);
-        (0..slots.len()).filter(|index| unevaluated(&slots[*index])).collect()
+        SlotSet::of(base.slots(member_index), unevaluated)
     }
 
     /// Starts the inertialization of every playing slot of the layer into `starting`, drops the
@@ -59,15 +50,14 @@ impl Player {
         let (layer, ticks) = (starting.layer(), ticks_from_secs(f64::from(secs)).max(1));
         let target = base.tables.sampled_state(starting, tick);
         let unevaluated = self.unevaluated(base, member_index, layer, tick);
-        for &index in &unevaluated {
+        for index in unevaluated {
             if let Some(slot) = base.slots(member_index)[index].as_inertialization() {
                 let slot = slot.with_incoming(target, ticks).into();
                 base.tables.set_slot(member_index, index, slot)?;
             }
         }
-        let weighing = self.weighing(base, member_index, layer, tick);
-        let all =
-            weighing.iter().map(|index| weight_and_rate(&base.slots(member_index)[*index], tick));
+        let weighing = weighing(base.slots(member_index), layer, tick);
+        let all = weighing.map(|index| weight_and_rate(&base.slots(member_index)[index], tick));
         let total = all.reduce(|sum, one| [sum[0] + one[0], sum[1] + one[1]]).unwrap_or_default();
         let in_all = if self.is_additive(base, member_index, layer) { total[0] } else { 1.0 };
         for index in weighing {

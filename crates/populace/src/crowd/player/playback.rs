@@ -7,12 +7,12 @@ use populace_settings::parts::{
     Check, Parts, Playback, PlaybackParts, bounded, check_layer, check_secs, check_weight,
 };
 
-use super::Player;
 use super::scheduled::{Action, Start};
-use super::slots::{Plan, Started, faded_out};
+use super::slots::{Plan, Started, faded_out, weighing};
+use super::{Player, tick_after};
 use crate::crowd::base::Base;
 use crate::crowd::live::LiveClips;
-use crate::crowd::{ClipId, MaskId, MemberId, PlaybackId, u32_from};
+use crate::crowd::{CharacterId, ClipId, MaskId, MemberId, PlaybackId, u32_from};
 use crate::{ActiveClip, Error, IdKind};
 
 impl Player {
@@ -20,10 +20,11 @@ impl Player {
         &mut self,
         base: &mut Base,
         member: MemberId,
+        character: CharacterId,
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let start = self.start_of(base, member, clip, play, true)?;
+        let start = self.start_of(base, character, clip, play, true)?;
         self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         self.begin_after(base, member, start, play.after_secs)
     }
@@ -32,10 +33,11 @@ impl Player {
         &mut self,
         base: &mut Base,
         member: MemberId,
+        character: CharacterId,
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let start = self.start_of(base, member, clip, play, false)?;
+        let start = self.start_of(base, character, clip, play, false)?;
         self.begin_after(base, member, start, play.after_secs)
     }
 
@@ -43,10 +45,11 @@ impl Player {
         &mut self,
         base: &mut Base,
         member: MemberId,
+        character: CharacterId,
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let mut start = self.start_of(base, member, clip, play, true)?;
+        let mut start = self.start_of(base, character, clip, play, true)?;
         let gap = ticks_from_secs(f64::from(play.after_secs));
         start.follows_after = Some(gap);
         let due = self.end_of_layer(base, member.number(), play.layer).saturating_add(gap);
@@ -72,7 +75,8 @@ impl Player {
         if fade_out_secs > 0.0 && playing.all(|slot| slot.ramps_to(0.0, fade_out_secs)) {
             return Ok(());
         }
-        self.fade_out(base, member.number(), layer, fade_out_secs, base.clock.tick)
+        self.fade_out(base, member.number(), layer, fade_out_secs, base.clock.tick)?;
+        Ok(())
     }
 
     pub(crate) fn set_weight(
@@ -90,15 +94,14 @@ impl Player {
         };
         let (member_index, tick) = (id.member().number(), base.clock.tick);
         for index in first..base.slots(member_index).len() {
-            let mut slot = base.slots(member_index)[index];
             if self.is_of(base, id, index) {
+                let slot = &base.slots(member_index)[index];
                 // Each of the two slots of a machine has half the weight.
                 let own = if slot.machine_instance().is_some() { 0.5 * weight } else { weight };
                 if slot.ramps_to(own, over_secs) {
                     continue;
                 }
-                slot.ramp_weight(tick, slot.weight_at(tick), own, over_secs);
-                base.tables.set_slot(member_index, index, slot)?;
+                base.tables.ramp_slot(member_index, index, tick, own, over_secs)?;
             }
         }
         Ok(())
@@ -197,12 +200,11 @@ impl Player {
     fn start_of(
         &mut self,
         base: &mut Base,
-        member: MemberId,
+        character: CharacterId,
         clip: ClipId,
         play: Playback,
         alone: bool,
     ) -> Result<Start, Error> {
-        let character = base.check(member)?;
         play.check()?;
         let bound = base.bind(character, clip, play.partial)?;
         base.check_mode(clip, play.mode)?;
@@ -217,7 +219,7 @@ impl Player {
         start: Start,
         secs: f32,
     ) -> Result<PlaybackId, Error> {
-        let due = base.clock.tick.saturating_add(ticks_from_secs(f64::from(secs)));
+        let due = tick_after(base.clock.tick, secs);
         self.begin_or_wait(base, member.number(), due, start)?;
         Ok(playback_id(member, start.serial))
     }
@@ -291,40 +293,38 @@ impl Player {
         let needed = usize::from(
             !inertializes || self.unevaluated(base, member_index, slot.layer(), tick).is_empty(),
         );
-        if let Some(due) = self.free_slots(base, member_index, needed, secs, tick, role)? {
+        // Fading others out leaves a vacant slot vacant, but inertialization may take it.
+        let vacant = self.vacant_slot(base, member_index, tick).filter(|_| !inertializes);
+        if vacant.is_none()
+            && let Some(due) = self.free_slots(base, member_index, needed, secs, tick, role)?
+        {
             self.scheduled.push(member_index, due, start.at_its_time());
             return Ok(());
         }
-        let mut weight = 0.0;
-        let at_once =
-            self.is_first(base, member_index, layer, tick) || (inertializes && layer == 0);
-        if inertializes {
-            weight = self.inertialize(base, member_index, &slot, secs, tick)?;
+        let (weight, is_first) = if inertializes {
+            (self.inertialize(base, member_index, &slot, secs, tick)?, true)
         } else if alone {
-            self.fade_out(base, member_index, layer, secs, tick)?;
-        }
+            (0.0, !self.fade_out(base, member_index, layer, secs, tick)?)
+        } else {
+            (0.0, self.is_first(base, member_index, layer, tick))
+        };
         if alone {
             self.forget_space(member_index, layer);
         }
+        let at_once = is_first && layer == 0;
         slot.ramp_weight(tick, weight, start.play.weight, if at_once { 0.0 } else { secs });
         let once = slot.mode() == SLOT_ONCE;
-        self.fill_slot(
-            base,
-            member_index,
-            slot,
-            Started { serial: start.serial, sample: None, once },
-            tick,
-        )
+        let started = Started { serial: start.serial, sample: None, once };
+        match vacant {
+            Some(index) => self.put_slot(base, member_index, index, slot, started),
+            None => self.fill_slot(base, member_index, slot, started, tick),
+        }
     }
 
     /// Returns whether a start is the first of layer 0. It then has its full weight at once, so
     /// that the rest pose never shows by accident.
     pub(crate) fn is_first(&self, base: &Base, member_index: u32, layer: usize, tick: u64) -> bool {
-        layer == 0
-            && base
-                .slots(member_index)
-                .iter()
-                .all(|slot| slot.layer() != 0 || faded_out(slot, tick))
+        layer == 0 && weighing(base.slots(member_index), 0, tick).is_empty()
     }
 
     /// Returns whether a slot belongs to a playback.

@@ -6,13 +6,13 @@
 //! Inertializing slots cannot be hastened: the start waits for the first of them to end before
 //! another slot is evicted.
 
-use populace_clip::ticks_from_secs;
 use populace_device::layout::{NONE, Slot};
 use populace_device::{MAX_LAYERS, MAX_SLOTS};
 
-use super::Player;
+use super::{Player, tick_after};
 use crate::Error;
 use crate::crowd::base::Base;
+use crate::crowd::u32_from;
 
 /// The share of a layer below which a slot that fades out counts as free. Dropping it moves the
 /// pose by less than one frame of any crossfade shorter than ten seconds.
@@ -40,11 +40,42 @@ pub(crate) struct Started {
     pub(crate) once: bool,
 }
 
+/// Some of a member's slots, one bit for each. Iterates over their indices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SlotSet(u32);
+
+impl SlotSet {
+    /// Returns the slots for which `is_in` is true.
+    pub(crate) fn of(slots: &[Slot], is_in: impl Fn(&Slot) -> bool) -> Self {
+        let bits = slots.iter().rev().fold(0, |bits, slot| bits << 1 | u32::from(is_in(slot)));
+        Self(bits)
+    }
+
+    pub(crate) fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+}
+
+impl Iterator for SlotSet {
+    type Item = usize;
+
+    fn next(&mut self) -> Option<usize> {
+        let index = self.0.trailing_zeros();
+        self.0 &= self.0.wrapping_sub(1);
+        (index < u32::BITS).then_some(index as usize)
+    }
+}
+
 /// Returns whether the weight of a slot is 0 for good. Inertializing slots have no weight.
 pub(crate) fn faded_out(slot: &Slot, tick: u64) -> bool {
     slot.bound_clip == NONE
         || slot.is_inertialization()
         || (slot.end_weight <= 0.0 && slot.weight_at(tick) <= 0.0)
+}
+
+/// Returns the slots of a layer that have not faded out.
+pub(crate) fn weighing(slots: &[Slot], layer: u32, tick: u64) -> SlotSet {
+    SlotSet::of(slots, |slot| !faded_out(slot, tick) && slot.layer() == layer)
 }
 
 /// Returns whether a slot is free whatever the others weigh. It has no share of its layer.
@@ -77,15 +108,21 @@ impl Player {
         shares
     }
 
-    /// Returns the free slot of least weight.
-    pub(crate) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
-        let slots = base.slots(member_index);
+    /// Returns the first vacant slot.
+    pub(crate) fn vacant_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
         // A slot that was cut since the last update still contributes root motion up to the cut.
         let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > base.clock.tick;
-        let first = slots.iter().position(|slot| is_vacant(slot, tick) && !played(slot));
+        let mut slots = base.slots(member_index).iter();
+        slots.position(|slot| is_vacant(slot, tick) && !played(slot))
+    }
+
+    /// Returns the free slot of least weight.
+    pub(crate) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
+        let first = self.vacant_slot(base, member_index, tick);
         if first.is_some() {
             return first;
         }
+        let slots = base.slots(member_index);
         let shares = self.slot_shares(base, member_index, tick);
         let slots = slots.iter().enumerate().filter(|(index, _)| shares[*index].is_none());
         let weight = |slot: &Slot| if faded_out(slot, tick) { -1.0 } else { slot.weight_at(tick) };
@@ -216,7 +253,7 @@ impl Player {
         let mut due = tick + 1;
         let mut left_behind = [0.0_f32; MAX_LAYERS];
         for &index in evicted {
-            let mut slot = base.slots(member_index)[index];
+            let slot = base.slots(member_index)[index];
             if let Some(inertialization) = slot.as_inertialization() {
                 due = due.max(inertialization.end_tick());
                 continue;
@@ -229,10 +266,9 @@ impl Player {
                     f32::INFINITY
                 };
             let secs = secs.min(own);
-            slot.ramp_weight(tick, weight, 0.0, secs);
-            due = due.max(tick.saturating_add(ticks_from_secs(f64::from(secs))).saturating_add(1));
+            base.tables.ramp_slot(member_index, index, tick, 0.0, secs)?;
+            due = due.max(tick_after(tick, secs).saturating_add(1));
             left_behind[slot.layer() as usize] += weight;
-            base.tables.set_slot(member_index, index, slot)?;
         }
         for (layer, left) in (0..).zip(left_behind) {
             let of_layer = |i: &usize| {
@@ -250,20 +286,19 @@ impl Player {
                 .flatten()
                 .collect();
             for index in still {
-                let mut slot = base.slots(member_index)[index];
-                if left > 0.0 && !faded_out(&slot, tick) {
-                    let weight = slot.weight_at(tick);
+                let slot = &base.slots(member_index)[index];
+                if left > 0.0 && !faded_out(slot, tick) {
                     let more = if heirs.contains(&index) { left / heirs.len() as f32 } else { 0.0 };
-                    slot.ramp_weight(tick, weight, weight + more, secs);
-                    base.tables.set_slot(member_index, index, slot)?;
+                    let weight = slot.weight_at(tick) + more;
+                    base.tables.ramp_slot(member_index, index, tick, weight, secs)?;
                 }
             }
         }
         Ok(due)
     }
 
-    /// Fades out all slots of a layer in proportion. Inertializing slots continue unless `secs` is
-    /// 0.
+    /// Fades out all slots of a layer in proportion, and returns whether any had weight.
+    /// Inertializing slots continue unless `secs` is 0.
     pub(crate) fn fade_out(
         &mut self,
         base: &mut Base,
@@ -271,21 +306,19 @@ impl Player {
         layer: usize,
         secs: f32,
         tick: u64,
-    ) -> Result<(), Error> {
-        for index in 0..base.slots(member_index).len() {
-            let slot = &base.slots(member_index)[index];
-            if slot.layer() as usize != layer {
-                continue;
+    ) -> Result<bool, Error> {
+        let weighing = weighing(base.slots(member_index), u32_from(layer), tick);
+        if secs > 0.0 {
+            for index in weighing {
+                base.tables.ramp_slot(member_index, index, tick, 0.0, secs)?;
             }
-            if secs <= 0.0 {
+        } else {
+            let of_layer = |slot: &Slot| slot.layer() as usize == layer;
+            for index in SlotSet::of(base.slots(member_index), of_layer) {
                 self.cut(base, member_index, index, tick)?;
-            } else if !faded_out(slot, tick) {
-                let mut slot = *slot;
-                slot.ramp_weight(tick, slot.weight_at(tick), 0.0, secs);
-                base.tables.set_slot(member_index, index, slot)?;
             }
         }
-        Ok(())
+        Ok(!weighing.is_empty())
     }
 
     /// Sets the weight of a slot to 0 at `tick`. Until the slot is reused it still holds its weight
@@ -297,7 +330,7 @@ impl Player {
         index: usize,
         tick: u64,
     ) -> Result<(), Error> {
-        let mut slot = base.slots(member_index)[index];
+        let slot = base.slots(member_index)[index];
         if slot.inertializes(tick) {
             return self.empty_slot(base, member_index, index);
         }
@@ -305,8 +338,7 @@ impl Player {
             return Ok(());
         }
         self.note_left(base, member_index, &slot, tick);
-        slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
-        Ok(base.tables.set_slot(member_index, index, slot)?)
+        Ok(base.tables.ramp_slot(member_index, index, tick, 0.0, 0.0)?)
     }
 
     /// Keeps a slot that ends during an update, for the events before its end.
