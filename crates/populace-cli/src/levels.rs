@@ -29,7 +29,7 @@ pub(crate) enum Levels {
 }
 
 /// Revision of the simplification. Caches of earlier revisions are made again.
-const REVISION: u32 = 5;
+const REVISION: u32 = 6;
 
 /// The end of the names of caches.
 const ENDING: &str = "levels.glb";

@@ -27,6 +27,8 @@ const WALKING_M_PER_SEC: f32 = 0.1;
 /// In a crowd of several characters, heights outside of this range are taken to be in another unit
 /// than metres.
 const PLAUSIBLE_M: std::ops::Range<f32> = 0.5..2.2;
+/// The same for a character alone. A thing of 40 m may be meant, but most are in centimetres.
+const ALONE_M: std::ops::Range<f32> = 0.03..40.0;
 /// Height given to a character in another unit that is higher than long.
 const UPRIGHT_M: f32 = 1.75;
 /// Height given to a character in another unit that is longer than high.
@@ -141,6 +143,14 @@ pub(crate) fn load(
     let mut add = |character: Character| {
         let character = Arc::new(character);
         let scale = scale(&character, height_m, mixed);
+        if height_m.is_none() && !mixed && scale != 1.0 {
+            let (name, own_m) = (&character.name, character.height_m());
+            message!(
+                "\"{name}\" is {own_m} m high, which is hardly meant in metres; it is drawn \
+                 {:.2} m high, and --height sets its height",
+                scale * own_m
+            );
+        }
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
     };
@@ -370,14 +380,15 @@ fn role_clip(
     Ok(RoleClip { id: crowd.character_mut(role)?.add_clip(&with_motion)?, motion })
 }
 
-/// Returns the scale to the height asked for or, in a crowd of several characters, to a plausible
-/// height.
+/// Returns the scale to the height asked for or, for a character in another unit than metres, to a
+/// plausible height.
 fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
     let own = character.height_m().max(1e-6);
     let longer_than_high = character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
+    let plausible_m = if mixed { PLAUSIBLE_M } else { ALONE_M };
     match height_m {
         Some(height_m) => height_m / own,
-        None if !mixed || PLAUSIBLE_M.contains(&own) => 1.0,
+        None if plausible_m.contains(&own) => 1.0,
         None if longer_than_high => FOUR_LEGGED_M / own,
         None => UPRIGHT_M / own,
     }

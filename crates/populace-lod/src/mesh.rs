@@ -11,19 +11,21 @@ use populace_model::convert::{single, u32_from};
 use crate::features::features;
 use crate::groups::JointGroups;
 
-/// Distance in metres that a difference of 1 between unit normals counts as, for a body of 1 m.
-const NORMAL: f32 = 0.01;
+/// Distance that a difference of 1 between unit normals counts as, as a fraction of the part's longest
+/// side along an axis.
+const NORMAL: f32 = 0.0155;
 /// The same between linear colours.
-const COLOR: f32 = 0.045;
+const COLOR: f32 = 0.07;
 /// The same where faces count.
-const COLOR_OF_FACES: f32 = 0.15;
+const COLOR_OF_FACES: f32 = 0.23;
 /// Error of features where faces count, as a fraction of the character's height: they are seen by their
 /// colours, not by their shapes.
 const FEATURE_ERROR: f32 = 0.0015;
 /// The same between the weights of two groups of joints.
-const WEIGHT: f32 = 0.04;
-/// Part of the distance on the surface that a shift of the texture counts as.
-const TEXTURE: f32 = 0.15;
+const WEIGHT: f32 = 0.062;
+/// Part of the distance on the surface that a shift of the texture counts as, in a part as long as the
+/// character is high. In a shorter part it is less by the same factor.
+const TEXTURE: f32 = 0.23;
 /// The normal in a vertex's attributes.
 const NORMALS: Range<usize> = 0..3;
 /// The texture coordinates.
@@ -37,7 +39,8 @@ const LEAST_WEIGHT: f32 = 0.02;
 #[derive(Clone)]
 pub(crate) struct Simplifier<'a> {
     source: &'a Mesh,
-    /// How much each attribute counts.
+    /// How much each attribute counts, in the simplifier's unit: the part's longest side along an
+    /// axis.
     weights: Vec<f32>,
     /// The simplified surface.
     now: Surface,
@@ -82,11 +85,11 @@ impl<'a> Simplifier<'a> {
         let source = &character.parts[part].mesh;
         let positions = character.rest_positions(part);
         let height = character.height_m();
-        let uv_scale = TEXTURE * metres_per_uv(source, &positions).min(height);
-        let mut weights = vec![NORMAL * height; 3];
-        weights.extend([uv_scale; 2]);
-        weights.extend([COLOR * height; 3]);
-        weights.extend(vec![WEIGHT * height; groups.count]);
+        let heights_per_uv = (metres_per_uv(source, &positions) / height).min(1.0);
+        let mut weights = vec![NORMAL; 3];
+        weights.extend([TEXTURE * heights_per_uv; 2]);
+        weights.extend([COLOR; 3]);
+        weights.extend(vec![WEIGHT; groups.count]);
         let mut attributes = Vec::with_capacity(positions.len() * weights.len());
         for vertex in 0..positions.len() {
             attributes.extend(source.normals[vertex]);

@@ -270,6 +270,27 @@ fn documents_of_pictures_and_films_have_the_same_fields() {
     }
 }
 
+/// A post of 200 m, as of a file in centimetres, would stand in the haze.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn character_in_another_unit_than_metres_is_drawn_at_a_plausible_height() {
+    let folder = Folder::new();
+    let mut post = post();
+    post["nodes"][1]["scale"] = json!([100.0, 100.0, 100.0]);
+    let (small, high) = (folder.text("post.gltf"), folder.text("high.gltf"));
+    std::fs::write(&high, post.to_string()).expect("written");
+    let picture = |file: &str, more: &[&str]| {
+        let out = folder.text("x.png");
+        let output = populace(&[&["render", file, "--out", &out], &SMALL[..], more].concat());
+        let said = String::from_utf8_lossy(&output.stderr).contains("hardly meant in metres");
+        (std::fs::read(out).expect("a picture"), said)
+    };
+    let [(as_it_is, said), (wanted, silent)] =
+        [&[][..], &["--height", "1.75"]].map(|more| picture(&high, more));
+    assert!(said && !silent && as_it_is == wanted);
+    assert!(!picture(&small, &[]).1, "2 m are plausible");
+}
+
 /// The camera stands among the members, so that some are behind it and some are far.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

@@ -47,8 +47,8 @@ impl Tables {
     }
 
     /// Changes the weight of a slot from that at `tick` to another in `secs`, at least one tick,
-    /// beginning at `tick`. The change is immediate if `secs` is not above zero. Inertializing slots
-    /// have no weight and stay as they are.
+    /// beginning at `tick`. The change is immediate if `secs` is not above zero. Inertializing
+    /// slots have no weight and stay as they are.
     ///
     /// # Errors
     ///

@@ -6,9 +6,9 @@ mod geometry;
 mod walls;
 
 use geometry::{Point, distance_to_triangle, dot, normal};
-use populace_character::{Character, Mesh};
+use populace_character::{Character, CharacterSource, Mesh};
 use populace_lod::{levels_of, with_levels};
-use populace_model::JointIndex;
+use populace_model::{JointIndex, JointSource, Skeleton, Trs};
 
 fn man() -> Character {
     populace_cast::cast().unwrap().remove(1)
@@ -28,6 +28,39 @@ fn levels_have_ever_fewer_triangles_and_growing_errors() {
     assert!(counts[0] < own && counts.is_sorted_by(|a, b| a > b), "{counts:?}");
     assert!(counts.last().is_some_and(|last| *last < own / 60), "{counts:?}");
     assert!(levels.is_sorted_by(|a, b| a.error_m < b.error_m));
+}
+
+/// Returns the man in other units.
+fn man_times(scale: f32) -> Character {
+    let man = man();
+    let mut source = CharacterSource::clone(&man);
+    let joint = |joint: JointIndex| {
+        let rest = man.skeleton.rest(joint);
+        JointSource {
+            name: man.skeleton.name(joint).into(),
+            parent: man.skeleton.parent(joint).map(JointIndex::index),
+            rest: Trs { translation: rest.translation.map(|x| x * scale), ..*rest },
+        }
+    };
+    source.skeleton = Skeleton::new(&man.skeleton.joints().map(joint).collect::<Vec<_>>()).unwrap();
+    for entry in &mut source.palette {
+        entry.joint_from_bind.rows.iter_mut().for_each(|row| row[3] *= scale);
+    }
+    for place in source.parts.iter_mut().flat_map(|part| &mut part.mesh.positions) {
+        *place = place.map(|x| x * scale);
+    }
+    source.clips.clear();
+    Character::new(source).unwrap()
+}
+
+#[test]
+fn levels_do_not_depend_on_the_unit() {
+    let shape = |scale: f32| -> Vec<(f32, usize)> {
+        let levels = levels_of(&man_times(scale));
+        levels.iter().map(|level| (level.error_m / scale, triangles(&level.meshes))).collect()
+    };
+    let own = shape(1.0);
+    assert_eq!((shape(64.0), shape(1.0 / 64.0)), (own.clone(), own));
 }
 
 #[test]
