@@ -28,10 +28,6 @@ use crate::split;
 
 /// `Float4` elements of a palette block.
 const BLOCK: usize = PALETTE_BLOCK as usize * 3;
-/// Parts of the work for each thread: enough to balance the load.
-const PARTS: usize = 8;
-/// Least `Float4` elements of a part: enough to hide the cost of scheduling.
-const LEAST: usize = 4096;
 
 const ZERO: Lanes = Simd([0.0; LANES]);
 
@@ -143,11 +139,10 @@ pub(crate) fn fused(
 ) {
     let FrameInputs { tables, frame, .. } = *inputs;
     let (all, members) = (tables.palette_blocks().as_slice(), tables.members().as_slice());
-    let grain = (all.len() * BLOCK / (rayon::current_num_threads() * PARTS)).max(LEAST);
     for (page, palettes) in pages.iter_mut().enumerate() {
         let first = page * (PAGE_ENTRIES / PALETTE_BLOCK) as usize;
         let blocks = &all[first..first + palettes.len() / BLOCK];
-        split::for_each_part::<BLOCK, 1>(blocks, grain, [palettes], &|part| {
+        split::for_each_part::<BLOCK>(blocks, palettes, &|part| {
             let mut seats = Vec::new();
             part.for_each_member(|member, _, [palette]| {
                 if frame.evaluates(member) && frame.reaches(&members[member as usize]) {

@@ -5,6 +5,8 @@ use populace_device::layout::{Float4, NONE};
 /// Elements that one thread takes at a time: enough to hide the cost of scheduling, few enough to
 /// balance the load.
 const GRAIN: usize = 4096;
+/// Parts for each thread where parts are as large as they may be: enough to balance the load.
+const PARTS: usize = 8;
 
 /// Part of the work, which one thread does: blocks of `BLOCK` elements of `N` arrays.
 ///
@@ -52,14 +54,14 @@ impl<'a, const BLOCK: usize, const N: usize> Part<'a, BLOCK, N> {
     }
 }
 
-/// Calls `job` for parts of at most `grain` elements or of one member, on all threads.
-pub(crate) fn for_each_part<'a, const BLOCK: usize, const N: usize>(
+/// Calls `job` for large parts, on all threads. Each thread has several of them to do.
+pub(crate) fn for_each_part<'a, const BLOCK: usize>(
     blocks: &'a [u32],
-    grain: usize,
-    arrays: [&'a mut [Float4]; N],
-    job: &(impl Fn(Part<'a, BLOCK, N>) + Sync),
+    array: &'a mut [Float4],
+    job: &(impl Fn(Part<'a, BLOCK, 1>) + Sync),
 ) {
-    Part { blocks, first: 0, arrays }.split(grain, job);
+    let grain = (array.len() / (rayon::current_num_threads() * PARTS)).max(GRAIN);
+    Part { blocks, first: 0, arrays: [array] }.split(grain, job);
 }
 
 /// Calls `job(member, first_block, slices)` for each member, on all threads; see [`Part`].
@@ -68,8 +70,9 @@ pub(crate) fn for_each_member<const BLOCK: usize, const N: usize>(
     arrays: [&mut [Float4]; N],
     job: &(impl Fn(u32, usize, [&mut [Float4]; N]) + Sync),
 ) {
-    let each = |part: Part<BLOCK, N>| part.for_each_member(job);
-    for_each_part::<BLOCK, N>(blocks, GRAIN, arrays, &each);
+    Part { blocks, first: 0, arrays }.split(GRAIN, &|part: Part<BLOCK, N>| {
+        part.for_each_member(job);
+    });
 }
 
 /// Returns the first border between members at or after block `at`.
@@ -86,4 +89,29 @@ fn halves<const BLOCK: usize, const N: usize>(
     let mut pairs = arrays.map(|array| array.split_at_mut(blocks * BLOCK));
     let left = std::array::from_fn(|i| std::mem::take(&mut pairs[i].0));
     (left, pairs.map(|(_, right)| right))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use populace_model::convert::u32_from;
+
+    use super::*;
+
+    #[test]
+    fn each_thread_has_several_of_the_large_parts() {
+        const BLOCK: usize = 64;
+        let blocks: Vec<u32> = (0..u32_from(1_000 * rayon::current_num_threads())).collect();
+        let mut array = vec![Float4([0.0; 4]); blocks.len() * BLOCK];
+        let (parts, members) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        for_each_part::<BLOCK>(&blocks, &mut array, &|part| {
+            parts.fetch_add(1, Ordering::Relaxed);
+            part.for_each_member(|_, _, [own]| {
+                members.fetch_add(own.len() / BLOCK, Ordering::Relaxed);
+            });
+        });
+        assert!(parts.into_inner() >= PARTS * rayon::current_num_threads());
+        assert_eq!(members.into_inner(), blocks.len());
+    }
 }
