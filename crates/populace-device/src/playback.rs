@@ -273,7 +273,7 @@ const fn upper_half(phase: u64) -> u32 {
     reason = "a fraction of 2^32; `as` saturates"
 )]
 fn fraction(phase: f64) -> u32 {
-    // A remainder takes longer than all else that starts a slot, and seldom changes the phase.
+    // The remainder is slow, and seldom changes the phase.
     let phase = if (0.0..1.0).contains(&phase) { phase } else { phase.rem_euclid(1.0) };
     (phase * 4_294_967_296.0) as u32
 }

@@ -301,7 +301,7 @@ impl Player {
             self.scheduled.push(member_index, due, start.at_its_time());
             return Ok(());
         }
-        let (weight, is_first) = if inertializes {
+        let (weight, nothing_fades) = if inertializes {
             (self.inertialize(base, member_index, &slot, secs, tick)?, true)
         } else if alone {
             (0.0, !self.fade_out(base, member_index, layer, secs, tick)?)
@@ -311,7 +311,7 @@ impl Player {
         if alone {
             self.forget_space(member_index, layer);
         }
-        let at_once = is_first && layer == 0;
+        let at_once = nothing_fades && layer == 0;
         slot.ramp_weight(tick, weight, start.play.weight, if at_once { 0.0 } else { secs });
         let once = slot.mode() == SLOT_ONCE;
         let started = Started { serial: start.serial, sample: None, once };
