@@ -27,7 +27,7 @@ const WALKING_M_PER_SEC: f32 = 0.1;
 /// In a crowd of several characters, heights outside of this range are taken to be in another unit
 /// than metres.
 const PLAUSIBLE_M: std::ops::Range<f32> = 0.5..2.2;
-/// The same for a character alone, such as of 79 m in a file in centimetres.
+/// The same for a character alone: a fox of 79 m is one of 79 cm.
 const ALONE_M: std::ops::Range<f32> = 0.03..40.0;
 /// Height given to a character in another unit that is higher than long.
 const UPRIGHT_M: f32 = 1.75;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use glam::Vec3;
-use populace_model::convert::place_bits;
+use populace_character::{pieces, welded};
 
 /// Greatest extent of a feature, as a fraction of the character's height.
 const LARGEST: f32 = 0.04;
@@ -44,40 +44,22 @@ pub(crate) fn features(
     triangles: &[[u32; 3]],
     height_m: f32,
 ) -> Vec<Option<Vec3>> {
-    let mut first_at = HashMap::new();
-    let at_place =
-        |(vertex, place): (usize, &[f32; 3])| *first_at.entry(place_bits(*place)).or_insert(vertex);
-    // Leads from each vertex to another one of its piece, in the end to the same one for all.
-    let mut leads: Vec<usize> = positions.iter().enumerate().map(at_place).collect();
-    for [a, b, c] in triangles {
-        let root = root(&mut leads, *a as usize);
-        for other in [b, c] {
-            let other = self::root(&mut leads, *other as usize);
-            leads[other] = root;
-        }
-    }
+    let pieces_of = pieces(&welded(positions), triangles);
     let mut pieces: HashMap<usize, Piece> = HashMap::new();
     for triangle in triangles {
         let piece = Piece::of(triangle.map(|vertex| Vec3::from(positions[vertex as usize])));
-        let root = root(&mut leads, triangle[0] as usize);
-        pieces.entry(root).and_modify(|all| all.add(&piece)).or_insert(piece);
+        pieces
+            .entry(pieces_of[triangle[0] as usize])
+            .and_modify(|all| all.add(&piece))
+            .or_insert(piece);
     }
     let facing = |vertex: usize| {
-        let piece = pieces.get(&root(&mut leads, vertex))?;
+        let piece = pieces.get(&pieces_of[vertex])?;
         let is_open = piece.normal.length() >= LEAST_FACING * piece.area;
         let normal = if is_open { piece.normal.normalize_or_zero() } else { Vec3::ZERO };
         ((piece.most - piece.least).length() <= LARGEST * height_m).then_some(normal)
     };
     (0..positions.len()).map(facing).collect()
-}
-
-/// Returns the last vertex on the way from a vertex, and shortens the way.
-fn root(leads: &mut [usize], mut vertex: usize) -> usize {
-    while leads[vertex] != vertex {
-        leads[vertex] = leads[leads[vertex]];
-        vertex = leads[vertex];
-    }
-    vertex
 }
 
 #[cfg(test)]

@@ -146,7 +146,7 @@ impl Tables {
             let value = u32::try_from(index).unwrap_or(NONE);
             return Err(Error::BadPlayback { what: "slot", value });
         }
-        Ok(member_index as usize * self.slots_per_member + index)
+        Ok(self.slot_range(member_index).start + index)
     }
 
     fn replace_slot(&mut self, index: usize, slot: Slot) {

@@ -4,8 +4,7 @@ use std::collections::HashMap;
 use std::f64::consts::PI;
 
 use glam::DVec3;
-use populace_character::Mesh;
-use populace_model::convert::place_bits;
+use populace_character::{Mesh, pieces, welded};
 use populace_model::f64math;
 
 /// Least volume of a solid, as a fraction of the cube over the square root of its area. Two layers
@@ -44,14 +43,14 @@ impl Sides {
     /// Parts the triangles of a mesh, piece by piece. A piece is solid if its holes take at most
     /// the fraction `most_open` of its area: with 0, if it has none.
     pub(super) fn of(mesh: &Mesh, most_open: f64) -> Self {
-        let corners = welded(mesh);
+        let corners = welded(&mesh.positions);
         let triangles = mesh.indices.as_chunks::<3>().0;
         let pieces_of = pieces(&corners, triangles);
         let at = |index: u32| f64math::vec3(mesh.positions[index as usize]);
         let mut pieces: HashMap<usize, Piece> = HashMap::new();
         let mut edges: HashMap<[usize; 2], (i32, f64, usize)> = HashMap::new();
         for triangle in triangles {
-            let root = pieces_of[corners[triangle[0] as usize]];
+            let root = pieces_of[triangle[0] as usize];
             let [a, b, c] = triangle.map(at);
             let piece = pieces.entry(root).or_default();
             piece.area += 0.5 * (b - a).cross(c - a).length();
@@ -73,39 +72,12 @@ impl Sides {
         }
         let mut found = Self::default();
         for triangle in triangles {
-            let piece = pieces[&pieces_of[corners[triangle[0] as usize]]];
+            let piece = pieces[&pieces_of[triangle[0] as usize]];
             let side = if piece.is_solid(most_open) { &mut found.solid } else { &mut found.sheets };
             side.extend(triangle);
         }
         found
     }
-}
-
-/// Returns for each vertex the first one at the same place.
-fn welded(mesh: &Mesh) -> Vec<usize> {
-    let mut first = HashMap::new();
-    let all = mesh.positions.iter().enumerate();
-    all.map(|(vertex, position)| *first.entry(place_bits(*position)).or_insert(vertex)).collect()
-}
-
-/// Returns for each welded vertex one that stands for its piece.
-fn pieces(corners: &[usize], triangles: &[[u32; 3]]) -> Vec<usize> {
-    fn root(parents: &mut [usize], mut vertex: usize) -> usize {
-        while parents[vertex] != vertex {
-            parents[vertex] = parents[parents[vertex]];
-            vertex = parents[vertex];
-        }
-        vertex
-    }
-    let mut parents: Vec<usize> = (0..corners.len()).collect();
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|index| root(&mut parents, corners[index as usize]));
-        let least = a.min(b).min(c);
-        for vertex in [a, b, c] {
-            parents[vertex] = least;
-        }
-    }
-    (0..corners.len()).map(|vertex| root(&mut parents, vertex)).collect()
 }
 
 #[cfg(test)]
