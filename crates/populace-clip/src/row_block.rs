@@ -33,7 +33,7 @@ pub const ROW_FLOATS: u32 = 1 << 31;
 /// | `*_lanes` | 31 | [`ROW_FLOATS`]: the planes hold floats |
 /// | `*_lanes` | 0 to 30 | columns per plane, up to the last column that moves |
 ///
-/// A 16-bit number `n` stands for `offset + step * n`, see [`Range`](crate::Range).
+/// A signed 16-bit number `n` stands for `offset + step * n`, see [`Range`](crate::Range).
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
 pub struct RowBlock {

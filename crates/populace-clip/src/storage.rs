@@ -1,11 +1,11 @@
-//! Row storage as devices read it: 16-bit numbers over each joint's own range, in blocks of 16
+//! Row storage as devices read it: signed 16-bit numbers over each joint's own range, in blocks of 16
 //! columns.
 //!
 //! [`RowBlock`] describes the planes of a block. A component's value is `offset + step * n` for the
 //! stored `n`. A column that does not move has a step of 0, so the stored bits do not matter. If 16
 //! bits cannot represent a property of a block within the error bound, it is stored as floats, in
 //! planes of all 16 columns. Devices may read columns that do not move; the words there must be
-//! finite as floats, because only finite values times 0 are 0.
+//! finite as floats, also times 32,767, because only finite values times 0 are 0.
 
 use glam::{DQuat, DVec4};
 use populace_model::{JointIndex, Property, Trs, f64math};
@@ -15,8 +15,8 @@ use crate::probes::{Judge, distance_at_probes};
 use crate::row::{PROPERTIES, Row};
 use crate::row_block::{BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
 
-/// Number of steps over a joint's range.
-const STEPS: f64 = 65535.0;
+/// The greatest number that is stored. Its negative is the least, so that 0 is in the middle.
+const GREATEST: f64 = 32767.0;
 /// Number of block properties that are converted to floats one by one.
 const ONE_BY_ONE: usize = 6;
 /// A value counts as constant if it moves no probe by more than this part of the allowed storage
@@ -26,7 +26,7 @@ const STILL: f64 = 0.01;
 /// Range of a column's stored numbers `n`: a component is `offset + step * n`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Range {
-    /// The smallest value of each component, or the constant value.
+    /// The middle of each component's values, or the constant value.
     pub offset: [f32; 4],
     /// 0 if the column is constant.
     pub step: f32,
@@ -40,11 +40,13 @@ impl Range {
         Self { offset: value.map(|v| v + 0.0), step: 0.0 }
     }
 
-    /// Creates the range from the minimum to the maximum of each component.
+    /// Creates the range from the minimum to the maximum of each component. Components that do not
+    /// move are exact, since their `n` is 0.
     fn over([low, high]: [[f32; 4]; 2]) -> Self {
         let widest = (0..4).map(|c| f64::from(high[c]) - f64::from(low[c])).fold(0.0, f64::max);
-        let [step] = f64math::to_f32([widest / STEPS]);
-        Self { offset: low.map(|v| v + 0.0), step: step.max(f32::MIN_POSITIVE) }
+        let [step] = f64math::to_f32([widest / (2.0 * GREATEST)]);
+        let middle = [0, 1, 2, 3].map(|c| 0.5 * (f64::from(low[c]) + f64::from(high[c])));
+        Self { offset: f64math::to_f32(middle).map(|v| v + 0.0), step: step.max(f32::MIN_POSITIVE) }
     }
 }
 
@@ -209,13 +211,9 @@ impl Storage {
                 Location::Half(word, shift) => {
                     let n = (f64::from(value) - f64::from(range.offset[component]))
                         / f64::from(range.step);
-                    #[expect(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "clamped to 16 bits on the line before"
-                    )]
-                    let n = n.round().clamp(0.0, STEPS) as u32;
-                    self.words[first + word] |= n << shift;
+                    #[expect(clippy::cast_possible_truncation, reason = "clamped on the line")]
+                    let n = n.round().clamp(-GREATEST, GREATEST) as i16;
+                    self.words[first + word] |= u32::from(n.cast_unsigned()) << shift;
                 }
             }
         }
@@ -247,15 +245,16 @@ impl Storage {
         for (component, value) in values.iter_mut().enumerate().take(property.width()) {
             let n = match self.location(column, property, component) {
                 Location::Float(at) => f64::from(f32::from_bits(words[at])),
-                Location::Half(at, shift) => f64::from(words[at] >> shift & 0xffff),
+                #[expect(clippy::cast_possible_truncation, reason = "16 bits are left")]
+                Location::Half(at, shift) => f64::from(((words[at] >> shift) as u16).cast_signed()),
             };
             *value += f64::from(range.step) * n;
         }
         values
     }
 
-    /// Interpolates a joint's local transform between two stored rows as devices do; `u` is 0 at
-    /// the first row and 1 at the second.
+    /// Interpolates a joint's local transform between two stored rows as devices do, which round
+    /// `u` to whole parts of 32,767. `u` is 0 at the first row and 1 at the second.
     pub(crate) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
         let mix = |property| {
             let first = self.values(row, joint.index(), property);
@@ -398,5 +397,8 @@ fn lay_out(ranges: &[[Range; 3]], floats: &[[bool; 3]]) -> (Vec<RowBlock>, usize
             stride += words;
         }
     }
-    (blocks, stride as usize)
+    // Rows become whole blocks if that adds at most an eighth. Most planes are then whole cache
+    // lines where the table begins a line, as OpenCL buffers do.
+    let (stride, whole) = (stride as usize, (stride as usize).next_multiple_of(BLOCK));
+    (blocks, if whole - stride <= stride / 8 { whole } else { stride })
 }

@@ -275,8 +275,12 @@ device_consts! {
     pub const CONDITION_AFTER: u32 = 2;
     /// The bits of a joint map that name the clip's column.
     pub const MAP_COLUMN: u32 = populace_retarget::MAP_COLUMN;
+    /// Sum of the weights of two rows of 16-bit numbers, which are whole numbers.
+    pub const ROW_PARTS: f32 = 32767.0;
     /// Weights that sum to less count as none: the inverse of the sum would overflow.
     pub const LEAST_WEIGHT: f32 = 1e-20;
+    /// A member is at rest if the weights of layer 0 do not sum to more.
+    pub const LEAST_TOTAL: f32 = 1e-3;
     /// Squared lengths below this count as none.
     pub const LEAST_SQUARE: f32 = 1e-20;
     /// First guess of an inverse square root: halves the exponent and balances the error.

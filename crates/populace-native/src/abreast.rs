@@ -1,34 +1,36 @@
 //! Members of one body side by side, each in a lane of its own: a whole frame of up to sixteen
 //! members. As many are computed at once as the processor's registers have lanes.
 //!
-//! Sixteen joints go through short passes: poses of each member with joints in lanes, transposed;
-//! matrices; the hierarchy, unless constraint programs lead members down it after all blocks. The
-//! palettes follow, four entries at a time, which are whole lines of
-//! the cache. Each number takes the same arithmetic as that of a member alone.
+//! Sixteen joints at a time are [posed](crate::poses) and transposed, and become model transforms,
+//! unless constraint programs lead members down the hierarchy after all blocks. The palettes follow,
+//! four entries at a time, which are whole lines of the cache. Each number takes the same arithmetic
+//! as that of a member alone. Twin of the second half of `kernels/abreast.cl` and of
+//! `kernels/fused_wide.cl`.
 //!
 //! Reads all that [`joint`](crate::joint) reads, and parents and entries. Writes the members'
 //! palettes, with zeros for the padding of the last block.
 
-use populace_device::layout::{Body, Entry, Float4, NONE, PALETTE_BLOCK};
+use populace_device::layout::{
+    Body, Entry, Float4, NONE, PALETTE_BLOCK, REST_SCALE, REST_TRANSLATION,
+};
 use populace_model::Affine;
-use populace_model::math::components;
 
+use crate::cache::{finish_lines, write_line};
 use crate::constraints::{Company, Programs, step_rotations};
-use crate::dispatch::{Dispatch, Work};
+use crate::dispatch::Work;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
-use crate::joint::Posing;
 use crate::lanes::{ABREAST, LANES, Lanes, Members, Simd, lane_of, load, store, vectors};
 use crate::matrices::{MATRIX, product, rotated};
 use crate::members::{parents_of, steps_of};
 use crate::playback::Play;
+use crate::poses::{Block, COMPONENTS, PoseBlock, Posed, is_still};
+use crate::processor::Dispatch;
 use crate::rows::Joints;
 use crate::scratch::Scratch;
 use crate::transposition::transpose;
 use crate::widths::JointLanes;
 
-/// Components of a local transform: translation, rotation, scale.
-pub(crate) const COMPONENTS: usize = 10;
 /// Numbers of the palette entries of a block.
 const BLOCK: usize = PALETTE_BLOCK as usize * MATRIX;
 
@@ -37,26 +39,6 @@ pub(crate) struct Seat<'a> {
     /// Index of the member.
     pub(crate) member: u32,
     pub(crate) palette: &'a mut [Float4],
-}
-
-/// Call of [`Posing::pose_block`] for the joints of a block.
-pub(crate) struct PoseBlock<'a> {
-    pub(crate) posing: Posing<'a>,
-    /// The first component of the pose, and the others `stride` vectors apart.
-    pub(crate) posed: &'a mut [Lanes],
-    pub(crate) stride: usize,
-}
-
-impl Work for PoseBlock<'_> {
-    #[inline(always)]
-    fn run<J: JointLanes>(self) {
-        let local = self.posing.pose_block::<J>();
-        let ([tx, ty, tz], [rx, ry, rz, rw], [sx, sy, sz]) = (local.t, local.r, local.s);
-        let all = [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz];
-        for (to, value) in self.posed.iter_mut().step_by(self.stride).zip(all) {
-            *to = value;
-        }
-    }
 }
 
 /// Transforms of each joint of members side by side.
@@ -93,6 +75,23 @@ impl Hierarchy for InLane<'_> {
     fn keep_model(&mut self, joint: usize, model: Affine) {
         for (element, number) in self.joints[joint].iter_mut().zip(model.rows.as_flattened()) {
             element.0[self.lane] = *number;
+        }
+    }
+}
+
+impl SideBySide<'_> {
+    /// Computes the transforms of a joint from its poses: model transforms if there is a parent,
+    /// else local ones.
+    #[inline(always)]
+    fn place<R: Members>(&mut self, posed: &Posed, at: usize, joint: usize, parent: u32) {
+        for lane in (0..ABREAST).step_by(R::COUNT) {
+            let local: [R; MATRIX] = posed.matrices(at, lane);
+            let model = if parent == NONE {
+                local
+            } else {
+                product(&load(&self.0[parent as usize], lane), &local)
+            };
+            store(&model, &mut self.0[joint], lane);
         }
     }
 }
@@ -144,18 +143,30 @@ impl Company<ABREAST> for SideBySide<'_> {
     }
 }
 
-/// Computes the matrices of a block of joints from their local transforms.
+/// Computes the model transforms of a block of joints, or local ones if there are no `parents`.
 #[inline(always)]
-fn compose<R: Members>(locals: &[Lanes], block: &mut [[Lanes; MATRIX]]) {
-    for (at, matrix) in block.iter_mut().enumerate() {
-        for first in (0..ABREAST).step_by(R::COUNT) {
-            let mut all = [R::splat(0.0); COMPONENTS];
-            for (nth, component) in all.iter_mut().enumerate() {
-                *component = R::load(&locals[nth * LANES + at].0[first..]);
-            }
-            let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz] = all;
-            store(&components([tx, ty, tz], [rx, ry, rz, rw], [sx, sy, sz]), matrix, first);
+fn place_block<R: Members>(
+    block: Block,
+    posed: &mut [Lanes],
+    locals: &mut [Lanes],
+    parents: Option<&[u32]>,
+    models: &mut [[Lanes; MATRIX]],
+) {
+    let (joints, registers) = (block.joints, block.joints.registers);
+    let (stride, mut still) = (ABREAST, REST_TRANSLATION | REST_SCALE);
+    registers.run(PoseBlock { block, posed, stride, still: &mut still });
+    let components = posed.as_chunks().0.iter().zip(locals.as_chunks_mut().0);
+    for (component, (of_members, of_joints)) in components.enumerate() {
+        if !is_still(still, component) {
+            transpose(of_members, of_joints, registers);
         }
+    }
+    let (body, first) = (joints.body, joints.first);
+    let (rest, padded) = (joints.planes(body.rest_first), body.padded_count as usize);
+    let (posed, mut models) = (Posed { locals, still, rest, padded }, SideBySide(models));
+    for joint in first..models.0.len().min(first + LANES) {
+        let parent = parents.map_or(NONE, |parents| parents[joint]);
+        models.place::<R>(&posed, joint - first, joint, parent);
     }
 }
 
@@ -189,7 +200,10 @@ fn write_block<R: Members>(
         transpose(square, &mut rows, registers);
         for (row, seat) in rows.iter().zip(seats.iter_mut()) {
             let numbers: &mut [f32] = bytemuck::cast_slice_mut(seat.palette);
-            numbers[block * BLOCK + piece * ABREAST..][..ABREAST].copy_from_slice(&row.0);
+            let line = &mut numbers[block * BLOCK + piece * ABREAST..];
+            if let Some(line) = line.first_chunk_mut() {
+                write_line(&row.0, line);
+            }
         }
     }
 }
@@ -221,37 +235,25 @@ impl Group<'_, '_> {
         let plays: [Option<Play>; ABREAST] = std::array::from_fn(|lane| {
             seats.get(lane).map(|seat| Play::play_all(inputs, seat.member))
         });
+        plays.iter().flatten().for_each(|play| play.fetch_rows(tables));
         let posed = vectors::<LANES>(&mut desk.posed, COMPONENTS * ABREAST);
         let locals = vectors::<ABREAST>(&mut desk.locals, COMPONENTS * LANES);
         let parents = parents_of(tables, body);
         let models = vectors::<ABREAST>(&mut desk.models, parents.len() * MATRIX);
         let models = models.as_chunks_mut::<MATRIX>().0;
         let is_led = !steps_of(tables, seats[0].member).is_empty();
+        let mut members = [0; ABREAST];
+        for (member, seat) in members.iter_mut().zip(seats.iter()) {
+            *member = seat.member;
+        }
+        let members = &members[..seats.len()];
         for first in (0..parents.len()).step_by(LANES) {
-            let end = parents.len().min(first + LANES);
-            for (lane, (play, seat)) in plays.iter().flatten().zip(seats.iter()).enumerate() {
-                let joints = Joints { tables, body, first };
-                let posing = play.posing(inputs, seat.member, joints, registers);
-                registers.run(PoseBlock { posing, posed: &mut posed[lane..], stride: ABREAST });
-            }
-            let components = posed.as_chunks().0.iter().zip(locals.as_chunks_mut().0);
-            for (of_members, of_joints) in components {
-                transpose(of_members, of_joints, registers);
-            }
-            compose::<R>(locals, &mut models[first..end]);
-            if !is_led {
-                let mut joints = SideBySide(&mut *models);
-                for joint in first..end {
-                    joints.descend_to::<R>(parents, joint);
-                }
-            }
+            let joints = Joints { tables, body, first, registers };
+            let block = Block { inputs, joints, plays: &plays, members };
+            let parents = (!is_led).then_some(parents);
+            place_block::<R>(block, posed, locals, parents, models);
         }
         if is_led {
-            let mut members = [0; ABREAST];
-            for (member, seat) in members.iter_mut().zip(seats.iter()) {
-                *member = seat.member;
-            }
-            let members = &members[..seats.len()];
             let joints = &mut SideBySide(models);
             let (plays, next) = (&plays, 0);
             Programs {
@@ -273,5 +275,6 @@ impl Group<'_, '_> {
         for (block, entries) in entries.chunks(PALETTE_BLOCK as usize).enumerate() {
             write_block::<R>(entries, models, matrices, registers, block, seats);
         }
+        finish_lines();
     }
 }

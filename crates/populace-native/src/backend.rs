@@ -9,7 +9,6 @@ use populace_device::{
 };
 
 use crate::buffers::StageBuffers;
-use crate::dispatch::{Machine, RegisterLanes};
 use crate::errors::failed;
 use crate::evaluate::evaluate;
 use crate::floor::write_floor;
@@ -19,6 +18,7 @@ use crate::history::History;
 use crate::machines::advance;
 use crate::pages::Pages;
 use crate::pose::pose;
+use crate::processor::{Machine, RegisterLanes};
 use crate::reading::{self, Reading};
 use crate::scratch::ScratchPool;
 use crate::transform::transform;

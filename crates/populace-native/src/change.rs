@@ -1,8 +1,9 @@
 //! Changes of poses that few members have, such as layers and inertialization.
 
-use crate::dispatch::{Dispatch, Work};
+use crate::dispatch::Work;
 use crate::lanes::{Lanes, Width};
 use crate::local::Local;
+use crate::processor::Dispatch;
 use crate::widths::{JointLanes, SampleWidth};
 
 /// A width in memory, in which few members' changes are applied. They are compiled apart from the

@@ -7,8 +7,11 @@ use populace_device::layout::{BLOCK_CORRECTED, BoundClip, REST_TRANSLATION, Slot
 use populace_model::Property;
 use populace_model::math::{quat, vec3};
 
+use crate::encoding::Rows;
 use crate::local::Local;
-use crate::rows::{Columns, Joints, RowWidth, component, load_quat, sample_vector};
+use crate::rows::{
+    Columns, Joints, RowWidth, load_part, load_quat, sample_rotation, sample_vector,
+};
 
 /// Returns the rows of a correction that has its own, for two rows of its clip.
 fn own_rows(joints: &Joints, correction: &BoundClip, at: &SlotSample) -> SlotSample {
@@ -20,10 +23,7 @@ fn own_rows(joints: &Joints, correction: &BoundClip, at: &SlotSample) -> SlotSam
 }
 
 /// Applies all corrections of a clip to local transforms whose rotations are not yet normalized.
-///
-/// It is never inlined: most clips have no corrections, and their path must not pay for the
-/// registers of this one.
-#[inline(never)]
+#[inline(always)]
 pub(crate) fn correct<R: RowWidth>(
     joints: &Joints,
     bound: &BoundClip,
@@ -37,13 +37,13 @@ pub(crate) fn correct<R: RowWidth>(
         if clip.row_stride != 0 {
             at = own_rows(joints, clip, &at);
         }
-        let columns = R::columns(joints, clip);
+        let (columns, rows) = (R::columns(joints, clip), Rows::of(&at));
         let planes = joints.planes(clip.range_first);
         if joints.bound_block(clip).flags & REST_TRANSLATION == 0 {
-            let arm = sample_vector::<R>(
+            let arm = sample_vector::<R, false>(
                 &columns,
                 Property::Translation,
-                &at,
+                &rows,
                 &planes[6 * padded..],
                 padded,
             );
@@ -53,13 +53,9 @@ pub(crate) fn correct<R: RowWidth>(
         }
         let mut q = load_quat::<R>(planes, padded);
         if !columns.planes(Property::Rotation).are_still() {
-            let (step, step_w) = (R::load(&planes[4 * padded..]), R::load(&planes[5 * padded..]));
-            q = [
-                component(&columns, Property::Rotation, &at, 0, step, q[0]),
-                component(&columns, Property::Rotation, &at, 1, step, q[1]),
-                component(&columns, Property::Rotation, &at, 2, step, q[2]),
-                component(&columns, Property::Rotation, &at, 3, step_w, q[3]),
-            ];
+            let part = load_part::<R>(&planes[4 * padded..]);
+            let part_w = load_part::<R>(&planes[5 * padded..]);
+            q = sample_rotation::<R, false>(&columns, &rows, [part, part, part, part_w], q);
         }
         let after = load_quat::<R>(&planes[10 * padded..], padded);
         local.r = quat::mul(quat::mul(local.r, q), after);

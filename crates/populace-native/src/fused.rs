@@ -12,9 +12,8 @@ use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::components;
 
-use crate::abreast::{COMPONENTS, Group, PoseBlock, Seat};
+use crate::abreast::{Group, Seat};
 use crate::constraints::{Alone, Programs, step_rotations};
-use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::lanes::{ABREAST, LANES, Lanes, Simd};
@@ -22,6 +21,8 @@ use crate::local::Local;
 use crate::members::{body_of, parents_of};
 use crate::pages::Pages;
 use crate::playback::Play;
+use crate::poses::{Block, COMPONENTS, PoseBlock};
+use crate::processor::Dispatch;
 use crate::rows::Joints;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
@@ -74,11 +75,13 @@ pub(crate) fn member_models(
     let padded = (body.joint_count as usize).next_multiple_of(LANES);
     scratch.models.resize(padded, Affine::IDENTITY);
     let play = Play::play_all(inputs, member);
+    play.fetch_rows(tables);
+    let plays = [Some(play)];
     for (block, matrices) in scratch.models.as_chunks_mut::<LANES>().0.iter_mut().enumerate() {
-        let joints = Joints { tables, body, first: block * LANES };
-        let (posing, mut posed) =
-            (play.posing(inputs, member, joints, dispatch), [ZERO; COMPONENTS]);
-        dispatch.run(PoseBlock { posing, posed: &mut posed, stride: 1 });
+        let joints = Joints { tables, body, first: block * LANES, registers: dispatch };
+        let mut posed = [ZERO; COMPONENTS];
+        let block = Block { inputs, joints, plays: &plays, members: &[member] };
+        dispatch.run(PoseBlock { block, posed: &mut posed, stride: 1, still: &mut 0 });
         let [tx, ty, tz, rx, ry, rz, rw, sx, sy, sz] = posed;
         let local = Local { t: [tx, ty, tz], r: [rx, ry, rz, rw], s: [sx, sy, sz] };
         keep(joints.first, &local);
@@ -92,7 +95,7 @@ pub(crate) fn member_models(
     let Scratch { models, rotations, writes, .. } = scratch;
     let rotations = step_rotations(rotations);
     let joints = &mut Alone(&mut InPlace(models));
-    let (members, plays, registers, next) = (&[member], &[Some(play)], dispatch, 0);
+    let (members, plays, registers, next) = (&[member], &plays, dispatch, 0);
     Programs { inputs, registers, members, plays, parents, joints, rotations, writes, next }
         .descend::<f32>();
 }

@@ -44,7 +44,7 @@ struct SampledPoses<R> {
 }
 
 #[inline(always)]
-fn sampled_poses<R: SampleWidth>(
+fn sampled_poses<R: SampleWidth<Stored: PoseWidth>>(
     joints: &Joints,
     state: SampledState,
     additive: bool,
@@ -57,7 +57,7 @@ fn sampled_poses<R: SampleWidth>(
     let mut poses = [*rest; 3];
     let wanted = if additive { 3 } else { 2 };
     for (pose, at) in poses.iter_mut().zip(&rows).take(wanted) {
-        *pose = sample_joint::<R>(joints, bound, at, rest).normalized();
+        *pose = sample_joint::<R>(joints, bound, at, rest).normalized(rest);
     }
     let [at, far, start] = poses;
     SampledPoses { at, far, reference: if additive { start } else { at } }
@@ -115,7 +115,7 @@ fn left_of<R: SampleWidth>(
 
 /// Adds what is left of one slot's difference to a sum.
 #[inline(always)]
-fn add_inertialization<R: SampleWidth>(
+fn add_inertialization<R: SampleWidth<Stored: PoseWidth>>(
     joints: &Joints,
     slot: &InertializationSlot,
     tick: u64,
@@ -173,7 +173,11 @@ impl Change for OfLayer<'_> {
 /// additive. Over a mean, the newest transition is applied first: each earlier one is a difference
 /// to the clip that the next one ended.
 #[inline(always)]
-fn inertialize<R: SampleWidth>(of: OfLayer, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+fn inertialize<R: SampleWidth<Stored: PoseWidth>>(
+    of: OfLayer,
+    rest: &Local<R>,
+    mut pose: Local<R>,
+) -> Local<R> {
     let OfLayer { joints, inertialization, layer, additive } = of;
     let Inertialization { slots, tick } = inertialization;
     let of_layer = |slot: &&Slot| slot.layer() == layer && slot.inertializes(tick);

@@ -5,30 +5,40 @@
 //! local space, bone-length scales and user stages. Writes nothing but the pose that it returns.
 
 use populace_device::layout::{
-    Control, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample,
+    Control, LEAST_TOTAL, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample,
 };
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
-use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::inertialize::OfLayer;
-use crate::lanes::Lanes;
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::members::control_of;
 use crate::playback::{Inertialization, Play, Playing};
 use crate::rows::{Joints, load_quat, load_vec3};
-use crate::sample::sample_joint;
+use crate::sample::{sample_joint, unit_of};
 use crate::stages::stage_locals;
-use crate::widths::{JointLanes, SampleWidth};
+use crate::widths::SampleWidth;
+
+/// Loads rest poses.
+#[inline(always)]
+pub(crate) fn rest_of<R: SampleWidth>(joints: &Joints) -> Local<R> {
+    let padded = joints.body.padded_count as usize;
+    let rest = joints.planes(joints.body.rest_first);
+    Local {
+        r: load_quat::<R>(rest, padded),
+        t: load_vec3(&rest[4 * padded..], padded),
+        s: load_vec3(&rest[7 * padded..], padded),
+    }
+}
 
 /// Weighted sum over a layer's slots.
-struct Sum<R> {
-    local: Local<R>,
+pub(crate) struct Sum<R> {
+    pub(crate) local: Local<R>,
     /// Sum of the weights.
-    total: f32,
+    pub(crate) total: f32,
     /// [`REST_TRANSLATION`] and [`REST_SCALE`], each if all slots leave the property at rest.
-    at_rest: u32,
+    pub(crate) at_rest: u32,
 }
 
 /// Divides a sum by its weights. A property at rest in all slots is exactly the rest pose's.
@@ -43,6 +53,13 @@ fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
         r: quat::normalize_or(sum.local.r, rest.r),
         s: vector(REST_SCALE, rest.s, sum.local.s),
     }
+}
+
+/// Returns the mean of the slots of layer 0, or the rest pose below [`LEAST_TOTAL`]. The layer is
+/// always divided by its total weight, so that weights below 1 do not show the rest pose.
+#[inline(always)]
+pub(crate) fn mean_or_rest<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
+    if sum.total > LEAST_TOTAL { mean_of(sum, rest) } else { *rest }
 }
 
 /// Mixes a layer's mean over the pose beneath. A layer with a total weight below 1 shows the pose
@@ -74,8 +91,6 @@ pub(crate) struct Posing<'a> {
     /// Layers that the member uses.
     pub(crate) layers: &'a [Layer],
     pub(crate) control: Option<&'a Control>,
-    /// Registers that sixteen joints are computed in.
-    pub(crate) dispatch: Dispatch,
 }
 
 impl<'a> Play<'a> {
@@ -86,7 +101,6 @@ impl<'a> Play<'a> {
         inputs: &'a FrameInputs<'a>,
         member: u32,
         joints: Joints<'a>,
-        registers: Dispatch,
     ) -> Posing<'a> {
         Posing {
             inputs,
@@ -95,7 +109,6 @@ impl<'a> Play<'a> {
             inertialization: self.inertialization,
             layers: self.layers,
             control: control_of(inputs.tables, member),
-            dispatch: registers,
         }
     }
 }
@@ -124,7 +137,12 @@ impl Posing<'_> {
     /// Sums a layer's slots, each weighted. In an additive layer, the terms are differences from
     /// the clip's first row.
     #[inline(always)]
-    fn sum_layer<R: SampleWidth>(&self, layer: u32, additive: bool, rest: &Local<R>) -> Sum<R> {
+    pub(crate) fn sum_layer<R: SampleWidth<Stored: PoseWidth>>(
+        &self,
+        layer: u32,
+        additive: bool,
+        rest: &Local<R>,
+    ) -> Sum<R> {
         let (joints, tables) = (&self.joints, self.joints.tables);
         let mut sum =
             Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
@@ -136,17 +154,18 @@ impl Posing<'_> {
             let sample = sample_joint::<R>(joints, bound, &playing.at, rest);
             let (weight, local) = (R::splat(playing.at.weight), &mut sum.local);
             sum.at_rest &= sample.at_rest;
-            let (mut value, mut unit) = (sample.local, sample.unit);
-            if additive {
+            let (value, k) = if additive {
                 let first = tables.clips().as_slice()[bound.clip as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                let start = sample_joint::<R>(joints, bound, &start, rest).normalized();
-                value.r = quat::scale(value.r, unit);
-                let turned = quotient(&value, &start, quat::identity());
-                (value, unit) = (change(&turned), R::splat(1.0));
-            }
+                let start = sample_joint::<R>(joints, bound, &start, rest).normalized(rest);
+                let turned = quotient(&sample.normalized(rest), &start, quat::identity());
+                (change(&turned), weight)
+            } else {
+                let k = unit_of(sample.local.r, rest.r) * weight;
+                (sample.local, k)
+            };
             local.t = each3(|i| local.t[i] + value.t[i] * weight);
-            local.r = quat::add(local.r, quat::scale(value.r, unit * weight));
+            local.r = quat::add(local.r, quat::scale(value.r, k));
             local.s = each3(|i| local.s[i] + value.s[i] * weight);
             sum.total += playing.at.weight;
         }
@@ -206,7 +225,7 @@ impl Posing<'_> {
     ) {
         let (joints, inertialization) = (&self.joints, self.inertialization);
         let change = OfLayer { joints, inertialization, layer, additive };
-        R::apply(&change, self.dispatch, rest, pose);
+        R::apply(&change, self.joints.registers, rest, pose);
     }
 
     /// Applies the member's bone-length scaling, overrides in local space, and user stages.
@@ -247,26 +266,9 @@ impl Posing<'_> {
         pose
     }
 
-    /// Computes layer 0. Returns the rest pose, and the mean of the slots.
-    #[inline(always)]
-    fn pose_base<R: SampleWidth>(&self) -> (Local<R>, Local<R>) {
-        let body = self.joints.body;
-        let padded = body.padded_count as usize;
-        let rest = self.joints.planes(body.rest_first);
-        let rest = Local {
-            r: load_quat::<R>(rest, padded),
-            t: load_vec3(&rest[4 * padded..], padded),
-            s: load_vec3(&rest[7 * padded..], padded),
-        };
-        let sum = self.sum_layer::<R>(0, false, &rest);
-        // Layer 0 is always divided by its total weight, so that weights below 1 do not show the
-        // rest pose.
-        (rest, if sum.total > 1e-3 { mean_of(&sum, &rest) } else { rest })
-    }
-
     /// Returns whether anything but the slots of layer 0 changes the pose.
     #[inline(always)]
-    fn is_changed(&self) -> bool {
+    pub(crate) fn is_changed(&self) -> bool {
         !self.inertialization.slots.is_empty()
             || self.layers.len() > 1
             || self.control.is_some_and(is_adjusted)
@@ -274,12 +276,16 @@ impl Posing<'_> {
 
     /// Applies all but the slots of layer 0.
     #[inline(always)]
-    fn change_pose<R: PoseWidth>(&self, rest: &Local<R>, mut pose: Local<R>) -> Local<R> {
+    pub(crate) fn change_pose<R: PoseWidth>(
+        &self,
+        rest: &Local<R>,
+        mut pose: Local<R>,
+    ) -> Local<R> {
         if !self.inertialization.slots.is_empty() {
             self.inertialize_layer(0, false, rest, &mut pose);
         }
         if self.layers.len() > 1 {
-            R::apply(&LayOver(self), self.dispatch, rest, &mut pose);
+            R::apply(&LayOver(self), self.joints.registers, rest, &mut pose);
         }
         match self.control {
             Some(control) if is_adjusted(control) => self.adjust(control, pose),
@@ -290,18 +296,8 @@ impl Posing<'_> {
     /// Computes the local transform of one joint.
     #[inline(always)]
     pub(crate) fn pose_joint(&self) -> Local<f32> {
-        let (rest, pose) = self.pose_base();
-        self.change_pose(&rest, pose)
-    }
-
-    /// Computes the local transforms of sixteen joints.
-    #[inline(always)]
-    pub(crate) fn pose_block<J: JointLanes>(&self) -> Local<Lanes> {
-        let (rest, pose) = self.pose_base::<J>();
-        if self.is_changed() {
-            self.change_pose(&rest.stored(), pose.stored())
-        } else {
-            pose.stored()
-        }
+        let rest = rest_of(&self.joints);
+        let sum = self.sum_layer(0, false, &rest);
+        self.change_pose(&rest, mean_or_rest(&sum, &rest))
     }
 }

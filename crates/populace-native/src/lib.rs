@@ -22,10 +22,13 @@
 //! ```
 
 // Each module uses only modules above it.
+mod cache;
+mod encoding;
 mod errors;
 mod lanes;
 #[cfg(target_arch = "x86_64")]
 mod pair;
+mod processor;
 #[cfg(target_arch = "x86_64")]
 mod registers;
 mod split;
@@ -45,20 +48,24 @@ mod playback;
 mod rows;
 mod slot;
 
+mod block_columns;
 mod corrections;
 mod dispatch;
-mod sample;
 mod transposition;
 mod widths;
 
 mod change;
-mod inertialize;
 mod machines;
 mod stages;
+
+mod inertialize;
+mod sample;
 
 mod constraints;
 mod joint;
 mod scratch;
+
+mod poses;
 
 mod abreast;
 
@@ -74,4 +81,4 @@ mod reading;
 mod backend;
 
 pub use backend::NativeBackend;
-pub use dispatch::{Machine, RegisterLanes};
+pub use processor::{Machine, RegisterLanes};

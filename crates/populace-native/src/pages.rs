@@ -7,14 +7,18 @@ use populace_device::{
 
 use crate::buffers::grow;
 use crate::errors::failed;
+use crate::lanes::Line;
+
+/// Elements of a line of the cache.
+const LINE: usize = size_of::<Line>() / size_of::<Float4>();
 
 /// Pages of palettes, three elements for each entry.
 #[derive(Default)]
 pub(crate) struct Pages {
     /// Palette entries in use on each page.
     lengths: Vec<usize>,
-    /// The device's own memory; empty while `mapped` is set.
-    own: Vec<Vec<Float4>>,
+    /// The device's own memory, in lines of the cache; empty while `mapped` is set.
+    own: Vec<Vec<Line>>,
     mapped: Option<MappedSets>,
     mark: Option<TargetMark>,
 }
@@ -39,7 +43,8 @@ impl Pages {
     /// Elements of memory held, mapped or not.
     pub(crate) fn capacity(&self) -> usize {
         let capacities = self.mapped.iter().flat_map(|mapped| &mapped.capacities);
-        capacities.sum::<usize>() * PAGE_SETS + self.own.iter().map(Vec::len).sum::<usize>()
+        let own = self.own.iter().map(|page| page.len() * LINE);
+        capacities.sum::<usize>() * PAGE_SETS + own.sum::<usize>()
     }
 
     /// Resizes the pages to the tables. Mapped pages that are too small are released; the next
@@ -61,7 +66,7 @@ impl Pages {
         if self.mapped.is_none() {
             self.own.resize_with(lengths.len().max(self.own.len()), Vec::new);
             for (page, length) in self.own.iter_mut().zip(lengths) {
-                grow(page, length * 3, "matrix palettes")?;
+                grow(page, (length * 3).div_ceil(LINE), "matrix palettes")?;
             }
         }
         Ok(())
@@ -72,7 +77,7 @@ impl Pages {
         let end = self.lengths.get(page)? * 3;
         let all = match &mut self.mapped {
             Some(mapped) => mapped.sets[mapped.current][page].elements(),
-            None => &mut self.own[page],
+            None => bytemuck::cast_slice_mut(&mut self.own[page]),
         };
         all.get_mut(..end)
     }
@@ -92,7 +97,8 @@ impl Pages {
         let mapped = mapped
             .iter_mut()
             .flat_map(|mapped| mapped.sets[mapped.current].iter_mut().map(|page| page.elements()));
-        let all = own.iter_mut().map(Vec::as_mut_slice).chain(mapped);
+        let own = own.iter_mut().map(|page| bytemuck::cast_slice_mut(page));
+        let all = own.chain(mapped);
         all.zip(lengths).filter_map(|(page, length)| page.get_mut(..*length * 3))
     }
 

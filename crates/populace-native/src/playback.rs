@@ -3,6 +3,7 @@
 use populace_device::layout::{Layer, Slot, SlotSample};
 use populace_device::{MAX_SLOTS, Tables};
 
+use crate::cache::fetch_lines;
 use crate::frame::FrameInputs;
 use crate::machines::slot_now;
 use crate::members::{member_layers, member_slots};
@@ -60,6 +61,17 @@ impl<'a> Play<'a> {
         }
         let inertialization = inertialization_of(tables, member, frame.tick);
         Self { playing, secs, count, inertialization, layers: member_layers(tables, member) }
+    }
+
+    /// Asks for the rows that the slots mix.
+    pub(crate) fn fetch_rows(&self, tables: &Tables) {
+        for Playing { at, bound_clip, .. } in self.playing() {
+            let clip = tables.bound_clips().as_slice()[*bound_clip as usize].clip as usize;
+            let stride = tables.clips().as_slice()[clip].row_stride as usize;
+            for row in [at.row0, at.row1] {
+                fetch_lines(&tables.rows().as_slice()[row as usize..][..stride]);
+            }
+        }
     }
 
     /// Returns the slots that have weight.

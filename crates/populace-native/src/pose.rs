@@ -8,12 +8,12 @@ use populace_device::MAX_SLOTS;
 use populace_device::layout::{Float4, JOINT_BLOCK, SlotSample};
 
 use crate::buffers::JointBuffer;
-use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::joint::Posing;
 use crate::machines::slot_now;
 use crate::members::{control_of, member_layers};
 use crate::playback::{Playing, inertialization_of};
+use crate::processor::Dispatch;
 use crate::rows::Joints;
 use crate::split;
 
@@ -38,12 +38,11 @@ pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut Jo
         }
         let mut posing = Posing {
             inputs,
-            joints: Joints { tables, body, first: 0 },
+            joints: Joints { tables, body, first: 0, registers: Dispatch::Baseline },
             playing: &playing[..slots.len()],
             inertialization: inertialization_of(tables, index, frame.tick),
             layers: member_layers(tables, index),
             control: control_of(tables, index),
-            dispatch: Dispatch::Baseline,
         };
         for joint in 0..body.joint_count as usize {
             posing.joints.first = joint;

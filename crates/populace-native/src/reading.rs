@@ -3,13 +3,13 @@
 use populace_device::layout::{Float4, SlotSample};
 use populace_device::{BackendError, StageBuffer};
 
-use crate::dispatch::Dispatch;
 use crate::errors::failed;
 use crate::frame::FrameInputs;
 use crate::fused::{MemberInputs, member_models};
 use crate::lanes::LANES;
 use crate::machines::slot_now;
 use crate::members::{body_of, member_slots};
+use crate::processor::Dispatch;
 use crate::scratch::Scratch;
 use crate::slot::sample_of;
 

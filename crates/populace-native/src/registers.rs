@@ -24,12 +24,13 @@ pub(crate) trait Registers: Members {
     /// Members side by side that one register computes together.
     type Members: Members;
 
-    /// Converts the low 16 bits of each lane's word.
-    fn low_halves(words: &[u32]) -> Self;
-    /// Converts the high 16 bits of each lane's word.
-    fn high_halves(words: &[u32]) -> Self;
-    /// Converts 16 bits for each lane, two lanes in a word.
-    fn packed(words: &[u32]) -> Self;
+    /// Returns the weighted sum of the low 16 bits of each lane's words, which are signed. The
+    /// lower half of `weights` is the weight of `from`, the upper half that of `to`.
+    fn mix_low(from: &[u32], to: &[u32], weights: u32) -> Self;
+    /// The same for the high 16 bits.
+    fn mix_high(from: &[u32], to: &[u32], weights: u32) -> Self;
+    /// The same for 16 bits of each lane, two lanes in a word.
+    fn mix_packed(from: &[u32], to: &[u32], weights: u32) -> Self;
 }
 
 /// Implements an operator by one instruction.
@@ -48,15 +49,15 @@ macro_rules! operator {
 }
 
 /// Makes a register of floats, by instructions of one name each. Only
-/// [`Dispatch::run`](crate::dispatch::Dispatch::run) may choose one, since it alone knows what the
+/// [`Dispatch::run`](crate::processor::Dispatch::run) may choose one, since it alone knows what the
 /// processor has.
 macro_rules! register {
     (
         $register:ident, $floats:ty, $count:literal, $mask:ty, $words:ty, $packed:ty;
         $splat:ident $load:ident $store:ident $add:ident $sub:ident $mul:ident $div:ident
         $xor:ident $as_floats:ident $as_words:ident $convert:ident
-        $splat_word:ident $load_words:ident $and:ident $shift:ident $sub_words:ident
-        $load_packed:ident;
+        $splat_word:ident $load_words:ident $and:ident $or:ident $shift:ident $shift_left:ident
+        $sub_words:ident $multiply_add:ident $load_packed:ident;
         $widen:expr; $less:expr; $at_most:expr; $choose:expr; $both:expr; $either:expr; $any:expr
     ) => {
         #[derive(Clone, Copy)]
@@ -157,30 +158,44 @@ macro_rules! register {
             type Members = Self;
 
             #[inline]
-            fn low_halves(words: &[u32]) -> Self {
+            fn mix_low(from: &[u32], to: &[u32], weights: u32) -> Self {
                 // SAFETY: as above.
                 unsafe {
-                    let words = $load_words(words[..$count].as_ptr().cast::<$words>());
-                    Self($convert($and(words, $splat_word(0xffff))))
+                    let from = $load_words(from[..$count].as_ptr().cast::<$words>());
+                    let to = $load_words(to[..$count].as_ptr().cast::<$words>());
+                    let from = $and(from, $splat_word(0xffff));
+                    Self::mix_pairs($or(from, $shift_left::<16>(to)), weights)
                 }
             }
 
             #[inline]
-            fn high_halves(words: &[u32]) -> Self {
+            fn mix_high(from: &[u32], to: &[u32], weights: u32) -> Self {
                 // SAFETY: as above.
                 unsafe {
-                    let words = $load_words(words[..$count].as_ptr().cast::<$words>());
-                    Self($convert($shift::<16>(words)))
+                    let from = $load_words(from[..$count].as_ptr().cast::<$words>());
+                    let to = $load_words(to[..$count].as_ptr().cast::<$words>());
+                    let to = $and(to, $splat_word(-0x10000));
+                    Self::mix_pairs($or($shift::<16>(from), to), weights)
                 }
             }
 
             #[inline]
-            fn packed(words: &[u32]) -> Self {
+            fn mix_packed(from: &[u32], to: &[u32], weights: u32) -> Self {
                 // SAFETY: as above.
                 unsafe {
-                    let halves = $load_packed(words[..$count / 2].as_ptr().cast::<$packed>());
-                    Self($convert($widen(halves)))
+                    let from = $load_packed(from[..$count / 2].as_ptr().cast::<$packed>());
+                    let to = $load_packed(to[..$count / 2].as_ptr().cast::<$packed>());
+                    Self::mix_pairs($or($widen(from), $shift_left::<16>($widen(to))), weights)
                 }
+            }
+        }
+
+        impl $register {
+            /// Returns the sum of the products of both halves of each word.
+            #[inline]
+            fn mix_pairs(pairs: $words, weights: u32) -> Self {
+                // SAFETY: as above.
+                unsafe { Self($convert($multiply_add(pairs, $splat_word(weights.cast_signed())))) }
             }
         }
     };
@@ -190,8 +205,8 @@ register! {
     Sse, __m128, 4, __m128, __m128i, __m128i;
     _mm_set1_ps _mm_loadu_ps _mm_storeu_ps _mm_add_ps _mm_sub_ps _mm_mul_ps
     _mm_div_ps _mm_xor_ps _mm_castsi128_ps _mm_castps_si128 _mm_cvtepi32_ps
-    _mm_set1_epi32 _mm_loadu_si128 _mm_and_si128 _mm_srli_epi32 _mm_sub_epi32
-    _mm_loadl_epi64;
+    _mm_set1_epi32 _mm_loadu_si128 _mm_and_si128 _mm_or_si128 _mm_srli_epi32
+    _mm_slli_epi32 _mm_sub_epi32 _mm_madd_epi16 _mm_loadl_epi64;
     |halves| _mm_unpacklo_epi16(halves, _mm_setzero_si128());
     _mm_cmplt_ps;
     _mm_cmple_ps;
@@ -205,8 +220,8 @@ register! {
     Avx2, __m256, 8, __m256, __m256i, __m128i;
     _mm256_set1_ps _mm256_loadu_ps _mm256_storeu_ps _mm256_add_ps _mm256_sub_ps _mm256_mul_ps
     _mm256_div_ps _mm256_xor_ps _mm256_castsi256_ps _mm256_castps_si256 _mm256_cvtepi32_ps
-    _mm256_set1_epi32 _mm256_loadu_si256 _mm256_and_si256 _mm256_srli_epi32 _mm256_sub_epi32
-    _mm_loadu_si128;
+    _mm256_set1_epi32 _mm256_loadu_si256 _mm256_and_si256 _mm256_or_si256 _mm256_srli_epi32
+    _mm256_slli_epi32 _mm256_sub_epi32 _mm256_madd_epi16 _mm_loadu_si128;
     |halves| _mm256_cvtepu16_epi32(halves);
     _mm256_cmp_ps::<_CMP_LT_OQ>;
     _mm256_cmp_ps::<_CMP_LE_OQ>;
@@ -220,8 +235,8 @@ register! {
     Avx512, __m512, 16, __mmask16, __m512i, __m256i;
     _mm512_set1_ps _mm512_loadu_ps _mm512_storeu_ps _mm512_add_ps _mm512_sub_ps _mm512_mul_ps
     _mm512_div_ps _mm512_xor_ps _mm512_castsi512_ps _mm512_castps_si512 _mm512_cvtepi32_ps
-    _mm512_set1_epi32 _mm512_loadu_si512 _mm512_and_si512 _mm512_srli_epi32 _mm512_sub_epi32
-    _mm256_loadu_si256;
+    _mm512_set1_epi32 _mm512_loadu_si512 _mm512_and_si512 _mm512_or_si512 _mm512_srli_epi32
+    _mm512_slli_epi32 _mm512_sub_epi32 _mm512_madd_epi16 _mm256_loadu_si256;
     |halves| _mm512_cvtepu16_epi32(halves);
     _mm512_cmp_ps_mask::<_CMP_LT_OQ>;
     _mm512_cmp_ps_mask::<_CMP_LE_OQ>;
@@ -235,17 +250,20 @@ impl<R: Registers> Registers for Pair<R> {
     type Members = R::Members;
 
     #[inline]
-    fn low_halves(words: &[u32]) -> Self {
-        Self(R::low_halves(words), R::low_halves(&words[R::COUNT..]))
+    fn mix_low(from: &[u32], to: &[u32], weights: u32) -> Self {
+        let upper = R::mix_low(&from[R::COUNT..], &to[R::COUNT..], weights);
+        Self(R::mix_low(from, to, weights), upper)
     }
 
     #[inline]
-    fn high_halves(words: &[u32]) -> Self {
-        Self(R::high_halves(words), R::high_halves(&words[R::COUNT..]))
+    fn mix_high(from: &[u32], to: &[u32], weights: u32) -> Self {
+        let upper = R::mix_high(&from[R::COUNT..], &to[R::COUNT..], weights);
+        Self(R::mix_high(from, to, weights), upper)
     }
 
     #[inline]
-    fn packed(words: &[u32]) -> Self {
-        Self(R::packed(words), R::packed(&words[R::COUNT / 2..]))
+    fn mix_packed(from: &[u32], to: &[u32], weights: u32) -> Self {
+        let upper = R::mix_packed(&from[R::COUNT / 2..], &to[R::COUNT / 2..], weights);
+        Self(R::mix_packed(from, to, weights), upper)
     }
 }

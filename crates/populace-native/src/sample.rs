@@ -7,66 +7,114 @@ use populace_device::layout::{
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
+use crate::change::{Change, PoseWidth};
 use crate::corrections::correct;
+use crate::encoding::Rows;
 use crate::local::Local;
-use crate::rows::{Columns, Joints, component, load_quat, sample_vector};
+use crate::rows::{
+    Columns, Joints, RowWidth, load_part, load_quat, sample_rotation, sample_vector,
+};
 use crate::widths::SampleWidth;
 
 /// Sample of a clip.
 pub(crate) struct Sample<R> {
-    /// Local transforms, their rotations not yet normalized.
+    /// Local transforms. Rotations are near length 1, as [`unit_of`] needs.
     pub(crate) local: Local<R>,
-    /// Factor that makes the rotation a unit quaternion in the hemisphere of the rest rotation, or
-    /// 0 if the rotation has no length.
-    pub(crate) unit: R,
     /// [`REST_TRANSLATION`] and [`REST_SCALE`], each if the clip leaves the property at rest.
     pub(crate) at_rest: u32,
 }
 
+/// Returns the factor that brings a sampled rotation to length 1, in the hemisphere of the rest
+/// rotation.
+///
+/// Rows are near each other, so that three terms of a series are enough: halfway between rows that
+/// are 60 degrees apart, the length is off by 0.0001.
+#[inline(always)]
+pub(crate) fn unit_of<R: Real>(rotation: [R; 4], rest: [R; 4]) -> R {
+    let short_by = R::splat(1.0) - quat::dot(rotation, rotation);
+    (R::splat(1.0) + short_by * (R::splat(0.5) + short_by * R::splat(0.375)))
+        * quat::side(rotation, rest)
+}
+
 impl<R: Real> Sample<R> {
-    /// Returns the local transforms with normalized rotations.
+    /// Returns the local transforms with rotations of length 1 in the hemisphere of the rest
+    /// rotation.
     #[inline(always)]
-    pub(crate) fn normalized(self) -> Local<R> {
-        Local { r: quat::scale(self.local.r, self.unit), ..self.local }
+    pub(crate) fn normalized(self, rest: &Local<R>) -> Local<R> {
+        let r = quat::scale(self.local.r, unit_of(self.local.r, rest.r));
+        Local { r, ..self.local }
     }
 }
 
 /// Samples local transforms between two rows.
 #[inline(always)]
-pub(crate) fn sample_joint<R: SampleWidth>(
+pub(crate) fn sample_joint<R: SampleWidth<Stored: PoseWidth>>(
     joints: &Joints,
     bound: &BoundClip,
     at: &SlotSample,
     rest: &Local<R>,
 ) -> Sample<R> {
     let columns = R::columns(joints, bound);
+    let at_rest = joints.bound_block(bound).flags & (REST_TRANSLATION | REST_SCALE);
+    let local = if columns.are_common() {
+        sample_columns::<R, true>(joints, &columns, bound, at, rest)
+    } else {
+        let (rest, any) = (rest.stored(), AnyColumns { joints, bound, at });
+        let mut local = rest;
+        R::Stored::apply(&any, joints.registers, &rest, &mut local);
+        Local::loaded(local)
+    };
+    Sample { local, at_rest }
+}
+
+/// Columns of any storage, with or without corrections.
+///
+/// They are sampled apart: most columns are common, and their path must not pay for the registers of
+/// this one.
+struct AnyColumns<'a> {
+    joints: &'a Joints<'a>,
+    bound: &'a BoundClip,
+    at: &'a SlotSample,
+}
+
+impl Change for AnyColumns<'_> {
+    #[inline(always)]
+    fn changed<R: SampleWidth<Stored: PoseWidth>>(&self, rest: &Local<R>, _: Local<R>) -> Local<R> {
+        let Self { joints, bound, at } = *self;
+        let columns = R::columns(joints, bound);
+        let local = sample_columns::<R, false>(joints, &columns, bound, at, rest);
+        if joints.bound_block(bound).flags & BLOCK_CORRECTED != 0 {
+            correct(joints, bound, at, local)
+        } else {
+            local
+        }
+    }
+}
+
+#[inline(always)]
+fn sample_columns<R: RowWidth, const COMMON: bool>(
+    joints: &Joints,
+    columns: &R::Columns<'_>,
+    bound: &BoundClip,
+    at: &SlotSample,
+    rest: &Local<R>,
+) -> Local<R> {
     let padded = joints.body.padded_count as usize;
-    let range = joints.planes(bound.range_first);
+    let (range, at) = (joints.planes(bound.range_first), Rows::of(at));
     let mut r = load_quat::<R>(range, padded);
     if !columns.planes(Property::Rotation).are_still() {
-        let step = R::load(&range[4 * padded..]);
-        r = [
-            component(&columns, Property::Rotation, at, 0, step, r[0]),
-            component(&columns, Property::Rotation, at, 1, step, r[1]),
-            component(&columns, Property::Rotation, at, 2, step, r[2]),
-            component(&columns, Property::Rotation, at, 3, step, r[3]),
-        ];
+        let part = load_part::<R>(&range[4 * padded..]);
+        r = sample_rotation::<R, COMMON>(columns, &at, [part; 4], r);
     }
-    let flags = joints.bound_block(bound).flags;
-    let at_rest = flags & (REST_TRANSLATION | REST_SCALE);
     let mut local = Local { r, ..*rest };
-    if at_rest & REST_TRANSLATION == 0 {
+    let flags = joints.bound_block(bound).flags;
+    if flags & REST_TRANSLATION == 0 {
         let range = &range[5 * padded..];
-        local.t = sample_vector::<R>(&columns, Property::Translation, at, range, padded);
+        local.t = sample_vector::<R, COMMON>(columns, Property::Translation, &at, range, padded);
     }
-    if at_rest & REST_SCALE == 0 {
+    if flags & REST_SCALE == 0 {
         let range = &range[9 * padded..];
-        local.s = sample_vector::<R>(&columns, Property::Scale, at, range, padded);
+        local.s = sample_vector::<R, COMMON>(columns, Property::Scale, &at, range, padded);
     }
-    if flags & BLOCK_CORRECTED != 0 {
-        local = Local::loaded(correct(joints, bound, at, local.stored()));
-    }
-    let r = local.r;
-    let unit = quat::dot(r, r).inverse_sqrt() * quat::side(r, rest.r);
-    Sample { local, unit, at_rest }
+    local
 }

@@ -11,11 +11,11 @@ use populace_model::{Affine, Trs};
 
 use crate::buffers::{JointBuffer, ModelRows};
 use crate::constraints::{Alone, Programs, step_rotations};
-use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::members::{body_of, parents_of, steps_of};
 use crate::playback::Play;
+use crate::processor::Dispatch;
 use crate::scratch::{Scratch, ScratchPool};
 use crate::split;
 

@@ -17,8 +17,8 @@ use std::arch::x86_64::{
     _mm512_shuffle_ps, _mm512_unpackhi_ps, _mm512_unpacklo_ps,
 };
 
-use crate::dispatch::Dispatch;
 use crate::lanes::{LANES, Lanes};
+use crate::processor::Dispatch;
 
 /// Lanes of a vector of AVX2.
 #[cfg(target_arch = "x86_64")]

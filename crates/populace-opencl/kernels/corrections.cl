@@ -30,8 +30,8 @@ APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint jo
         }
         Quat q = stored_quat(planes, 0);
         if (columns.block.rotation_first != NONE) {
-            const Quat n = rotation_steps(tables, columns, at);
-            const Real step = stored_real(planes, 4), step_w = stored_real(planes, 5);
+            const Quat n = rotation_parts(tables, columns, at);
+            const Real step = stored_part(planes, 4), step_w = stored_part(planes, 5);
             const Quat scaled = { n.x * step, n.y * step, n.z * step, n.w * step_w };
             q = quat_add(scaled, q);
         }

@@ -1,7 +1,6 @@
 // fused_wide.cl - Fused schedule for CPUs: a work-item computes whole frames of members of one body,
-// sixteen at a time, side by side. Local transforms come from rows for sixteen joints of a member at
-// a time, and are transposed into lanes of members. Hierarchy, constraint programs and palettes then
-// have members in lanes. What is between clip and palette stays in the core's caches.
+// sixteen at a time, side by side. Local transforms come from abreast.cl. Constraint programs and
+// palettes have members in lanes too. What is between clip and palette stays in the core's caches.
 //
 // NDRange  (runs of members of one page, those of a kind side by side), work-groups of one; one
 //          enqueue for each phase
@@ -10,59 +9,9 @@
 // Writes   palette: each entry of the phase's members in [place_first, place_end) once, and zeros
 //          into padding; is_taken, desks: scratch; states and watched joints of those members
 // Oracle   populace-testkit/src/oracle
-// Twin of populace-native/src/abreast.rs, populace-native/src/fused.rs and, for `descend`,
-// populace-native/src/constraints/descent.rs: same arithmetic, same order of operations.
-
-// Collects the member's slots that have weight now, in order.
-INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
-                         const ClipTables *tables, __global const float *row_times,
-                         __global const uint *buckets, Playing *playing)
-{
-    uint count = 0;
-    for (uint s = 0; s < slot_count; s++) {
-        playing[count] = play(slots[s], machines, tick, tables, row_times, buckets);
-        if (playing[count].at.weight > 0.0f) count++;
-    }
-    const Playback playback = { playing, count, inertialization_of(slots, slot_count, tick) };
-    return playback;
-}
-
-// Components of a local transform: translation, rotation, scale.
-#define COMPONENTS 10
-
-// Members side by side, each in a lane of its own: of one body, with programs of one shape or none.
-typedef struct {
-    uint count, owners[LANES], controls[LANES], layer_counts[LANES];
-    Playback plays[LANES];
-    Playing playing[LANES][MAX_SLOTS];
-    Body body;
-    __global const uint *parents;
-} Company;
-
-#ifndef __has_builtin
-#define __has_builtin(name) 0
-#endif
-
-// Asks for memory, in lines of the cache of 16 words, so that it is in the caches when it is read.
-// Compilers for GPUs may have the function, but only for pointers without an address space.
-INLINE void fetch_lines(__global const void *from, uint words)
-{
-#if defined(CALLS) && __has_builtin(__builtin_prefetch)
-    for (uint word = 0; word < words; word += 16)
-        __builtin_prefetch((__global const uint *)from + word);
-#endif
-}
-
-// Asks for the rows that a member mixes.
-INLINE void fetch_rows(const ClipTables *tables, Playback playback)
-{
-    for (uint s = 0; s < playback.count; s++) {
-        const Playing playing = playing_at(playback, s);
-        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].clip];
-        fetch_lines(tables->rows + playing.at.row0, clip.row_stride);
-        fetch_lines(tables->rows + playing.at.row1, clip.row_stride);
-    }
-}
+// Twin of populace-native/src/abreast.rs, populace-native/src/fused.rs, populace-native/src/cache.rs
+// and, for `descend`, populace-native/src/constraints/descent.rs: same arithmetic, same order of
+// operations.
 
 // Writes sixteen numbers. A whole line of the cache goes past the caches, which would read it first.
 INLINE void write_line(float16 line, __global float *to)
@@ -86,7 +35,7 @@ INLINE uint take_desk(volatile __global uint *is_taken, uint count)
     return desk;
 }
 
-// Frees a desk after all stores to it.
+// Frees a desk after all stores to it. The exchange also completes lines written past the caches.
 INLINE void free_desk(volatile __global uint *is_taken, uint desk)
 {
     mem_fence(CLK_GLOBAL_MEM_FENCE);
@@ -99,20 +48,6 @@ INLINE bool is_due(uint owner, Member member, uint place_first, uint place_end, 
     return owner >= place_first && owner < place_end && member_phase(member) == phase;
 }
 
-// Takes a member into the next free lane.
-INLINE void join(Company *all, uint owner, Member member, __global const Slot *slots,
-                 uint slots_per_member, Machines machines, ulong tick, const ClipTables *tables,
-                 __global const float *row_times, __global const uint *buckets)
-{
-    const uint lane = all->count++;
-    all->owners[lane] = owner;
-    all->controls[lane] = member.control;
-    all->layer_counts[lane] = member_layers(member);
-    all->plays[lane] = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
-                                tables, row_times, buckets, all->playing[lane]);
-    fetch_rows(tables, all->plays[lane]);
-}
-
 INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
 {
     if (all->parents[joint] == NONE) return;
@@ -121,92 +56,6 @@ INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
     locals_of(joints, joint, &own);
     matrix_product(&parent, &own, &own);
     keep_models(joints, joint, &own);
-}
-
-// Asks for the members' controls and states, for the steps of their programs, and for the settings of
-// their constraints. Each finds its addresses in what the one before asked for.
-INLINE void fetch_controls(const Company *all, const ConstraintTables *tables)
-{
-    for (uint lane = 0; lane < all->count; lane++) {
-        const uint control = all->controls[lane];
-        fetch_lines(tables->controls + control, sizeof(Control) / 4);
-        fetch_lines(tables->states_before + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
-        fetch_lines(tables->states + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
-    }
-}
-
-INLINE void fetch_steps(const Company *all, const ConstraintTables *tables)
-{
-    for (uint lane = 0; lane < all->count; lane++) {
-        __global const Control *control = tables->controls + all->controls[lane];
-        fetch_lines(tables->steps + control->step_first, 4 * control->step_count);
-    }
-}
-
-INLINE void fetch_constraints(const Company *all, const ConstraintTables *tables)
-{
-    const uint step_count = tables->controls[all->controls[0]].step_count;
-    for (uint nth = 0; nth < step_count; nth++)
-        for (uint lane = 0; lane < all->count; lane++) {
-            const Step step = tables->steps[tables->controls[all->controls[lane]].step_first + nth];
-            if (step.kind < STEP_GAZE || step.kind > STEP_FOOT || step.kind == STEP_CHAIN) break;
-            // A step of feet has a constraint for each; most have two.
-            const uint count = step.kind == STEP_PELVIS ? 2 : 1;
-            fetch_lines(tables->constraints + step.index, count * sizeof(Constraint) / 4);
-        }
-}
-
-// Computes the local transforms of a block of joints, member by member, and transposes them into
-// lanes of members. If `planes` is not 0, it receives those of the first member too, as ten planes
-// in the layout of stored poses.
-INLINE void pose_block(const Company *all, const ClipTables *tables, Adjustments adjustments,
-                       __global const Layer *layers, uint first, float16 posed[COMPONENTS][LANES],
-                       __global float *planes)
-{
-    for (uint lane = 0; lane < all->count; lane++) {
-        const Local trs = pose_joint(tables, adjustments, all->controls[lane], all->plays[lane],
-                                     layers + all->owners[lane] * LAYERS_PER_MEMBER,
-                                     all->layer_counts[lane], all->body, first);
-        if (planes) store_trs(trs, planes + first, all->body.padded_count);
-        posed[0][lane] = trs.t.x;
-        posed[1][lane] = trs.t.y;
-        posed[2][lane] = trs.t.z;
-        posed[3][lane] = trs.r.x;
-        posed[4][lane] = trs.r.y;
-        posed[5][lane] = trs.r.z;
-        posed[6][lane] = trs.r.w;
-        posed[7][lane] = trs.s.x;
-        posed[8][lane] = trs.s.y;
-        posed[9][lane] = trs.s.z;
-    }
-    for (uint component = 0; component < COMPONENTS; component++) transpose(posed[component]);
-}
-
-// Computes the members' local transforms, and without programs their model transforms.
-INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustments adjustments,
-                         const ConstraintTables *constraint_tables, __global const Layer *layers,
-                         Hierarchy joints, __global float *planes)
-{
-    const bool is_led = all->controls[0] != NONE;
-    if (is_led) fetch_controls(all, constraint_tables);
-    float16 posed[COMPONENTS][LANES];
-    for (uint c = 0; c < COMPONENTS; c++)
-        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
-    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
-        pose_block(all, tables, adjustments, layers, first, posed, planes);
-        const uint count = min(all->body.joint_count - first, JOINT_BLOCK);
-        for (uint at = 0; at < count; at++) {
-            const Local trs = { { posed[0][at], posed[1][at], posed[2][at] },
-                                { posed[3][at], posed[4][at], posed[5][at], posed[6][at] },
-                                { posed[7][at], posed[8][at], posed[9][at] } };
-            Matrix own;
-            components_of(trs, own.m);
-            keep_models(joints, first + at, &own);
-            if (!is_led) descend_to(all, joints, first + at);
-        }
-        if (is_led && first == 0) fetch_steps(all, constraint_tables);
-        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, constraint_tables);
-    }
 }
 
 // Leads members with programs down their hierarchies.

@@ -23,6 +23,13 @@ INLINE Local mean_of(Sum sum, Local rest)
     return mean;
 }
 
+// Returns the mean if the total weight is above `least`. Layer 0 is always divided by its total
+// weight, so that the rest pose never shines through.
+INLINE Local mean_or_rest(Sum sum, float least, Local rest)
+{
+    return sum.total > least ? mean_of(sum, rest) : rest;
+}
+
 // Mixes a layer above 0 over the pose beneath. A layer with a total weight below 1 leaves the
 // remainder to the pose beneath.
 INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weight, Local rest)
@@ -49,19 +56,22 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
         const BoundClip bound = tables->bound_clips[playing.bound_clip];
         const float weight = playing.at.weight;
-        Sample sample = sample_joint(tables, bound, body, joint, playing.at, rest);
-        if (additive) {
+        const Sample sample = sample_joint(tables, bound, body, joint, playing.at, rest);
+        Local trs = sample.trs;
+        Real k = weight;
+        if (!additive) {
+            k = unit_of(trs.r, rest.r) * weight;
+        } else {
             const uint first = tables->clips[bound.clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
             const Local reference =
-                normalized(sample_joint(tables, bound, body, joint, start, rest));
-            sample.trs =
-                change(quotient(normalized(sample), reference, quat_identity(), sample.at_rest));
-            sample.unit = 1.0f;
+                normalized(sample_joint(tables, bound, body, joint, start, rest), rest);
+            trs = change(
+                quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
-        sum.trs.t = vec3_add(sum.trs.t, vec3_scale(sample.trs.t, weight));
-        sum.trs.r = quat_add(sum.trs.r, quat_scale(sample.trs.r, sample.unit * weight));
-        sum.trs.s = vec3_add(sum.trs.s, vec3_scale(sample.trs.s, weight));
+        sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
+        sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
+        sum.trs.s = vec3_add(sum.trs.s, vec3_scale(trs.s, weight));
         sum.total += weight;
         sum.at_rest &= sample.at_rest;
     }
@@ -80,8 +90,7 @@ INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, boo
     const Sum sum = sum_layer(tables, playback, l, additive, body, joint, rest);
     *total = sum.total;
     if (additive) return sum.trs;
-    // Layer 0 is always divided by its total weight, so that the rest pose never shines through.
-    return sum.total > (l == 0 ? 1e-3f : LEAST_WEIGHT) ? mean_of(sum, rest) : rest;
+    return mean_or_rest(sum, l == 0 ? LEAST_TOTAL : LEAST_WEIGHT, rest);
 }
 
 // How a layer is laid over the pose beneath. `laid` tells in which lanes it has weight.
@@ -116,29 +125,46 @@ INLINE Local laid_over(Local beneath, Local own, float total, Laying how, Local 
     return trs;
 }
 
-// Applies the layers above 0 to the pose beneath. Takes pointers, since passing by value copies
-// more than it computes.
-APART void lay_over(const ClipTables *tables, Playback playback, __global const Layer *layers,
-                    uint layer_count, Body body, uint joint, const Local *at_rest, Local *beneath)
+// What a layer above 0 shows: its own pose, and how it is laid over the pose beneath.
+typedef struct {
+    Laying how;
+    float total;
+    Local own;
+} Shown;
+
+// Computes what a layer shows. Returns false if that is nothing.
+INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, Body body,
+                       uint joint, Local rest, Shown *shown)
 {
-    const Local rest = *at_rest;
-    Local trs = *beneath;
-    for (uint l = 1; l < layer_count; l++) {
-        const Laying how = laying_of(tables, layers[l], joint);
-        if (!ANY(how.laid)) continue;
-        float total;
-        Local own = layer_pose(tables, playback, l, how.additive, body, joint, rest, &total);
-        if (is_silent(how, total)) continue;
-        if (playback.inertialization.count > 0) {
-            Local posed = own;
-            inertialize(tables, playback.inertialization, l, how.additive, body, joint, at_rest,
-                        &posed);
-            own = posed;
-        }
-        trs = laid_over(trs, own, total, how, rest);
+    shown->how = laying_of(tables, layer, joint);
+    const bool additive = shown->how.additive;
+    if (!ANY(shown->how.laid)) return false;
+    Local own = layer_pose(tables, playback, l, additive, body, joint, rest, &shown->total);
+    if (is_silent(shown->how, shown->total)) return false;
+    if (playback.inertialization.count > 0) {
+        Local posed = own, at_rest = rest;
+        inertialize(tables, playback.inertialization, l, additive, body, joint, &at_rest, &posed);
+        own = posed;
     }
-    *beneath = trs;
+    shown->own = own;
+    return true;
 }
+
+#if LANES == 1
+
+// Applies the layers above 0 to the pose beneath.
+INLINE Local lay_over(const ClipTables *tables, Playback playback, __global const Layer *layers,
+                      uint layer_count, Body body, uint joint, Local rest, Local beneath)
+{
+    for (uint l = 1; l < layer_count; l++) {
+        Shown shown;
+        if (show_layer(tables, playback, layers[l], l, body, joint, rest, &shown))
+            beneath = laid_over(beneath, shown.own, shown.total, shown.how, rest);
+    }
+    return beneath;
+}
+
+#endif
 
 // Inputs of a member's local transforms other than clips.
 typedef struct {
@@ -194,8 +220,41 @@ INLINE Local rest_of(const ClipTables *tables, Body body, uint joint)
     return rest;
 }
 
-// Returns the local transforms of one joint, or of sixteen from `joint` on. `layers` are the
-// member's own.
+// A member's adjustments of the pose that layer 0 shows, none in most members.
+typedef struct {
+    bool inertializes, has_layers, adjusts;
+} PoseChanges;
+
+INLINE PoseChanges changes_of(Adjustments adjustments, uint control, Playback playback,
+                              uint layer_count)
+{
+    const PoseChanges changes = { playback.inertialization.count > 0, layer_count > 1,
+                                  control != NONE && is_adjusted(adjustments.controls + control) };
+    return changes;
+}
+
+INLINE bool are_changes(PoseChanges changes)
+{
+    return changes.inertializes || changes.has_layers || changes.adjusts;
+}
+
+#if LANES == 1
+
+// Applies what comes after the slots of layer 0.
+INLINE Local change_pose(Local posed, PoseChanges changes, const ClipTables *tables,
+                         Adjustments adjustments, uint control, Playback playback,
+                         __global const Layer *layers, uint layer_count, Body body, uint joint,
+                         Local rest)
+{
+    if (changes.inertializes)
+        inertialize(tables, playback.inertialization, 0, false, body, joint, &rest, &posed);
+    if (changes.has_layers)
+        posed = lay_over(tables, playback, layers, layer_count, body, joint, rest, posed);
+    if (changes.adjusts) adjust(adjustments, adjustments.controls + control, joint, &posed);
+    return posed;
+}
+
+// Returns the local transforms of a joint. `layers` are the member's own.
 INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint control,
                         Playback playback, __global const Layer *layers, uint layer_count,
                         Body body, uint joint)
@@ -203,17 +262,10 @@ INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint 
     const Local rest = rest_of(tables, body, joint);
     float total;
     const Local trs = layer_pose(tables, playback, 0, false, body, joint, rest, &total);
-    const bool inertializes = playback.inertialization.count > 0,
-               adjusts = control != NONE && is_adjusted(adjustments.controls + control);
-    if (!inertializes && layer_count == 1 && !adjusts) return trs;
-    // Copies, so that passing pointers to rarely called functions does not keep values in memory
-    // that every joint computes.
-    const Local at_rest = rest;
-    Local posed = trs;
-    if (inertializes)
-        inertialize(tables, playback.inertialization, 0, false, body, joint, &at_rest, &posed);
-    if (layer_count > 1)
-        lay_over(tables, playback, layers, layer_count, body, joint, &at_rest, &posed);
-    if (adjusts) adjust(adjustments, adjustments.controls + control, joint, &posed);
-    return posed;
+    const PoseChanges changes = changes_of(adjustments, control, playback, layer_count);
+    if (!are_changes(changes)) return trs;
+    return change_pose(trs, changes, tables, adjustments, control, playback, layers, layer_count,
+                       body, joint, rest);
 }
+
+#endif

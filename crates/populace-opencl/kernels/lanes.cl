@@ -1,5 +1,6 @@
 // lanes.cl - What one work-item computes at once: one joint of a member, or as vectors sixteen
-// neighbouring joints of a member or one joint of sixteen members. Twin of populace-native/src/lanes.rs.
+// neighbouring joints of a member or one joint of sixteen members. Twin of populace-native/src/lanes.rs
+// and, for weights of rows, populace-native/src/encoding.rs.
 //
 // The following files are written once for `Real` and compiled for either LANES. Comparisons yield
 // a `Choice` for `? :`, component by component if there are several lanes.
@@ -67,24 +68,130 @@ INLINE Words permute(Words words, Words lanes)
 #endif
 }
 
-// Transposes a 16 x 16 matrix by four perfect shuffles.
+#ifndef __has_builtin
+#define __has_builtin(name) 0
+#endif
+
+// Picks numbers of two vectors by index; those of `q` count from 16. shuffle2() is compiled to loads.
+#if __has_builtin(__builtin_shufflevector)
+#define PICK(p, q, ...) __builtin_shufflevector(p, q, __VA_ARGS__)
+#else
+#define PICK(p, q, ...) shuffle2(p, q, (uint16)(__VA_ARGS__))
+#endif
+
+// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each quarter.
+#define LOWER(p, q) PICK(p, q, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29)
+#define UPPER(p, q) PICK(p, q, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31)
+#define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29)
+#define UPPER_PAIRS(p, q) PICK(p, q, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31)
+// Joins every second quarter of each vector.
+#define EVEN_QUARTERS(p, q) PICK(p, q, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27)
+#define ODD_QUARTERS(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31)
+
+// Transposes a 16 x 16 matrix: squares of four within quarters of rows, then the quarters. Processors
+// shuffle within quarters in one step.
 INLINE void transpose(float16 m[16])
 {
     float16 t[16];
 #pragma unroll
-    for (int round = 0; round < 4; round++) {
+    for (int i = 0; i < 16; i += 4) {
+        const float16 a = LOWER(m[i], m[i + 1]), b = UPPER(m[i], m[i + 1]);
+        const float16 c = LOWER(m[i + 2], m[i + 3]), d = UPPER(m[i + 2], m[i + 3]);
+        t[i] = LOWER_PAIRS(a, c);
+        t[i + 1] = UPPER_PAIRS(a, c);
+        t[i + 2] = LOWER_PAIRS(b, d);
+        t[i + 3] = UPPER_PAIRS(b, d);
+    }
 #pragma unroll
-        for (int i = 0; i < 8; i++) {
-            const float16 p = m[i], q = m[i + 8];
-            t[2 * i] = (float16)(p.s0, q.s0, p.s1, q.s1, p.s2, q.s2, p.s3, q.s3, p.s4, q.s4, p.s5,
-                                 q.s5, p.s6, q.s6, p.s7, q.s7);
-            t[2 * i + 1] = (float16)(p.s8, q.s8, p.s9, q.s9, p.sa, q.sa, p.sb, q.sb, p.sc, q.sc,
-                                     p.sd, q.sd, p.se, q.se, p.sf, q.sf);
-        }
-#pragma unroll
-        for (int i = 0; i < 16; i++) m[i] = t[i];
+    for (int i = 0; i < 4; i++) {
+        const float16 a = EVEN_QUARTERS(t[i], t[i + 4]), b = ODD_QUARTERS(t[i], t[i + 4]);
+        const float16 c = EVEN_QUARTERS(t[i + 8], t[i + 12]), d = ODD_QUARTERS(t[i + 8], t[i + 12]);
+        m[i] = EVEN_QUARTERS(a, c);
+        m[i + 4] = EVEN_QUARTERS(b, d);
+        m[i + 8] = ODD_QUARTERS(a, c);
+        m[i + 12] = ODD_QUARTERS(b, d);
     }
 }
+#endif
+
+// Returns the weights of two rows in ROW_PARTS: the first one's in the lower half, the second one's
+// in the upper half.
+INLINE uint row_weights(float between)
+{
+    // Places that callers give may lie past the last row.
+    const uint second = min(convert_uint_sat(between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
+    return ((uint)ROW_PARTS - second) | second << 16;
+}
+
+// Returns the weighted sum of the lower or of the upper halves of two words, which are signed.
+#if LANES == 1
+
+INLINE Real mix_low(Words from, Words to, uint weights)
+{
+    return convert_float(((int)(from << 16) >> 16) * (int)(weights & 0xffffu)
+                         + ((int)(to << 16) >> 16) * (int)(weights >> 16));
+}
+
+INLINE Real mix_high(Words from, Words to, uint weights)
+{
+    return convert_float(((int)from >> 16) * (int)(weights & 0xffffu)
+                         + ((int)to >> 16) * (int)(weights >> 16));
+}
+
+#else
+
+// Returns the sum of the products of lower halves and of upper halves: one instruction, where
+// compilers know it by name. They do not find it in the plain form.
+#if defined(__AVX512BW__) && defined(__clang__)
+
+typedef short Halves __attribute__((__vector_size__(64)));
+
+INLINE Real mix_pairs(Words pairs, uint weights)
+{
+    const Words both = weights;
+    return convert_float16(__builtin_astype(
+        __builtin_ia32_pmaddwd512(__builtin_astype(pairs, Halves), __builtin_astype(both, Halves)),
+        int16));
+}
+
+#elif defined(__AVX2__) && defined(__clang__)
+
+typedef short Halves __attribute__((__vector_size__(32)));
+
+INLINE float8 mix_eight(uint8 pairs, uint8 weights)
+{
+    return convert_float8(
+        __builtin_astype(__builtin_ia32_pmaddwd256(__builtin_astype(pairs, Halves),
+                                                   __builtin_astype(weights, Halves)),
+                         int8));
+}
+
+INLINE Real mix_pairs(Words pairs, uint weights)
+{
+    const uint8 both = weights;
+    return (float16)(mix_eight(pairs.lo, both), mix_eight(pairs.hi, both));
+}
+
+#else
+
+INLINE Real mix_pairs(Words pairs, uint weights)
+{
+    return convert_float16((as_int16(pairs << 16) >> 16) * (int)(weights & 0xffffu)
+                           + (as_int16(pairs) >> 16) * (int)(weights >> 16));
+}
+
+#endif
+
+INLINE Real mix_low(Words from, Words to, uint weights)
+{
+    return mix_pairs((from & 0xffffu) | to << 16, weights);
+}
+
+INLINE Real mix_high(Words from, Words to, uint weights)
+{
+    return mix_pairs(from >> 16 | (to & 0xffff0000u), weights);
+}
+
 #endif
 
 // Sixteen numbers of each member, in lanes.

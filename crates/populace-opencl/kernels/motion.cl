@@ -175,7 +175,7 @@ SELDOM Move move_within(ConstraintTables tables, uint owner, Span span)
 {
     Move moved = NO_MOVE;
     const Moves lowest = moves_of_layer(tables, owner, 0, span);
-    if (lowest.total > 1e-3f)
+    if (lowest.total > LEAST_TOTAL)
         moved = moves_over(lowest, lowest.total / span_part(span, lowest.span));
     const uint layer_count = member_layers(tables.members[owner]);
     for (uint l = 1; l < layer_count; l++) {

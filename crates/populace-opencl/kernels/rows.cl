@@ -1,9 +1,11 @@
 // rows.cl - Local transforms of one joint, or of sixteen neighbouring ones, from rows of a clip.
-// Twin of populace-native/src/rows.rs and sample.rs: same arithmetic, same order of operations.
+// Twin of populace-native/src/rows.rs, populace-native/src/block_columns.rs,
+// populace-native/src/encoding.rs and populace-native/src/sample.rs: same arithmetic, same order of
+// operations.
 //
-// populace-clip/src/storage.rs describes a row. A component is `offset + step * n`. The step
-// is 0 for a constant component or a joint that the clip does not drive, so the arithmetic is the
-// same for all joints.
+// populace-clip/src/storage.rs describes a row. A component is `offset + step / ROW_PARTS * n`, where
+// n is the sum of both rows' numbers, each times its weight in ROW_PARTS. Joints that the clip does
+// not drive, or that do not move in it, have a step of 0, so the arithmetic is the same for all.
 
 typedef struct {
     __global const BoundClip *bound_clips;
@@ -44,27 +46,6 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
     return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
-// Returns a component in steps from its word: the whole word if it is a float, else its lower or
-// upper half.
-INLINE Real steps_in(Words words, Planes planes, uint component)
-{
-    if (planes.lanes & ROW_FLOATS) return AS_REAL(words);
-    return CONVERT_REAL(AS_INTS(component % 2 == 0 ? words & 0xffffu : words >> 16));
-}
-
-// Returns the plane that holds a component.
-INLINE uint plane_of(Planes planes, uint component)
-{
-    return planes.lanes & ROW_FLOATS ? component : component / 2;
-}
-
-// Returns whether a plane holds one half for each lane, two in a word: the third component of
-// translations and scales.
-INLINE bool is_packed(Planes planes, uint property, uint component)
-{
-    return !(planes.lanes & ROW_FLOATS) && property != ROTATION && component == 2;
-}
-
 // Returns the column references of the block of sixteen joints that `joint` belongs to.
 INLINE __global const BoundBlock *bound_block(const ClipTables *tables, BoundClip bound, uint joint)
 {
@@ -90,30 +71,17 @@ INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
     return columns;
 }
 
-// Returns whether a property is stored as halves, as nearly all are.
-INLINE bool is_plain(Columns columns, Planes planes) { return !(planes.lanes & ROW_FLOATS); }
-
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
                       uint plane)
 {
     return tables->rows[plane_at(planes, row, plane) + columns.lane];
 }
 
-INLINE Real halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
-                      uint plane)
+// Returns words whose lower halves are those of a plane with two lanes in a word.
+INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                       uint plane)
 {
-    const uint word = tables->rows[plane_at(planes, row, plane) + columns.lane / 2];
-    return convert_float((int)(word >> 16 * (columns.lane % 2) & 0xffffu));
-}
-
-// Returns a component of a row, in steps.
-INLINE Real steps(const ClipTables *tables, Columns columns, uint property, uint row,
-                  uint component)
-{
-    const Planes planes = planes_of(columns.block, property);
-    if (is_packed(planes, property, component)) return halves_at(tables, columns, planes, row, 1);
-    return steps_in(words_at(tables, columns, planes, row, plane_of(planes, component)), planes,
-                    component);
+    return tables->rows[plane_at(planes, row, plane) + columns.lane / 2] >> 16 * (columns.lane % 2);
 }
 
 #else
@@ -136,183 +104,187 @@ INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
     return columns;
 }
 
-// Returns whether a property is stored as halves, each joint's in its own lane, as nearly all are.
-INLINE bool is_plain(Columns columns, Planes planes)
-{
-    return (columns.flags & BLOCK_STRAIGHT) && !(planes.lanes & ROW_FLOATS);
-}
-
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
                       uint plane)
 {
     return vload16(0, tables->rows + plane_at(planes, row, plane));
 }
 
-INLINE Real halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
-                      uint plane)
+INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+                       uint plane)
 {
     __global const ushort *halves =
         (__global const ushort *)(tables->rows + plane_at(planes, row, plane));
-    return convert_float16(convert_int16(vload16(0, halves)));
-}
-
-// Returns a component of a row, in steps, for columns of one block.
-INLINE Real block_steps(const ClipTables *tables, Columns columns, Planes planes, uint property,
-                        uint row, uint component)
-{
-    if (is_packed(planes, property, component)) return halves_at(tables, columns, planes, row, 1);
-    return steps_in(words_at(tables, columns, planes, row, plane_of(planes, component)), planes,
-                    component);
-}
-
-// Returns a component of a row, in steps, gathered for each lane from its column's block.
-INLINE Real gathered_steps(const ClipTables *tables, Columns columns, uint property, uint row,
-                           uint component)
-{
-    Words found = 0;
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = tables->sources[columns.source_first + s];
-        const Planes planes = planes_of(tables->row_blocks[source.block], property);
-        if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
-        const Words here = AS_WORDS(block_steps(tables, columns, planes, property, row, component));
-        found = lanes == (Words)(NONE) ? found : permute(here, lanes);
-    }
-    return AS_REAL(found);
-}
-
-// Returns a component of a row, in steps.
-INLINE Real steps(const ClipTables *tables, Columns columns, uint property, uint row,
-                  uint component)
-{
-    if (!(columns.flags & BLOCK_STRAIGHT))
-        return gathered_steps(tables, columns, property, row, component);
-    return block_steps(tables, columns, planes_of(columns.block, property), property, row,
-                       component);
+    return convert_uint16(vload16(0, halves));
 }
 
 #endif
 
-// Returns a rotation between two rows, in steps, for any storage. The slow path.
-APART Quat any_rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
+// Mixes rotations from the words of their planes in two rows.
+INLINE Quat mix_quats(Words xy0, Words zw0, Words xy1, Words zw1, float between)
 {
-    const Quat from = { steps(tables, columns, ROTATION, at.row0, 0),
-                        steps(tables, columns, ROTATION, at.row0, 1),
-                        steps(tables, columns, ROTATION, at.row0, 2),
-                        steps(tables, columns, ROTATION, at.row0, 3) };
-    const Quat to = { steps(tables, columns, ROTATION, at.row1, 0),
-                      steps(tables, columns, ROTATION, at.row1, 1),
-                      steps(tables, columns, ROTATION, at.row1, 2),
-                      steps(tables, columns, ROTATION, at.row1, 3) };
-    return quat_mix(from, to, at.between);
-}
-
-APART Vec3 any_vector_steps(const ClipTables *tables, Columns columns, uint property, SlotSample at)
-{
-    const Vec3 from = { steps(tables, columns, property, at.row0, 0),
-                        steps(tables, columns, property, at.row0, 1),
-                        steps(tables, columns, property, at.row0, 2) };
-    const Vec3 to = { steps(tables, columns, property, at.row1, 0),
-                      steps(tables, columns, property, at.row1, 1),
-                      steps(tables, columns, property, at.row1, 2) };
-    return vec3_mix(from, to, at.between);
-}
-
-INLINE Real low_half(Words words) { return CONVERT_REAL(AS_INTS(words & 0xffffu)); }
-
-INLINE Real high_half(Words words) { return CONVERT_REAL(AS_INTS(words >> 16)); }
-
-#if LANES > 1
-
-// The same for columns gathered from several blocks without floats. Gathers whole words, not
-// components.
-APART Quat gathered_rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
-{
-    Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = tables->sources[columns.source_first + s];
-        const Planes planes = planes_of(tables->row_blocks[source.block], ROTATION);
-        if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
-        const Choice elsewhere = lanes == (Words)(NONE);
-        xy0 = elsewhere ? xy0 : permute(words_at(tables, columns, planes, at.row0, 0), lanes);
-        zw0 = elsewhere ? zw0 : permute(words_at(tables, columns, planes, at.row0, 1), lanes);
-        xy1 = elsewhere ? xy1 : permute(words_at(tables, columns, planes, at.row1, 0), lanes);
-        zw1 = elsewhere ? zw1 : permute(words_at(tables, columns, planes, at.row1, 1), lanes);
-    }
-    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between),
-                     mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(low_half(zw0), low_half(zw1), at.between),
-                     mix_real(high_half(zw0), high_half(zw1), at.between) };
+    const uint weights = row_weights(between);
+    const Quat n = { mix_low(xy0, xy1, weights), mix_high(xy0, xy1, weights),
+                     mix_low(zw0, zw1, weights), mix_high(zw0, zw1, weights) };
     return n;
 }
 
-#endif
-
-// Returns rotations between two rows, in steps.
-INLINE Quat rotation_steps(const ClipTables *tables, Columns columns, SlotSample at)
+// Mixes translations or scales from the words of their planes in two rows.
+INLINE Vec3 mix_vectors(Words xy0, Words z0, Words xy1, Words z1, float between)
 {
-    const Planes planes = planes_of(columns.block, ROTATION);
-#if LANES > 1
-    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS))
-        return gathered_rotation_steps(tables, columns, at);
-#endif
-    if (!is_plain(columns, planes)) return any_rotation_steps(tables, columns, at);
+    const uint weights = row_weights(between);
+    const Vec3 n = { mix_low(xy0, xy1, weights), mix_high(xy0, xy1, weights),
+                     mix_low(z0, z1, weights) };
+    return n;
+}
+
+// Returns a component of floats between two rows.
+INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes, SlotSample at,
+                       uint component)
+{
+    return mix_real(AS_REAL(words_at(tables, columns, planes, at.row0, component)),
+                    AS_REAL(words_at(tables, columns, planes, at.row1, component)), at.between)
+           * ROW_PARTS;
+}
+
+// Returns rotations between two rows, in ROW_PARTS of a step, for columns of one block.
+INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes planes, SlotSample at)
+{
+    if (planes.lanes & ROW_FLOATS) {
+        const Quat floats = { mix_floats(tables, columns, planes, at, 0),
+                              mix_floats(tables, columns, planes, at, 1),
+                              mix_floats(tables, columns, planes, at, 2),
+                              mix_floats(tables, columns, planes, at, 3) };
+        return floats;
+    }
     const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
                 zw0 = words_at(tables, columns, planes, at.row0, 1);
     const Words xy1 = words_at(tables, columns, planes, at.row1, 0),
                 zw1 = words_at(tables, columns, planes, at.row1, 1);
-    const Quat n = { mix_real(low_half(xy0), low_half(xy1), at.between),
-                     mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(low_half(zw0), low_half(zw1), at.between),
-                     mix_real(high_half(zw0), high_half(zw1), at.between) };
-    return n;
+    return mix_quats(xy0, zw0, xy1, zw1, at.between);
 }
 
-#if LANES > 1
-
-APART Vec3 gathered_vector_steps(const ClipTables *tables, Columns columns, uint property,
-                                 SlotSample at)
+// Returns translations or scales between two rows, in ROW_PARTS of a step, for columns of one block.
+INLINE Vec3 block_vector(const ClipTables *tables, Columns columns, Planes planes, SlotSample at)
 {
-    Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = tables->sources[columns.source_first + s];
-        const Planes planes = planes_of(tables->row_blocks[source.block], property);
-        if (planes.first == NONE) continue;
-        const Words lanes = vload16(0, tables->source_lanes + source.lanes_first);
-        const Choice elsewhere = lanes == (Words)(NONE);
-        xy0 = elsewhere ? xy0 : permute(words_at(tables, columns, planes, at.row0, 0), lanes);
-        z0 = elsewhere ? z0
-                       : permute(AS_WORDS(halves_at(tables, columns, planes, at.row0, 1)), lanes);
-        xy1 = elsewhere ? xy1 : permute(words_at(tables, columns, planes, at.row1, 0), lanes);
-        z1 = elsewhere ? z1
-                       : permute(AS_WORDS(halves_at(tables, columns, planes, at.row1, 1)), lanes);
+    if (planes.lanes & ROW_FLOATS) {
+        const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
+                              mix_floats(tables, columns, planes, at, 1),
+                              mix_floats(tables, columns, planes, at, 2) };
+        return floats;
     }
-    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between),
-                     mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(AS_REAL(z0), AS_REAL(z1), at.between) };
-    return n;
-}
-
-#endif
-
-// Returns translations or scales between two rows, in steps.
-INLINE Vec3 vector_steps(const ClipTables *tables, Columns columns, uint property, SlotSample at)
-{
-    const Planes planes = planes_of(columns.block, property);
-#if LANES > 1
-    if (!is_plain(columns, planes) && !(planes.lanes & ROW_FLOATS))
-        return gathered_vector_steps(tables, columns, property, at);
-#endif
-    if (!is_plain(columns, planes)) return any_vector_steps(tables, columns, property, at);
     const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
                 xy1 = words_at(tables, columns, planes, at.row1, 0);
-    const Real z0 = halves_at(tables, columns, planes, at.row0, 1),
-               z1 = halves_at(tables, columns, planes, at.row1, 1);
-    const Vec3 n = { mix_real(low_half(xy0), low_half(xy1), at.between),
-                     mix_real(high_half(xy0), high_half(xy1), at.between),
-                     mix_real(z0, z1, at.between) };
-    return n;
+    const Words z0 = halves_at(tables, columns, planes, at.row0, 1),
+                z1 = halves_at(tables, columns, planes, at.row1, 1);
+    return mix_vectors(xy0, z0, xy1, z1, at.between);
+}
+
+#if LANES > 1
+
+// A block of columns that joints follow, and the lane of each joint's column in it, or NONE.
+typedef struct {
+    Planes planes;
+    Words lanes;
+} Gathering;
+
+INLINE Gathering gathering_of(const ClipTables *tables, Columns columns, uint nth, uint property)
+{
+    const Source source = tables->sources[columns.source_first + nth];
+    const Gathering gathering = { planes_of(tables->row_blocks[source.block], property),
+                                  vload16(0, tables->source_lanes + source.lanes_first) };
+    return gathering;
+}
+
+// Replaces the lanes of joints that follow the block.
+INLINE Words gather(Words to, Words from, Words lanes)
+{
+    return lanes == (Words)(NONE) ? to : permute(from, lanes);
+}
+
+INLINE Real gather_reals(Real to, Real from, Words lanes)
+{
+    return AS_REAL(gather(AS_WORDS(to), AS_WORDS(from), lanes));
+}
+
+// Returns whether any of the blocks that joints follow has floats.
+INLINE bool gathers_floats(const ClipTables *tables, Columns columns, uint property)
+{
+    uint lanes = 0;
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Source source = tables->sources[columns.source_first + s];
+        lanes |= planes_of(tables->row_blocks[source.block], property).lanes;
+    }
+    return lanes & ROW_FLOATS;
+}
+
+// The same for columns gathered from several blocks: words, or what was mixed of each if there are
+// floats among them.
+APART Quat gathered_rotation(const ClipTables *tables, Columns columns, SlotSample at)
+{
+    const bool floats = gathers_floats(tables, columns, ROTATION);
+    Quat n = { 0.0f, 0.0f, 0.0f, 0.0f };
+    Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Gathering from = gathering_of(tables, columns, s, ROTATION);
+        if (from.planes.first == NONE) continue;
+        if (floats) {
+            const Quat found = block_rotation(tables, columns, from.planes, at);
+            n.x = gather_reals(n.x, found.x, from.lanes);
+            n.y = gather_reals(n.y, found.y, from.lanes);
+            n.z = gather_reals(n.z, found.z, from.lanes);
+            n.w = gather_reals(n.w, found.w, from.lanes);
+            continue;
+        }
+        xy0 = gather(xy0, words_at(tables, columns, from.planes, at.row0, 0), from.lanes);
+        zw0 = gather(zw0, words_at(tables, columns, from.planes, at.row0, 1), from.lanes);
+        xy1 = gather(xy1, words_at(tables, columns, from.planes, at.row1, 0), from.lanes);
+        zw1 = gather(zw1, words_at(tables, columns, from.planes, at.row1, 1), from.lanes);
+    }
+    return floats ? n : mix_quats(xy0, zw0, xy1, zw1, at.between);
+}
+
+APART Vec3 gathered_vector(const ClipTables *tables, Columns columns, uint property, SlotSample at)
+{
+    const bool floats = gathers_floats(tables, columns, property);
+    Vec3 n = { 0.0f, 0.0f, 0.0f };
+    Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Gathering from = gathering_of(tables, columns, s, property);
+        if (from.planes.first == NONE) continue;
+        if (floats) {
+            const Vec3 found = block_vector(tables, columns, from.planes, at);
+            n.x = gather_reals(n.x, found.x, from.lanes);
+            n.y = gather_reals(n.y, found.y, from.lanes);
+            n.z = gather_reals(n.z, found.z, from.lanes);
+            continue;
+        }
+        xy0 = gather(xy0, words_at(tables, columns, from.planes, at.row0, 0), from.lanes);
+        xy1 = gather(xy1, words_at(tables, columns, from.planes, at.row1, 0), from.lanes);
+        z0 = gather(z0, halves_at(tables, columns, from.planes, at.row0, 1), from.lanes);
+        z1 = gather(z1, halves_at(tables, columns, from.planes, at.row1, 1), from.lanes);
+    }
+    return floats ? n : mix_vectors(xy0, z0, xy1, z1, at.between);
+}
+
+#endif
+
+// Returns rotations between two rows, in ROW_PARTS of a step.
+INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, SlotSample at)
+{
+#if LANES > 1
+    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_rotation(tables, columns, at);
+#endif
+    return block_rotation(tables, columns, planes_of(columns.block, ROTATION), at);
+}
+
+// Returns translations or scales between two rows, in ROW_PARTS of a step.
+INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, SlotSample at)
+{
+#if LANES > 1
+    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_vector(tables, columns, property, at);
+#endif
+    return block_vector(tables, columns, planes_of(columns.block, property), at);
 }
 
 // Planes of a joint, or of sixteen, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
@@ -331,6 +303,12 @@ INLINE Stored stored_at(const ClipTables *tables, uint first, Body body)
 INLINE Real stored_real(Stored stored, uint plane)
 {
     return LOAD(stored.poses + (stored.first + plane * stored.padded));
+}
+
+// Returns the step in a plane, divided by ROW_PARTS.
+INLINE Real stored_part(Stored stored, uint plane)
+{
+    return stored_real(stored, plane) * (1.0f / ROW_PARTS);
 }
 
 INLINE Quat stored_quat(Stored stored, uint plane)
@@ -354,23 +332,30 @@ INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint proper
 {
     const Vec3 still = stored_vec3(range, plane);
     if (planes_of(columns.block, property).first == NONE) return still;
-    const Vec3 n = vector_steps(tables, columns, property, at);
-    return vec3_add(vec3_scale(n, stored_real(range, plane + 3)), still);
+    const Vec3 n = vector_parts(tables, columns, property, at);
+    return vec3_add(vec3_scale(n, stored_part(range, plane + 3)), still);
 }
 
-// A sample of a clip. `unit` scales the rotation to length 1 in the hemisphere of the rest
-// rotation, or to 0 if it has no length. `at_rest` has REST_TRANSLATION or REST_SCALE set if that
-// property is at rest.
+// A sample of a clip. Rotations are near length 1, as unit_of() needs. `at_rest` has REST_TRANSLATION
+// or REST_SCALE set if that property is at rest.
 typedef struct {
     Local trs;
-    Real unit;
     uint at_rest;
 } Sample;
 
-// Returns the sample with a rotation of length 1.
-INLINE Local normalized(Sample sample)
+// Returns the factor that brings a sampled rotation to length 1, in the hemisphere of the rest
+// rotation. Rows are near each other, so that three terms of a series are enough: halfway between
+// rows that are 60 degrees apart, the length is off by 0.0001.
+INLINE Real unit_of(Quat rotation, Quat rest)
 {
-    sample.trs.r = quat_scale(sample.trs.r, sample.unit);
+    const Real short_by = 1.0f - quat_dot(rotation, rotation);
+    return (1.0f + short_by * (0.5f + short_by * 0.375f)) * quat_side(rotation, rest);
+}
+
+// Returns the sample with a rotation of length 1 in the hemisphere of the rest rotation.
+INLINE Local normalized(Sample sample, Local rest)
+{
+    sample.trs.r = quat_scale(sample.trs.r, unit_of(sample.trs.r, rest.r));
     return sample.trs;
 }
 
@@ -378,28 +363,73 @@ INLINE Local normalized(Sample sample)
 APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint joint, SlotSample at,
                    Local *posed);
 
-// Returns local transforms between two rows.
-INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body, uint joint,
-                           SlotSample at, Local rest)
+// Samples a clip between two rows. *trs comes in at rest.
+INLINE void sample_columns(const ClipTables *tables, Columns columns, BoundClip bound, Body body,
+                           uint joint, SlotSample at, Local *trs)
 {
-    const Columns columns = columns_of(tables, bound, joint);
     const Stored range = stored_at(tables, bound.range_first + joint, body);
-    Sample sample = { { rest.t, stored_quat(range, 0), rest.s },
-                      0.0f,
-                      columns.flags & (REST_TRANSLATION | REST_SCALE) };
-    Local *trs = &sample.trs;
+    trs->r = stored_quat(range, 0);
     if (columns.block.rotation_first != NONE)
-        trs->r = quat_add(quat_scale(rotation_steps(tables, columns, at), stored_real(range, 4)),
+        trs->r = quat_add(quat_scale(rotation_parts(tables, columns, at), stored_part(range, 4)),
                           trs->r);
-    if (!(sample.at_rest & REST_TRANSLATION))
+    if (!(columns.flags & REST_TRANSLATION))
         trs->t = sample_vector(tables, columns, TRANSLATION, at, range, 5);
-    if (!(sample.at_rest & REST_SCALE))
-        trs->s = sample_vector(tables, columns, SCALE, at, range, 9);
+    if (!(columns.flags & REST_SCALE)) trs->s = sample_vector(tables, columns, SCALE, at, range, 9);
     if (columns.flags & BLOCK_CORRECTED) {
         Local turned = *trs;
         correct(tables, bound, body, joint, at, &turned);
         *trs = turned;
     }
-    sample.unit = inverse_sqrt(quat_dot(trs->r, trs->r)) * quat_side(trs->r, rest.r);
+}
+
+#if LANES > 1
+
+// Returns whether all columns are stored as halves, each joint's in its own lane, and need no
+// correction, as nearly all are.
+INLINE bool are_common(Columns columns)
+{
+    const uint lanes =
+        columns.block.rotation_lanes | columns.block.translation_lanes | columns.block.scale_lanes;
+    return (columns.flags & (BLOCK_STRAIGHT | BLOCK_CORRECTED)) == BLOCK_STRAIGHT
+           && !(lanes & ROW_FLOATS);
+}
+
+// Tells the compiler that columns are common.
+INLINE Columns as_common(Columns columns)
+{
+    columns.flags = (columns.flags & (REST_TRANSLATION | REST_SCALE)) | BLOCK_STRAIGHT;
+    columns.block.rotation_lanes &= ~ROW_FLOATS;
+    columns.block.translation_lanes &= ~ROW_FLOATS;
+    columns.block.scale_lanes &= ~ROW_FLOATS;
+    return columns;
+}
+
+// Samples any columns. The slow path.
+APART void sample_any(const ClipTables *tables, Columns columns, BoundClip bound, Body body,
+                      uint joint, SlotSample at, Local *trs)
+{
+    sample_columns(tables, columns, bound, body, joint, at, trs);
+}
+
+#endif
+
+// Returns local transforms between two rows.
+INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body, uint joint,
+                           SlotSample at, Local rest)
+{
+    const Columns columns = columns_of(tables, bound, joint);
+    Sample sample = { rest, columns.flags & (REST_TRANSLATION | REST_SCALE) };
+#if LANES > 1
+    // The slow path has a copy, so that the pointer to it does not keep the sample in memory.
+    if (!are_common(columns)) {
+        Local any = rest;
+        sample_any(tables, columns, bound, body, joint, at, &any);
+        sample.trs = any;
+        return sample;
+    }
+    sample_columns(tables, as_common(columns), bound, body, joint, at, &sample.trs);
+#else
+    sample_columns(tables, columns, bound, body, joint, at, &sample.trs);
+#endif
     return sample;
 }

@@ -83,9 +83,11 @@ impl Form {
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
-            Self::Wide => {
-                &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_wide.cl")]
-            }
+            Self::Wide => &[
+                include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/abreast.cl"),
+                include_str!("../kernels/fused_wide.cl"),
+            ],
             Self::Grouped(_) => {
                 &[include_str!("../kernels/fused.cl"), include_str!("../kernels/fused_grouped.cl")]
             }

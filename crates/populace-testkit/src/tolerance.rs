@@ -8,6 +8,7 @@
 mod matrices;
 
 use populace_clip::Clip;
+use populace_device::layout::ROW_PARTS;
 use populace_model::{ClipSource, Interpolation, Property, Track};
 
 use crate::oracle::{Gain, Local};
@@ -36,9 +37,10 @@ pub const COARSE: f64 = 25.0;
 
 /// Returns the rounding error of rotations in Pose, as four-component vectors.
 ///
-/// In `u`: stored rows and rest (1 each: 2), interpolation between two rows (3), normalising (dot
-/// 4, halved by the root; root 6; quotient 5; product 1: 14), weight and share (3), one product and
-/// one sum for each slot (2), normalising the mix (14), and a margin of 4.
+/// In `u`: stored rows and rest (1 each: 2), interpolation between two rows (3), the length of a
+/// sample (dot 4, halved; three sums, three products and a sign: 9), weight and share (3), one product
+/// and one sum for each slot (2), normalising the mix (dot 4, halved by the root; root 6; quotient 5;
+/// product 1: 14), and a margin of 9.
 #[must_use]
 pub fn rotation_rounding(slots: usize) -> f64 {
     (2 * slots + 40) as f64 * UNIT
@@ -46,32 +48,45 @@ pub fn rotation_rounding(slots: usize) -> f64 {
 
 /// Returns the rounding error of translations and scales in Pose, relative to the largest value.
 ///
-/// In `u`: stored (2), interpolated (3), a product and a sum for each slot (2), the total weight's
+/// In `u`: stored (2), interpolated (3) in parts of a step (4), a product and a sum for each slot (2), the total weight's
 /// sum for each slot (1), the division by it or a ratio (5), blending over the layers below (4),
 /// and a margin of 4.
 #[must_use]
 pub fn value_rounding(slots: usize) -> f64 {
-    (3 * slots + 18) as f64 * UNIT
+    (3 * slots + 22) as f64 * UNIT
 }
 
 /// Returns the largest error of a slot's time.
 ///
 /// In `u`: the phase is truncated to 24 bits, one part in 2^24 of the duration (2); three roundings
 /// of times up to the clip's end (3); the fraction between two rows subtracts two rounded times
-/// (2). The duration is taken as the clip states it.
+/// (2). The duration is taken as the clip states it. The fraction is then rounded to a whole number
+/// of [`ROW_PARTS`].
 #[must_use]
 pub fn time_error_secs(clip: &Clip) -> f64 {
+    rounding_secs(clip) + row_weight_secs(clip)
+}
+
+fn rounding_secs(clip: &Clip) -> f64 {
     8.0 * UNIT * (f64::from(clip.start_secs()).abs() + f64::from(clip.duration_secs()))
+}
+
+/// Returns half of one of [`ROW_PARTS`] of the time from a row to the next.
+fn row_weight_secs(clip: &Clip) -> f64 {
+    let apart = clip.row_times().windows(2).map(|pair| f64::from(pair[1]) - f64::from(pair[0]));
+    let even = if clip.rows_per_sec() > 0.0 { 1.0 / f64::from(clip.rows_per_sec()) } else { 0.0 };
+    0.5 / f64::from(ROW_PARTS) * apart.fold(even, f64::max)
 }
 
 /// Returns the largest error of a held time.
 ///
 /// The time itself is exact, and so are the times of rows. In `u`: the time since the first row,
 /// the rate of evenly spaced rows and their product round once each (3), and such rows may be one
-/// rounding away from an even grid (1).
+/// rounding away from an even grid (1). The fraction between two rows is rounded to a whole number of
+/// [`ROW_PARTS`].
 #[must_use]
 pub fn held_time_error_secs(clip: &Clip) -> f64 {
-    0.5 * time_error_secs(clip)
+    0.5 * rounding_secs(clip) + row_weight_secs(clip)
 }
 
 /// The largest error of a weight that ramps between 0 and 1.

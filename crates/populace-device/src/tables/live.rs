@@ -46,14 +46,17 @@ impl Tables {
         self.add_words(rows.iter().copied().cycle().take(count), runs)
     }
 
-    /// Adds words with padding behind them and returns the first word.
+    /// Adds words with padding behind them, so that runs are whole blocks, and returns the first
+    /// word.
     pub(super) fn add_words(
         &mut self,
         words: impl Iterator<Item = u32>,
         runs: &mut Runs,
     ) -> Result<u32, Error> {
-        let past_the_end = [0; JOINT_BLOCK as usize];
-        runs.add(&mut self.all.rows, words.chain(past_the_end))
+        let mut words: Vec<u32> = words.collect();
+        let past_the_end = words.len() + JOINT_BLOCK as usize;
+        words.resize(past_the_end.next_multiple_of(JOINT_BLOCK as usize), 0);
+        runs.add(&mut self.all.rows, words)
     }
 
     /// Writes a pose into a row of a live clip's ring. With `row` of `None` it writes the row that

@@ -10,9 +10,9 @@
 //! inertialized transition, the velocity of the frame before fades into that of the new clips.
 
 use populace_device::layout::{
-    BoundClip, ClipRows, FOOT_STATE, Float4, InertializationSlot, LEAST_WEIGHT, MAX_FEET,
-    MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE, STATES_PER_CONTROL,
-    Slot,
+    BoundClip, ClipRows, FOOT_STATE, Float4, InertializationSlot, LEAST_TOTAL, LEAST_WEIGHT,
+    MAX_FEET, MOTION_ELEMENTS, MOTION_STATE, NONE, SLOT_LOOP, SLOT_MACHINE, SLOT_ONCE,
+    STATES_PER_CONTROL, Slot,
 };
 use populace_model::Affine;
 use populace_model::math::{Real, vec3};
@@ -258,7 +258,7 @@ impl Solver<'_> {
             let (sum, weight) = (self.moves_of_layer(layer, span), self.weight_at_root(layer));
             if layer == 0 {
                 let part = sum.span.map_or(1.0, |played| span_part(span, played));
-                moved = if sum.total > 1e-3 { sum.over(sum.total / part) } else { moved };
+                moved = if sum.total > LEAST_TOTAL { sum.over(sum.total / part) } else { moved };
             } else if sum.total > LEAST_WEIGHT && weight > 0.0 {
                 let part = weight * if sum.total < 1.0 { sum.total } else { 1.0 };
                 moved = moved.mix(&sum.over(sum.total), part);

@@ -8,7 +8,6 @@ use populace_device::layout::{Constraint, Link, MAX_STEP_ROTATIONS, Step};
 use populace_model::Affine;
 
 use super::targets::Solver;
-use crate::dispatch::Dispatch;
 use crate::frame::FrameInputs;
 use crate::hierarchy::Hierarchy;
 use crate::history::DeferredWrites;
@@ -16,6 +15,7 @@ use crate::lanes::{LANES, Line, Members, Simd, load, vectors};
 use crate::matrices::{MATRIX, origin, product};
 use crate::members::steps_of;
 use crate::playback::Play;
+use crate::processor::Dispatch;
 use crate::widths::JointLanes;
 
 /// Rotations in model space of members side by side, from steps that compute them to steps that

@@ -33,18 +33,18 @@ pub(crate) struct Scene {
 }
 
 pub(crate) const ALL: [Scene; 12] = [
-    Scene { name: "clips", start: clips, hash: 0xc820_7bd8_a2e9_36a1 },
-    Scene { name: "layers", start: layers, hash: 0xb4df_046a_79b2_4181 },
-    Scene { name: "inertialization", start: inertialization, hash: 0x7b63_1673_533f_8222 },
-    Scene { name: "retargeting", start: retargeting, hash: 0x1138_3700_a19b_1f97 },
-    Scene { name: "blend spaces", start: blend_spaces, hash: 0xc3b1_a969_b52f_6374 },
-    Scene { name: "state machines", start: state_machines, hash: 0xe7ca_27cd_5f7e_f902 },
-    Scene { name: "live clips", start: live_clips, hash: 0x4d87_b57e_a08a_3908 },
-    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0xd2ce_e71d_ed9f_6a2f },
-    Scene { name: "feet", start: feet, hash: 0x4a17_3ca9_8802_70b0 },
-    Scene { name: "overrides and proportions", start: overrides, hash: 0x8ccb_dd0f_ed80_7ad6 },
-    Scene { name: "attachments and root motion", start: attachments, hash: 0x5917_d1cb_cead_a343 },
-    Scene { name: "user stages", start: user_stages, hash: 0x7928_05b4_5a76_7924 },
+    Scene { name: "clips", start: clips, hash: 0x9192_5bfe_a628_6396 },
+    Scene { name: "layers", start: layers, hash: 0x71da_0e23_5e44_927f },
+    Scene { name: "inertialization", start: inertialization, hash: 0xd496_64c9_9b18_4b71 },
+    Scene { name: "retargeting", start: retargeting, hash: 0x764d_467d_faaa_4326 },
+    Scene { name: "blend spaces", start: blend_spaces, hash: 0xa6d3_5b41_1040_04b2 },
+    Scene { name: "state machines", start: state_machines, hash: 0x74dd_3216_cae6_ed7c },
+    Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },
+    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x2926_ed44_292e_c784 },
+    Scene { name: "feet", start: feet, hash: 0xb6c3_915b_268b_3f66 },
+    Scene { name: "overrides and proportions", start: overrides, hash: 0x9015_fd06_33cf_a485 },
+    Scene { name: "attachments and root motion", start: attachments, hash: 0x49e1_6790_a2e8_b34f },
+    Scene { name: "user stages", start: user_stages, hash: 0x37ec_47c3_a030_579c },
 ];
 
 fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {

@@ -48,16 +48,23 @@ faults! {
         ramps_do_not_end: "(rising && weight > end)" => "(rising && weight > 1e9f)";
         ramps_do_not_begin: "start + rate * ((float)elapsed_ticks * TICK_SECS)" => "end";
     }
+    check_sampling_between_keys {
+        rows_change_their_weights:
+            "((uint)ROW_PARTS - second) | second << 16" =>
+            "second | ((uint)ROW_PARTS - second) << 16";
+        odd_components_read_the_low_half:
+            "((int)from >> 16) * (int)(weights & 0xffffu)" =>
+            "((int)(from << 16) >> 16) * (int)(weights & 0xffffu)";
+    }
     check_blends {
         means_are_not_divided: "const float k = 1.0f / sum.total;" => "const float k = 1.0f;";
         translations_are_not_weighted:
-            "vec3_scale(sample.trs.t, weight)" => "sample.trs.t";
-        scales_are_not_weighted: "vec3_scale(sample.trs.s, weight)" => "sample.trs.s";
+            "vec3_scale(trs.t, weight)" => "trs.t";
+        scales_are_not_weighted: "vec3_scale(trs.s, weight)" => "trs.s";
     }
     check_small_totals {
         small_totals_are_divided:
-            "sum.total > (l == 0 ? 1e-3f : LEAST_WEIGHT) ? mean_of(sum, rest) : rest" =>
-            "mean_of(sum, rest)";
+            "sum.total > least ? mean_of(sum, rest) : rest" => "mean_of(sum, rest)";
     }
     check_override_layers {
         masks_do_not_count:
@@ -69,8 +76,8 @@ faults! {
     }
     check_additive_layers {
         differences_are_reversed:
-            "change(quotient(normalized(sample), reference," =>
-            "change(quotient(reference, normalized(sample),";
+            "quotient(normalized(sample, rest), reference," =>
+            "quotient(reference, normalized(sample, rest),";
         additions_turn_in_the_parent: "quat_mul(beneath.r, delta)" => "quat_mul(delta, beneath.r)";
         scales_are_added:
             "beneath.s.y * (1.0f + sum.s.y * layer_weight)" =>

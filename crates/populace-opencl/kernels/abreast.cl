@@ -1,0 +1,282 @@
+// abreast.cl - Members side by side, each in a lane of its own: what they play, and their local
+// transforms. Slots of layer 0 are sampled and summed for sixteen joints of a member at a time, in
+// passes over all members that are short enough for a processor to have several members in flight.
+// The poses are transposed into lanes of members.
+//
+// Twin of populace-native/src/poses.rs, populace-native/src/abreast.rs,
+// populace-native/src/playback.rs and populace-native/src/cache.rs: same arithmetic, same order of
+// operations.
+
+// Collects the member's slots that have weight now, in order.
+INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
+                         const ClipTables *tables, __global const float *row_times,
+                         __global const uint *buckets, Playing *playing)
+{
+    uint count = 0;
+    for (uint s = 0; s < slot_count; s++) {
+        playing[count] = play(slots[s], machines, tick, tables, row_times, buckets);
+        if (playing[count].at.weight > 0.0f) count++;
+    }
+    const Playback playback = { playing, count, inertialization_of(slots, slot_count, tick) };
+    return playback;
+}
+
+// Components of a local transform: translation, rotation, scale.
+#define COMPONENTS 10
+
+// Members side by side, each in a lane of its own: of one body, with programs of one shape or none.
+typedef struct {
+    uint count, owners[LANES], controls[LANES], layer_counts[LANES];
+    Playback plays[LANES];
+    Playing playing[LANES][MAX_SLOTS];
+    Body body;
+    __global const uint *parents;
+} Company;
+
+// Asks for memory, in lines of the cache of 16 words, so that it is in the caches when it is read.
+// Compilers for GPUs may have the function, but only for pointers without an address space.
+INLINE void fetch_lines(__global const void *from, uint words)
+{
+#if defined(CALLS) && __has_builtin(__builtin_prefetch)
+    for (uint word = 0; word < words; word += 16)
+        __builtin_prefetch((__global const uint *)from + word);
+    // Words that do not begin a line reach into one line more.
+    if (words > 0) __builtin_prefetch((__global const uint *)from + words - 1);
+#endif
+}
+
+// Asks for the rows that a member mixes.
+INLINE void fetch_rows(const ClipTables *tables, Playback playback)
+{
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].clip];
+        fetch_lines(tables->rows + playing.at.row0, clip.row_stride);
+        fetch_lines(tables->rows + playing.at.row1, clip.row_stride);
+    }
+}
+
+// Takes a member into the next free lane.
+INLINE void join(Company *all, uint owner, Member member, __global const Slot *slots,
+                 uint slots_per_member, Machines machines, ulong tick, const ClipTables *tables,
+                 __global const float *row_times, __global const uint *buckets)
+{
+    const uint lane = all->count++;
+    all->owners[lane] = owner;
+    all->controls[lane] = member.control;
+    all->layer_counts[lane] = member_layers(member);
+    all->plays[lane] = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
+                                tables, row_times, buckets, all->playing[lane]);
+    fetch_rows(tables, all->plays[lane]);
+}
+
+// Asks for the members' controls and states, for the steps of their programs, and for the settings of
+// their constraints. Each finds its addresses in what the one before asked for.
+INLINE void fetch_controls(const Company *all, const ConstraintTables *tables)
+{
+    for (uint lane = 0; lane < all->count; lane++) {
+        const uint control = all->controls[lane];
+        fetch_lines(tables->controls + control, sizeof(Control) / 4);
+        fetch_lines(tables->states_before + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
+        fetch_lines(tables->states + control * STATES_PER_CONTROL, 4 * STATES_PER_CONTROL);
+    }
+}
+
+INLINE void fetch_steps(const Company *all, const ConstraintTables *tables)
+{
+    for (uint lane = 0; lane < all->count; lane++) {
+        __global const Control *control = tables->controls + all->controls[lane];
+        fetch_lines(tables->steps + control->step_first, 4 * control->step_count);
+    }
+}
+
+INLINE void fetch_constraints(const Company *all, const ConstraintTables *tables)
+{
+    const uint step_count = tables->controls[all->controls[0]].step_count;
+    for (uint nth = 0; nth < step_count; nth++)
+        for (uint lane = 0; lane < all->count; lane++) {
+            const Step step = tables->steps[tables->controls[all->controls[lane]].step_first + nth];
+            if (step.kind < STEP_GAZE || step.kind > STEP_FOOT || step.kind == STEP_CHAIN) break;
+            // A step of feet has a constraint for each; most have two.
+            const uint count = step.kind == STEP_PELVIS ? 2 : 1;
+            fetch_lines(tables->constraints + step.index, count * sizeof(Constraint) / 4);
+        }
+}
+
+// Sums over the slots of layer 0, and then poses: each component of sixteen joints of each member.
+typedef float16 Posed[COMPONENTS][LANES];
+
+// Returns whether a component is one of those that are left out.
+INLINE bool is_still(uint still, uint component)
+{
+    return (component < 3 && still & REST_TRANSLATION) || (component >= 7 && still & REST_SCALE);
+}
+
+// Returns the local transforms of sixteen joints of a member, or after transposition of a joint of
+// sixteen members.
+INLINE Local local_of(const Posed posed, uint at)
+{
+    const Local trs = { { posed[0][at], posed[1][at], posed[2][at] },
+                        { posed[3][at], posed[4][at], posed[5][at], posed[6][at] },
+                        { posed[7][at], posed[8][at], posed[9][at] } };
+    return trs;
+}
+
+// Stores the local transforms of a lane, but for properties that are left out.
+INLINE void put_local(Posed posed, uint lane, Local trs, uint still)
+{
+    if (!(still & REST_TRANSLATION)) {
+        posed[0][lane] = trs.t.x;
+        posed[1][lane] = trs.t.y;
+        posed[2][lane] = trs.t.z;
+    }
+    posed[3][lane] = trs.r.x;
+    posed[4][lane] = trs.r.y;
+    posed[5][lane] = trs.r.z;
+    posed[6][lane] = trs.r.w;
+    if (!(still & REST_SCALE)) {
+        posed[7][lane] = trs.s.x;
+        posed[8][lane] = trs.s.y;
+        posed[9][lane] = trs.s.z;
+    }
+}
+
+// What poses of members are computed from.
+typedef struct {
+    const ClipTables *clips;
+    Adjustments adjustments;
+    __global const Layer *layers;
+    PoseChanges changes[LANES];
+    bool any_changes;
+} Posing;
+
+// Lays a layer over the poses of members that have it, in two passes.
+INLINE void lay_over_all(const Company *all, const Posing *posing, uint l, uint first, Local rest,
+                         Posed posed)
+{
+    Shown shown[LANES];
+    bool shows[LANES];
+    for (uint lane = 0; lane < all->count; lane++) {
+        __global const Layer *layers = posing->layers + all->owners[lane] * LAYERS_PER_MEMBER;
+        shows[lane] = l < all->layer_counts[lane]
+                      && show_layer(posing->clips, all->plays[lane], layers[l], l, all->body, first,
+                                    rest, &shown[lane]);
+    }
+    for (uint lane = 0; lane < all->count; lane++) {
+        if (!shows[lane]) continue;
+        const Local pose = laid_over(local_of(posed, lane), shown[lane].own, shown[lane].total,
+                                     shown[lane].how, rest);
+        put_local(posed, lane, pose, 0);
+    }
+}
+
+// Applies what comes after the slots of layer 0, step by step to all members.
+APART void change_poses(const Company *all, const Posing *posing, uint first, const Local *at_rest,
+                        Posed posed)
+{
+    const Local rest = *at_rest;
+    uint layer_count = 1;
+    for (uint lane = 0; lane < all->count; lane++) {
+        layer_count = max(layer_count, all->layer_counts[lane]);
+        if (!posing->changes[lane].inertializes) continue;
+        Local pose = local_of(posed, lane);
+        inertialize(posing->clips, all->plays[lane].inertialization, 0, false, all->body, first,
+                    at_rest, &pose);
+        put_local(posed, lane, pose, 0);
+    }
+    for (uint l = 1; l < layer_count; l++) lay_over_all(all, posing, l, first, rest, posed);
+    for (uint lane = 0; lane < all->count; lane++) {
+        if (!posing->changes[lane].adjusts) continue;
+        Local pose = local_of(posed, lane);
+        adjust(posing->adjustments, posing->adjustments.controls + all->controls[lane], first,
+               &pose);
+        put_local(posed, lane, pose, 0);
+    }
+}
+
+// Computes the local transforms of a block of joints in lanes of members, except properties that are
+// at rest in all of them, which it returns. If `planes` is not 0, it receives the transforms of the
+// first member, as ten planes in the layout of stored poses.
+INLINE uint pose_block(const Company *all, const Posing *posing, uint first, Posed posed,
+                       __global float *planes)
+{
+    const Local rest = rest_of(posing->clips, all->body, first);
+    float totals[LANES];
+    uint at_rest[LANES], still = REST_TRANSLATION | REST_SCALE;
+    for (uint lane = 0; lane < all->count; lane++) {
+        const Sum sum =
+            sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, rest);
+        put_local(posed, lane, sum.trs, sum.at_rest);
+        totals[lane] = sum.total;
+        at_rest[lane] = sum.at_rest;
+        still &= sum.at_rest;
+    }
+    if (posing->any_changes || planes) still = 0;
+    for (uint lane = 0; lane < all->count; lane++) {
+        const Sum sum = { local_of(posed, lane), totals[lane], at_rest[lane] };
+        put_local(posed, lane, mean_or_rest(sum, LEAST_TOTAL, rest), still);
+    }
+    // A copy, so that the pointer to it does not keep the rest pose in memory.
+    const Local stored = rest;
+    if (posing->any_changes) change_poses(all, posing, first, &stored, posed);
+    if (planes) store_trs(local_of(posed, 0), planes + first, all->body.padded_count);
+    for (uint c = 0; c < COMPONENTS; c++) {
+        if (is_still(still, c)) continue;
+        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
+        transpose(posed[c]);
+    }
+    return still;
+}
+
+// Returns the local transforms of a joint.
+INLINE Local posed_joint(const Company *all, const Posing *posing, const Posed posed, uint still,
+                         uint first, uint at)
+{
+    const uint padded = all->body.padded_count;
+    __global const float *rest = posing->clips->poses + (all->body.rest_first + first + at);
+    Local trs = local_of(posed, at);
+    if (still & REST_TRANSLATION) {
+        trs.t.x = rest[4 * padded];
+        trs.t.y = rest[5 * padded];
+        trs.t.z = rest[6 * padded];
+    }
+    if (still & REST_SCALE) {
+        trs.s.x = rest[7 * padded];
+        trs.s.y = rest[8 * padded];
+        trs.s.z = rest[9 * padded];
+    }
+    return trs;
+}
+
+// Computes the members' local transforms, and without programs their model transforms.
+INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustments adjustments,
+                         const ConstraintTables *constraint_tables, __global const Layer *layers,
+                         Hierarchy joints, __global float *planes)
+{
+    const bool is_led = all->controls[0] != NONE;
+    if (is_led) fetch_controls(all, constraint_tables);
+    Posing posing = { tables, adjustments, layers };
+    posing.any_changes = false;
+    for (uint lane = 0; lane < all->count; lane++) {
+        posing.changes[lane] =
+            changes_of(adjustments, all->controls[lane], all->plays[lane], all->layer_counts[lane]);
+        posing.any_changes = posing.any_changes || are_changes(posing.changes[lane]);
+    }
+    Posed posed;
+    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
+        const uint still = pose_block(all, &posing, first, posed, planes);
+        const uint end = min(first + JOINT_BLOCK, all->body.joint_count);
+        for (uint joint = first; joint < end; joint++) {
+            Matrix own;
+            components_of(posed_joint(all, &posing, posed, still, first, joint - first), own.m);
+            if (!is_led && all->parents[joint] != NONE) {
+                Matrix parent;
+                models_of(joints, all->parents[joint], &parent);
+                matrix_product(&parent, &own, &own);
+            }
+            keep_models(joints, joint, &own);
+        }
+        if (is_led && first == 0) fetch_steps(all, constraint_tables);
+        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, constraint_tables);
+    }
+}
