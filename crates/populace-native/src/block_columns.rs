@@ -96,12 +96,15 @@ impl<'a> BlockColumns<'a> {
         found
     }
 
-    /// Collects the words of two planes in two rows joint by joint, the first plane's in both rows
-    /// first. The second plane of translations and scales becomes lower halves. `None` if any
+    /// Collects the words of both planes of a property: of the first plane in both rows, then of
+    /// the second. The second plane of translations and scales becomes lower halves. `None` if any
     /// column has floats.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     fn gathered(&self, property: Property, at: &Rows) -> Option<[[u32; LANES]; 4]> {
+        if self.planes_of(property).are_floats() {
+            return None;
+        }
         let tables = self.joints.tables;
         let (rows, mut found) = (tables.rows().as_slice(), [[0; LANES]; 4]);
         let first = self.bound.source_first as usize;
@@ -116,11 +119,7 @@ impl<'a> BlockColumns<'a> {
             for (words, (row, component)) in found.iter_mut().zip(places) {
                 let (plane, encoding) = planes.plane_at(property, row, component);
                 let plane = &rows[plane..][..LANES];
-                let shift = match encoding {
-                    Encoding::Float => return None,
-                    Encoding::Packed => 1,
-                    Encoding::LowHalf | Encoding::HighHalf => 0,
-                };
+                let shift = usize::from(matches!(encoding, Encoding::Packed));
                 for (word, &lane) in words.iter_mut().zip(lanes) {
                     // `NONE` gives some lane too, so that no index is out of bounds. Its word is
                     // not taken.

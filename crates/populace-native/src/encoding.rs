@@ -1,5 +1,4 @@
-//! Encoding of components in a clip's rows. Twin of `kernels/rows.cl` and, for weights, of
-//! `kernels/lanes.cl`.
+//! Encoding of components in a clip's rows. Twin of `kernels/rows.cl`.
 
 use populace_device::layout::{NONE, ROW_FLOATS, ROW_PARTS, RowBlock, SlotSample};
 use populace_model::Property;

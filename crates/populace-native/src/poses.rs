@@ -24,7 +24,7 @@ pub(crate) const COMPONENTS: usize = 10;
 pub(crate) struct Block<'a, 'b> {
     pub(crate) inputs: &'a FrameInputs<'b>,
     pub(crate) joints: Joints<'a>,
-    /// What each member plays.
+    /// Playing slots and layers of each member; `None` in lanes without a member.
     pub(crate) plays: &'a [Option<Play<'b>>],
     pub(crate) members: &'a [u32],
 }

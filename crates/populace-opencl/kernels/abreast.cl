@@ -122,7 +122,7 @@ INLINE Local local_of(const Posed posed, uint at)
     return trs;
 }
 
-// Stores the local transforms of a lane, but for properties that are left out.
+// Stores the local transforms of a lane, except properties that are left out.
 INLINE void put_local(Posed posed, uint lane, Local trs, uint still)
 {
     if (!(still & REST_TRANSLATION)) {
@@ -141,7 +141,7 @@ INLINE void put_local(Posed posed, uint lane, Local trs, uint still)
     }
 }
 
-// What poses of members are computed from.
+// Inputs of the members' poses.
 typedef struct {
     const ClipTables *clips;
     Adjustments adjustments;

@@ -22,15 +22,16 @@ APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint jo
         bound = tables->bound_clips[bound.next];
         if (bound.row_stride != 0) at = own_rows(tables, bound, at);
         const Columns columns = columns_of(tables, bound, joint);
+        const Rows rows = rows_of(at);
         const Stored planes = stored_at(tables, bound.range_first + joint, body);
         if (!(columns.flags & REST_TRANSLATION)) {
-            const Vec3 arm = sample_vector(tables, columns, TRANSLATION, at, planes, 6);
+            const Vec3 arm = sample_vector(tables, columns, TRANSLATION, rows, planes, 6);
             const Quat unit = quat_scale(trs.r, inverse_sqrt(quat_dot(trs.r, trs.r)));
             trs.t = vec3_add(trs.t, quat_rotated(unit, arm));
         }
         Quat q = stored_quat(planes, 0);
         if (columns.block.rotation_first != NONE) {
-            const Quat n = rotation_parts(tables, columns, at);
+            const Quat n = rotation_parts(tables, columns, rows);
             const Real step = stored_part(planes, 4), step_w = stored_part(planes, 5);
             const Quat scaled = { n.x * step, n.y * step, n.z * step, n.w * step_w };
             q = quat_add(scaled, q);

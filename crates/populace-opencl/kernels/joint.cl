@@ -125,14 +125,14 @@ INLINE Local laid_over(Local beneath, Local own, float total, Laying how, Local 
     return trs;
 }
 
-// What a layer above 0 shows: its own pose, and how it is laid over the pose beneath.
+// The own pose of a layer above 0, and how it is laid over the pose beneath.
 typedef struct {
     Laying how;
     float total;
     Local own;
 } Shown;
 
-// Computes what a layer shows. Returns false if that is nothing.
+// Computes a layer's own pose. Returns false if the layer shows nothing.
 INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, Body body,
                        uint joint, Local rest, Shown *shown)
 {

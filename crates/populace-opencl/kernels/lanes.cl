@@ -1,6 +1,5 @@
 // lanes.cl - What one work-item computes at once: one joint of a member, or as vectors sixteen
-// neighbouring joints of a member or one joint of sixteen members. Twin of populace-native/src/lanes.rs
-// and, for weights of rows, populace-native/src/encoding.rs.
+// neighbouring joints of a member or one joint of sixteen members. Twin of populace-native/src/lanes.rs.
 //
 // The following files are written once for `Real` and compiled for either LANES. Comparisons yield
 // a `Choice` for `? :`, component by component if there are several lanes.
@@ -114,15 +113,6 @@ INLINE void transpose(float16 m[16])
 }
 #endif
 
-// Returns the weights of two rows in ROW_PARTS: the first one's in the lower half, the second one's
-// in the upper half.
-INLINE uint row_weights(float between)
-{
-    // Places that callers give may lie past the last row.
-    const uint second = min(convert_uint_sat(between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
-    return ((uint)ROW_PARTS - second) | second << 16;
-}
-
 // Returns the weighted sum of the lower or of the upper halves of two words, which are signed.
 #if LANES == 1
 
@@ -141,7 +131,7 @@ INLINE Real mix_high(Words from, Words to, uint weights)
 #else
 
 // Returns the sum of the products of lower halves and of upper halves: one instruction, where
-// compilers know it by name. They do not find it in the plain form.
+// compilers have a name for it. They do not find it in the plain form.
 #if defined(__AVX512BW__) && defined(__clang__)
 
 typedef short Halves __attribute__((__vector_size__(64)));

@@ -87,7 +87,8 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 #else
 
 // Where the columns of sixteen neighbouring joints are stored: in one block, each in its own lane,
-// or gathered from several blocks. In the second case `block` only tells which properties move.
+// or gathered from several blocks. In the second case `block` only tells which properties move, and
+// whether any block has floats.
 typedef struct {
     RowBlock block;
     uint flags, source_first, source_count;
@@ -120,35 +121,70 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 
 #endif
 
-// Mixes rotations from the words of their planes in two rows.
-INLINE Quat mix_quats(Words xy0, Words zw0, Words xy1, Words zw1, float between)
+// Two rows, and their weights. `between` is for floats. `halves` is for 16-bit numbers, in ROW_PARTS:
+// the lower half is the weight of `from`, the upper half that of `to`.
+typedef struct {
+    uint from, to;
+    float between;
+    uint halves;
+} Rows;
+
+INLINE Rows rows_of(SlotSample at)
 {
-    const uint weights = row_weights(between);
-    const Quat n = { mix_low(xy0, xy1, weights), mix_high(xy0, xy1, weights),
-                     mix_low(zw0, zw1, weights), mix_high(zw0, zw1, weights) };
+    // Places that callers give may lie past the last row.
+    const uint second = min(convert_uint_sat(at.between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
+    const Rows rows = { at.row0, at.row1, at.between, ((uint)ROW_PARTS - second) | second << 16 };
+    return rows;
+}
+
+// Words of the two planes of a property in two rows.
+typedef struct {
+    Words first_from, first_to, second_from, second_to;
+} RowWords;
+
+// Returns the words of columns of one block. The second plane of translations and scales becomes
+// lower halves.
+INLINE RowWords block_words(const ClipTables *tables, Columns columns, Planes planes, uint property,
+                            Rows at)
+{
+    const bool packed = property != ROTATION;
+    const RowWords words = { words_at(tables, columns, planes, at.from, 0),
+                             words_at(tables, columns, planes, at.to, 0),
+                             packed ? halves_at(tables, columns, planes, at.from, 1)
+                                    : words_at(tables, columns, planes, at.from, 1),
+                             packed ? halves_at(tables, columns, planes, at.to, 1)
+                                    : words_at(tables, columns, planes, at.to, 1) };
+    return words;
+}
+
+INLINE Quat mix_quats(RowWords words, Rows at)
+{
+    const Quat n = { mix_low(words.first_from, words.first_to, at.halves),
+                     mix_high(words.first_from, words.first_to, at.halves),
+                     mix_low(words.second_from, words.second_to, at.halves),
+                     mix_high(words.second_from, words.second_to, at.halves) };
     return n;
 }
 
-// Mixes translations or scales from the words of their planes in two rows.
-INLINE Vec3 mix_vectors(Words xy0, Words z0, Words xy1, Words z1, float between)
+INLINE Vec3 mix_vectors(RowWords words, Rows at)
 {
-    const uint weights = row_weights(between);
-    const Vec3 n = { mix_low(xy0, xy1, weights), mix_high(xy0, xy1, weights),
-                     mix_low(z0, z1, weights) };
+    const Vec3 n = { mix_low(words.first_from, words.first_to, at.halves),
+                     mix_high(words.first_from, words.first_to, at.halves),
+                     mix_low(words.second_from, words.second_to, at.halves) };
     return n;
 }
 
 // Returns a component of floats between two rows.
-INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes, SlotSample at,
+INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes, Rows at,
                        uint component)
 {
-    return mix_real(AS_REAL(words_at(tables, columns, planes, at.row0, component)),
-                    AS_REAL(words_at(tables, columns, planes, at.row1, component)), at.between)
+    return mix_real(AS_REAL(words_at(tables, columns, planes, at.from, component)),
+                    AS_REAL(words_at(tables, columns, planes, at.to, component)), at.between)
            * ROW_PARTS;
 }
 
 // Returns rotations between two rows, in ROW_PARTS of a step, for columns of one block.
-INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes planes, SlotSample at)
+INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes planes, Rows at)
 {
     if (planes.lanes & ROW_FLOATS) {
         const Quat floats = { mix_floats(tables, columns, planes, at, 0),
@@ -157,15 +193,12 @@ INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes pla
                               mix_floats(tables, columns, planes, at, 3) };
         return floats;
     }
-    const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
-                zw0 = words_at(tables, columns, planes, at.row0, 1);
-    const Words xy1 = words_at(tables, columns, planes, at.row1, 0),
-                zw1 = words_at(tables, columns, planes, at.row1, 1);
-    return mix_quats(xy0, zw0, xy1, zw1, at.between);
+    return mix_quats(block_words(tables, columns, planes, ROTATION, at), at);
 }
 
 // Returns translations or scales between two rows, in ROW_PARTS of a step, for columns of one block.
-INLINE Vec3 block_vector(const ClipTables *tables, Columns columns, Planes planes, SlotSample at)
+INLINE Vec3 block_vector(const ClipTables *tables, Columns columns, Planes planes, uint property,
+                         Rows at)
 {
     if (planes.lanes & ROW_FLOATS) {
         const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
@@ -173,11 +206,7 @@ INLINE Vec3 block_vector(const ClipTables *tables, Columns columns, Planes plane
                               mix_floats(tables, columns, planes, at, 2) };
         return floats;
     }
-    const Words xy0 = words_at(tables, columns, planes, at.row0, 0),
-                xy1 = words_at(tables, columns, planes, at.row1, 0);
-    const Words z0 = halves_at(tables, columns, planes, at.row0, 1),
-                z1 = halves_at(tables, columns, planes, at.row1, 1);
-    return mix_vectors(xy0, z0, xy1, z1, at.between);
+    return mix_vectors(block_words(tables, columns, planes, property, at), at);
 }
 
 #if LANES > 1
@@ -207,84 +236,76 @@ INLINE Real gather_reals(Real to, Real from, Words lanes)
     return AS_REAL(gather(AS_WORDS(to), AS_WORDS(from), lanes));
 }
 
-// Returns whether any of the blocks that joints follow has floats.
-INLINE bool gathers_floats(const ClipTables *tables, Columns columns, uint property)
+// Gathers words from several blocks without floats.
+APART RowWords gathered_words(const ClipTables *tables, Columns columns, uint property, Rows at)
 {
-    uint lanes = 0;
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Source source = tables->sources[columns.source_first + s];
-        lanes |= planes_of(tables->row_blocks[source.block], property).lanes;
-    }
-    return lanes & ROW_FLOATS;
-}
-
-// The same for columns gathered from several blocks: words, or what was mixed of each if there are
-// floats among them.
-APART Quat gathered_rotation(const ClipTables *tables, Columns columns, SlotSample at)
-{
-    const bool floats = gathers_floats(tables, columns, ROTATION);
-    Quat n = { 0.0f, 0.0f, 0.0f, 0.0f };
-    Words xy0 = 0, zw0 = 0, xy1 = 0, zw1 = 0;
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Gathering from = gathering_of(tables, columns, s, ROTATION);
-        if (from.planes.first == NONE) continue;
-        if (floats) {
-            const Quat found = block_rotation(tables, columns, from.planes, at);
-            n.x = gather_reals(n.x, found.x, from.lanes);
-            n.y = gather_reals(n.y, found.y, from.lanes);
-            n.z = gather_reals(n.z, found.z, from.lanes);
-            n.w = gather_reals(n.w, found.w, from.lanes);
-            continue;
-        }
-        xy0 = gather(xy0, words_at(tables, columns, from.planes, at.row0, 0), from.lanes);
-        zw0 = gather(zw0, words_at(tables, columns, from.planes, at.row0, 1), from.lanes);
-        xy1 = gather(xy1, words_at(tables, columns, from.planes, at.row1, 0), from.lanes);
-        zw1 = gather(zw1, words_at(tables, columns, from.planes, at.row1, 1), from.lanes);
-    }
-    return floats ? n : mix_quats(xy0, zw0, xy1, zw1, at.between);
-}
-
-APART Vec3 gathered_vector(const ClipTables *tables, Columns columns, uint property, SlotSample at)
-{
-    const bool floats = gathers_floats(tables, columns, property);
-    Vec3 n = { 0.0f, 0.0f, 0.0f };
-    Words xy0 = 0, z0 = 0, xy1 = 0, z1 = 0;
+    RowWords words = { 0, 0, 0, 0 };
     for (uint s = 0; s < columns.source_count; s++) {
         const Gathering from = gathering_of(tables, columns, s, property);
         if (from.planes.first == NONE) continue;
-        if (floats) {
-            const Vec3 found = block_vector(tables, columns, from.planes, at);
-            n.x = gather_reals(n.x, found.x, from.lanes);
-            n.y = gather_reals(n.y, found.y, from.lanes);
-            n.z = gather_reals(n.z, found.z, from.lanes);
-            continue;
-        }
-        xy0 = gather(xy0, words_at(tables, columns, from.planes, at.row0, 0), from.lanes);
-        xy1 = gather(xy1, words_at(tables, columns, from.planes, at.row1, 0), from.lanes);
-        z0 = gather(z0, halves_at(tables, columns, from.planes, at.row0, 1), from.lanes);
-        z1 = gather(z1, halves_at(tables, columns, from.planes, at.row1, 1), from.lanes);
+        const RowWords found = block_words(tables, columns, from.planes, property, at);
+        words.first_from = gather(words.first_from, found.first_from, from.lanes);
+        words.first_to = gather(words.first_to, found.first_to, from.lanes);
+        words.second_from = gather(words.second_from, found.second_from, from.lanes);
+        words.second_to = gather(words.second_to, found.second_to, from.lanes);
     }
-    return floats ? n : mix_vectors(xy0, z0, xy1, z1, at.between);
+    return words;
+}
+
+// Gathers components from several blocks, some of them with floats. `w` is 0 for vectors.
+APART Quat gathered_components(const ClipTables *tables, Columns columns, uint property, Rows at)
+{
+    Quat n = { 0.0f, 0.0f, 0.0f, 0.0f };
+    for (uint s = 0; s < columns.source_count; s++) {
+        const Gathering from = gathering_of(tables, columns, s, property);
+        if (from.planes.first == NONE) continue;
+        Quat found = { 0.0f, 0.0f, 0.0f, 0.0f };
+        if (property == ROTATION) {
+            found = block_rotation(tables, columns, from.planes, at);
+        } else {
+            const Vec3 v = block_vector(tables, columns, from.planes, property, at);
+            found.x = v.x;
+            found.y = v.y;
+            found.z = v.z;
+        }
+        n.x = gather_reals(n.x, found.x, from.lanes);
+        n.y = gather_reals(n.y, found.y, from.lanes);
+        n.z = gather_reals(n.z, found.z, from.lanes);
+        n.w = gather_reals(n.w, found.w, from.lanes);
+    }
+    return n;
 }
 
 #endif
 
 // Returns rotations between two rows, in ROW_PARTS of a step.
-INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, SlotSample at)
+INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
 {
+    const Planes planes = planes_of(columns.block, ROTATION);
 #if LANES > 1
-    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_rotation(tables, columns, at);
+    if (!(columns.flags & BLOCK_STRAIGHT)) {
+        if (planes.lanes & ROW_FLOATS) return gathered_components(tables, columns, ROTATION, at);
+        return mix_quats(gathered_words(tables, columns, ROTATION, at), at);
+    }
 #endif
-    return block_rotation(tables, columns, planes_of(columns.block, ROTATION), at);
+    return block_rotation(tables, columns, planes, at);
 }
 
 // Returns translations or scales between two rows, in ROW_PARTS of a step.
-INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, SlotSample at)
+INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, Rows at)
 {
+    const Planes planes = planes_of(columns.block, property);
 #if LANES > 1
-    if (!(columns.flags & BLOCK_STRAIGHT)) return gathered_vector(tables, columns, property, at);
+    if (!(columns.flags & BLOCK_STRAIGHT)) {
+        if (planes.lanes & ROW_FLOATS) {
+            const Quat n = gathered_components(tables, columns, property, at);
+            const Vec3 v = { n.x, n.y, n.z };
+            return v;
+        }
+        return mix_vectors(gathered_words(tables, columns, property, at), at);
+    }
 #endif
-    return block_vector(tables, columns, planes_of(columns.block, property), at);
+    return block_vector(tables, columns, planes, property, at);
 }
 
 // Planes of a joint, or of sixteen, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
@@ -327,7 +348,7 @@ INLINE Vec3 stored_vec3(Stored stored, uint plane)
 
 // Returns translations or scales between two rows. `plane` is the first of their offset; after it
 // comes their step.
-INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, SlotSample at,
+INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
                           Stored range, uint plane)
 {
     const Vec3 still = stored_vec3(range, plane);
@@ -368,13 +389,15 @@ INLINE void sample_columns(const ClipTables *tables, Columns columns, BoundClip 
                            uint joint, SlotSample at, Local *trs)
 {
     const Stored range = stored_at(tables, bound.range_first + joint, body);
+    const Rows rows = rows_of(at);
     trs->r = stored_quat(range, 0);
     if (columns.block.rotation_first != NONE)
-        trs->r = quat_add(quat_scale(rotation_parts(tables, columns, at), stored_part(range, 4)),
+        trs->r = quat_add(quat_scale(rotation_parts(tables, columns, rows), stored_part(range, 4)),
                           trs->r);
     if (!(columns.flags & REST_TRANSLATION))
-        trs->t = sample_vector(tables, columns, TRANSLATION, at, range, 5);
-    if (!(columns.flags & REST_SCALE)) trs->s = sample_vector(tables, columns, SCALE, at, range, 9);
+        trs->t = sample_vector(tables, columns, TRANSLATION, rows, range, 5);
+    if (!(columns.flags & REST_SCALE))
+        trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
     if (columns.flags & BLOCK_CORRECTED) {
         Local turned = *trs;
         correct(tables, bound, body, joint, at, &turned);

@@ -78,7 +78,7 @@ fn getting_up_starts_where_the_body_lies() {
             "fell at {away} m; joints start at {first:?} m/s and reach {fastest} m/s; hips end \
              {aside} m from where they lay"
         );
-        // How fast depends on how he lies: 4.2 to 6.5 m/s after forty pushes.
+        // The speed depends on the pose that he lies in: 4.2 to 6.5 m/s after forty pushes.
         assert!(away > 0.3 && aside < 0.15 && fastest < 7.0);
         assert!(first.unwrap() < 0.2);
         assert!(before.iter().map(|p| p[1]).fold(f32::MIN, f32::max) > 1.4, "he stands up");
