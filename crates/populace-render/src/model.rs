@@ -70,8 +70,6 @@ impl ModelPart {
 /// A character's meshes at one level of detail.
 pub(crate) struct ModelLevel {
     pub(crate) parts: Vec<ModelPart>,
-    /// See [`Level::error_m`](populace_character::Level::error_m); 0 for the character itself.
-    pub(crate) error_m: f32,
     /// True if its triangles are so small in pictures that light at their corners is enough.
     pub(crate) is_coarse: bool,
 }
@@ -94,8 +92,6 @@ pub(crate) struct Model {
     pub(crate) levels: Vec<ModelLevel>,
     pub(crate) contacts: Contacts,
     pub(crate) info: ModelInfo,
-    /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
-    pub(crate) sphere: (Vec3, f32),
 }
 
 impl Model {
@@ -115,6 +111,7 @@ impl Model {
             let of_level = shown.iter().map(|part| (*part, &level.meshes[*part])).collect();
             meshes.push((level.error_m, of_level));
         }
+        let level_errors_m = meshes.iter().map(|(error_m, _)| *error_m).collect();
         let mut levels = Vec::with_capacity(meshes.len());
         for (error_m, meshes) in meshes {
             let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
@@ -125,7 +122,7 @@ impl Model {
                 let (texture, maps) = textures.of(&together.like, &character.images)?;
                 parts.push(together.upload(gl, texture, maps)?);
             }
-            levels.push(ModelLevel { parts, error_m, is_coarse });
+            levels.push(ModelLevel { parts, is_coarse });
         }
         let blended = levels[0].parts.iter().any(|part| part.alpha == Alpha::Blended);
         let sphere = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
@@ -134,18 +131,13 @@ impl Model {
         });
         let info = ModelInfo {
             entry_count: character.palette.len(),
-            level_count: u32::try_from(levels.len()).unwrap_or(u32::MAX),
+            level_errors_m,
             blended,
             is_place: sphere.1 > PLACE_M,
+            sphere,
         };
         let contacts = Contacts::new(gl, character, hide)?;
-        Ok(Self { levels, contacts, info, sphere })
-    }
-
-    /// Returns the coarsest level with an error of at most `error_m`.
-    pub(crate) fn level_within(&self, error_m: f32) -> u32 {
-        let finer = self.levels.iter().filter(|level| level.error_m <= error_m).count();
-        u32::try_from(finer.saturating_sub(1)).unwrap_or_default()
+        Ok(Self { levels, contacts, info })
     }
 }
 

@@ -15,10 +15,25 @@ use crate::model::Model;
 pub(crate) struct Models {
     models: Vec<Model>,
     owners: Vec<Weak<Character>>,
-    indices: HashMap<*const Character, usize>,
+    indices: Known,
+}
+
+/// The index of each model by the address of its character.
+#[derive(Default)]
+pub(crate) struct Known(HashMap<usize, usize>);
+
+impl Known {
+    pub(crate) fn find(&self, character: &Arc<Character>) -> Option<usize> {
+        self.0.get(&Arc::as_ptr(character).addr()).copied()
+    }
 }
 
 impl Models {
+    /// Returns the index of each model by its character.
+    pub(crate) fn known(&self) -> &Known {
+        &self.indices
+    }
+
     /// Returns all models. Their order changes when some are released.
     pub(crate) fn as_slice(&self) -> &[Model] {
         &self.models
@@ -33,14 +48,14 @@ impl Models {
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<usize, Error> {
         let model = Model::new(gl, character, hide)?;
-        if let Some(&index) = self.indices.get(&Arc::as_ptr(character)) {
+        if let Some(index) = self.indices.find(character) {
             self.models[index] = model;
             return Ok(index);
         }
         let index = self.models.len();
         self.models.push(model);
         self.owners.push(Arc::downgrade(character));
-        self.indices.insert(Arc::as_ptr(character), index);
+        self.indices.0.insert(Arc::as_ptr(character).addr(), index);
         Ok(index)
     }
 
@@ -50,8 +65,8 @@ impl Models {
         gl: &Rc<Gl>,
         character: &Arc<Character>,
     ) -> Result<usize, Error> {
-        match self.indices.get(&Arc::as_ptr(character)) {
-            Some(&index) => Ok(index),
+        match self.indices.find(character) {
+            Some(index) => Ok(index),
             None => self.upload(gl, character, &|_| false),
         }
     }
@@ -62,9 +77,9 @@ impl Models {
             if self.owners[index].strong_count() == 0 {
                 self.models.swap_remove(index);
                 let owner = self.owners.swap_remove(index);
-                self.indices.remove(&owner.as_ptr());
+                self.indices.0.remove(&owner.as_ptr().addr());
                 if let Some(moved) = self.owners.get(index) {
-                    self.indices.insert(moved.as_ptr(), index);
+                    self.indices.0.insert(moved.as_ptr().addr(), index);
                 }
             }
         }

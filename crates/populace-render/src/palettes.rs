@@ -74,13 +74,13 @@ struct PageSet {
 }
 
 impl Palettes {
-    /// Returns the number of palette entries of a page, 0 for a missing page.
-    pub(crate) fn entries(&self, page: usize) -> usize {
-        match self.pages[..self.used].get(page) {
-            Some(PageSource::Copied(buffer, _)) => buffer.len() / ENTRY_ELEMENTS,
-            Some(PageSource::Written { entries, .. }) => *entries,
-            None => 0,
-        }
+    /// Returns the number of palette entries of each page in use.
+    pub(crate) fn lengths(&self) -> Vec<usize> {
+        let entries = |page: &PageSource| match page {
+            PageSource::Copied(buffer, _) => buffer.len() / ENTRY_ELEMENTS,
+            PageSource::Written { entries, .. } => *entries,
+        };
+        self.pages[..self.used].iter().map(entries).collect()
     }
 
     /// Binds a page in use to a texture unit.

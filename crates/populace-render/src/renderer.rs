@@ -11,10 +11,11 @@ use std::sync::Arc;
 use glam::{Mat4, Vec3};
 use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
+use rayon::prelude::*;
 
 use self::constants::{bounding_sphere, frame};
 use self::interface::Interface;
-use crate::batch::{Batches, Drawn, ModelInfo, Run};
+use crate::batch::{Batches, Drawn, Instances, ModelInfo, Run};
 use crate::gl::{
     Buffer, BufferUse, ContactTarget, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers,
     VertexArray, WindowTarget,
@@ -224,9 +225,14 @@ impl Renderer {
         }
         let mut instances = Vec::new();
         for (crowd, first) in crowds.iter().zip(first_entries) {
-            for mut instance in crowd.instances() {
+            let mut own = crowd.instances();
+            for instance in &mut own {
                 instance.palette_first = instance.palette_first.saturating_add(first);
-                instances.push(instance);
+            }
+            if instances.is_empty() {
+                instances = own;
+            } else {
+                instances.append(&mut own);
             }
         }
         self.draw_instances(&instances, camera, scene)
@@ -273,25 +279,30 @@ impl Renderer {
         let clip_from_world = camera.clip_from_world(aspect)?;
         self.gl.make_current()?;
         let models = self.models_of(instances)?;
-        let infos: Vec<ModelInfo> = self.models.as_slice().iter().map(|m| m.info).collect();
-        let spheres = self.spheres(instances, &models, scene);
+        let infos: Vec<&ModelInfo> = self.models.as_slice().iter().map(|m| &m.info).collect();
+        let spheres = spheres(instances, &models, &infos, scene);
         let casting: Vec<Sphere> = spheres.iter().flatten().copied().collect();
-        let sun = self.sun_view(scene, &casting, camera, clip_from_world)?;
-        let page_len = |page: usize| self.palettes.entries(page);
+        let shadow = shadow_map(&self.gl, &mut self.shadow, self.size, scene)?;
+        let sun = shadow.and_then(|map| sun_view(map, scene, &casting, camera, clip_from_world));
         let shadow_level = |index: usize| {
-            let (sun, model) = (sun?, &self.models.as_slice()[models[index]]);
-            let (_, model_radius) = model.sphere;
+            let (sun, info, instance) = (sun?, infos[models[index]], &instances[index]);
+            let (_, model_radius) = info.sphere;
             let sphere = spheres[index].filter(|sphere| sun.covers(sphere))?;
             let scale = if model_radius > 0.0 { sphere.radius / model_radius } else { 1.0 };
-            // The mesh that is seen throws no false shadow on itself.
-            let seen = instances[index].level.min(model.info.level_count - 1);
             let error_m = scene.sun.error_texels * sun.texel_m;
             let is_trusted = error_m >= LEAST_SHADOW_ERROR_M;
-            let coarsest = if is_trusted { model.level_within(error_m / scale) } else { 0 };
-            Some(coarsest.max(seen))
+            let coarsest = if is_trusted { info.level_within(error_m / scale) } else { 0 };
+            // The mesh that is seen throws no false shadow on itself.
+            Some(coarsest.max(info.level(instance.level)))
         };
-        let eye = Vec3::from(camera.eye);
-        let batches = Batches::new(instances, &models, &infos, &page_len, &shadow_level, eye)?;
+        let batches = Batches::new(&Instances {
+            all: instances,
+            models: &models,
+            infos: &infos,
+            page_lengths: &self.palettes.lengths(),
+            shadow_level: &shadow_level,
+            eye: Vec3::from(camera.eye),
+        })?;
         self.instances.fill(&batches.instances, "upload the instances")?;
         let mut drawn = Drawn::default();
         let frame = frame(camera, scene, clip_from_world, sun, self.size);
@@ -318,47 +329,59 @@ impl Renderer {
     /// those that are gone.
     fn models_of(&mut self, instances: &[Instance<'_>]) -> Result<Vec<usize>, Error> {
         self.models.release_unused();
-        instances.iter().map(|i| self.models.index_of(&self.gl, i.character)).collect()
+        let known = self.models.known();
+        let found: Vec<Option<usize>> =
+            instances.par_iter().map(|i| known.find(i.character)).collect();
+        let models = found.into_iter().zip(instances);
+        models
+            .map(|(model, i)| model.map_or_else(|| self.models.index_of(&self.gl, i.character), Ok))
+            .collect()
     }
+}
 
-    /// Creates the shadow map on first use and returns its projection. Returns `None` if the sun
-    /// casts no shadows, or none that could reach the picture.
-    fn sun_view(
-        &mut self,
-        scene: &Scene,
-        spheres: &[Sphere],
-        camera: &Camera,
-        clip_from_world: Mat4,
-    ) -> Result<Option<SunView>, Error> {
-        if !scene.sun.casts_shadows {
-            return Ok(None);
-        }
-        let shadow = match &mut self.shadow {
-            Some(shadow) => shadow,
-            empty => empty.insert(ShadowTarget::new(&self.gl, shadow_size(self.size))?),
-        };
-        let to_sun = Vec3::from(scene.sun.to_sun).normalize();
-        let eye = Vec3::from(camera.eye);
-        Ok(SunView::over(spheres, eye, clip_from_world, to_sun, shadow.size()))
+/// Creates the shadow map on first use. Returns `None` if the sun casts no shadows.
+fn shadow_map<'a>(
+    gl: &Rc<Gl>,
+    map: &'a mut Option<ShadowTarget>,
+    size: [u32; 2],
+    scene: &Scene,
+) -> Result<Option<&'a ShadowTarget>, Error> {
+    if !scene.sun.casts_shadows {
+        return Ok(None);
     }
+    Ok(Some(match map {
+        Some(map) => map,
+        empty => empty.insert(ShadowTarget::new(gl, shadow_size(size))?),
+    }))
+}
 
-    /// Returns the bounding sphere at rest of each instance that is not hidden; empty without
-    /// shadows.
-    fn spheres(
-        &self,
-        instances: &[Instance<'_>],
-        models: &[usize],
-        scene: &Scene,
-    ) -> Vec<Option<Sphere>> {
-        if !scene.sun.casts_shadows {
-            return Vec::new();
-        }
-        let sphere = |(instance, model): (&Instance<'_>, &usize)| {
-            let shown = instance.visibility != Visibility::Hidden;
-            shown.then(|| bounding_sphere(&self.models.as_slice()[*model], instance)).flatten()
-        };
-        instances.iter().zip(models).map(sphere).collect()
+/// Returns the projection of the shadow map; `None` if no shadow could reach the picture.
+fn sun_view(
+    map: &ShadowTarget,
+    scene: &Scene,
+    spheres: &[Sphere],
+    camera: &Camera,
+    clip_from_world: Mat4,
+) -> Option<SunView> {
+    let to_sun = Vec3::from(scene.sun.to_sun).normalize();
+    SunView::over(spheres, Vec3::from(camera.eye), clip_from_world, to_sun, map.size())
+}
+
+/// Returns the bounding sphere at rest of each instance that is not hidden; empty without shadows.
+fn spheres(
+    instances: &[Instance<'_>],
+    models: &[usize],
+    infos: &[&ModelInfo],
+    scene: &Scene,
+) -> Vec<Option<Sphere>> {
+    if !scene.sun.casts_shadows {
+        return Vec::new();
     }
+    let sphere = |(instance, model): (&Instance<'_>, &usize)| {
+        let shown = instance.visibility != Visibility::Hidden;
+        shown.then(|| bounding_sphere(infos[*model], instance)).flatten()
+    };
+    instances.par_iter().zip(models).map(sphere).collect()
 }
 
 /// Returns the side of the shadow map in texels: 1.5 times the larger side of the picture, since

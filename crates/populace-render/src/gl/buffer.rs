@@ -1,14 +1,22 @@
 //! Typed OpenGL buffers.
 
 use std::marker::PhantomData;
+use std::mem::MaybeUninit;
 use std::rc::Rc;
 
 use glow::HasContext as _;
 use populace_device::layout::Float4;
+use rayon::prelude::*;
 
 use super::{Gl, Vectors};
 use crate::Error;
 use crate::layout::UniformBlock;
+
+/// Size in bytes from which contents are written into mapped memory, on all threads. Drivers take
+/// less time for the copy of smaller ones.
+const MAPPED_BYTES: usize = 8 << 20;
+/// Bytes that a thread writes at a time.
+const SHARE_BYTES: usize = 256 << 10;
 
 /// Usage hint of a buffer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -60,14 +68,16 @@ impl<T: bytemuck::Pod> Buffer<T> {
         let bytes: &[u8] = bytemuck::cast_slice(data);
         let functions = &self.gl.functions;
         let fits = data.len() <= self.capacity && !data.is_empty();
+        // SAFETY: the context is current, and the object exists.
+        unsafe { functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw)) };
+        let is_written = fits && bytes.len() >= MAPPED_BYTES && self.write_mapped(bytes);
         // SAFETY: the context is current. The slice gives the number of bytes read; `capacity`,
         // which the driver confirmed, is large enough for them.
         unsafe {
-            functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw));
-            if fits {
-                functions.buffer_sub_data_u8_slice(glow::COPY_WRITE_BUFFER, 0, bytes);
-            } else {
+            if !fits {
                 functions.buffer_data_u8_slice(glow::COPY_WRITE_BUFFER, bytes, self.usage);
+            } else if !is_written {
+                functions.buffer_sub_data_u8_slice(glow::COPY_WRITE_BUFFER, 0, bytes);
             }
         }
         if !fits {
@@ -77,6 +87,34 @@ impl<T: bytemuck::Pod> Buffer<T> {
         self.len = data.len();
         self.capacity = self.capacity.max(data.len());
         Ok(())
+    }
+
+    /// Maps the buffer, which is bound to `GL_COPY_WRITE_BUFFER`, and writes its first bytes.
+    /// Returns false if the driver cannot map it.
+    fn write_mapped(&self, bytes: &[u8]) -> bool {
+        const ACCESS: u32 = glow::MAP_WRITE_BIT | glow::MAP_INVALIDATE_BUFFER_BIT;
+        let (functions, target) = (&self.gl.functions, glow::COPY_WRITE_BUFFER);
+        let Ok(len) = i32::try_from(bytes.len()) else { return false };
+        // SAFETY: the context is current, and the buffer holds that many bytes.
+        let address = unsafe { functions.map_buffer_range(target, 0, len, ACCESS) };
+        if address.is_null() {
+            return false;
+        }
+        // SAFETY: the mapping is that long and writable, nothing else has its address, and its
+        // bytes need no values.
+        let mapped = unsafe {
+            std::slice::from_raw_parts_mut(address.cast::<MaybeUninit<u8>>(), bytes.len())
+        };
+        let shares = mapped.par_chunks_mut(SHARE_BYTES).zip(bytes.par_chunks(SHARE_BYTES));
+        shares.for_each(|(to, from)| {
+            let to = to.as_mut_ptr().cast::<u8>();
+            // SAFETY: both chunks have the same length, and a mapping overlaps no other memory.
+            unsafe { to.copy_from_nonoverlapping(from.as_ptr(), from.len()) }
+        });
+        // SAFETY: the context is current, the buffer is bound and mapped, and `mapped` is not used
+        // from here on.
+        unsafe { functions.unmap_buffer(target) };
+        true
     }
 
     /// Returns the number of elements.
@@ -113,5 +151,32 @@ impl<T> Drop for Buffer<T> {
             // SAFETY: the context is current, and `self` owns the buffer.
             unsafe { self.gl.functions.delete_buffer(self.raw) }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+    #[test]
+    fn long_contents_are_written_whole_and_replaced() {
+        let gl = Gl::headless().unwrap();
+        let mut buffer = Buffer::<u32>::new(&gl, BufferUse::Stream).unwrap();
+        let len = MAPPED_BYTES / 4 + 1001;
+        // The first call allocates, the second maps, and the third leaves the end.
+        for (factor, len) in [(3, len), (5, len), (7, len - 2), (11, 10)] {
+            let numbers: Vec<u32> = (0..u32::try_from(len).unwrap()).map(|n| n * factor).collect();
+            buffer.fill(&numbers, "fill").unwrap();
+            let mut read = vec![0; len * 4];
+            // SAFETY: the context is current, and the buffer holds that many bytes.
+            unsafe {
+                gl.functions.bind_buffer(glow::COPY_READ_BUFFER, Some(buffer.raw));
+                gl.functions.get_buffer_sub_data(glow::COPY_READ_BUFFER, 0, &mut read);
+            }
+            assert!(bytemuck::cast_slice::<u32, u8>(&numbers) == read, "factor {factor}");
+            assert_eq!(buffer.len(), len);
+        }
+        gl.check("read the buffer").unwrap();
     }
 }

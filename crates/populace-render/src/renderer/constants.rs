@@ -4,8 +4,8 @@ use glam::{Mat4, Vec3};
 use populace_device::Instance;
 use populace_device::layout::Float4;
 
+use crate::batch::ModelInfo;
 use crate::layout::Frame;
-use crate::model::Model;
 use crate::sun::{Sphere, SunView};
 use crate::{Ambient, Camera, Scene};
 
@@ -13,8 +13,8 @@ use crate::{Ambient, Camera, Scene};
 const CONTRAST_BITS: f32 = 4.321_928;
 
 /// Returns the bounding sphere of an instance in world space, or `None` if it is not finite.
-pub(super) fn bounding_sphere(model: &Model, instance: &Instance<'_>) -> Option<Sphere> {
-    let (center, radius) = model.sphere;
+pub(super) fn bounding_sphere(info: &ModelInfo, instance: &Instance<'_>) -> Option<Sphere> {
+    let (center, radius) = info.sphere;
     let world = &instance.world_from_model;
     let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
     let radius = radius * column(0).max(column(1)).max(column(2));

@@ -46,6 +46,6 @@ impl PaletteSource for Crowd {
 
 impl DrawSource for Crowd {
     fn instances(&self) -> Vec<Instance<'_>> {
-        self.instances().collect()
+        self.all_instances()
     }
 }

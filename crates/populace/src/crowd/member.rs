@@ -8,6 +8,7 @@ mod reading;
 use std::borrow::Borrow;
 
 use populace_device::{Instance, MemberLook};
+use populace_model::convert::u32_from;
 use populace_model::{JointIndex, Role};
 use populace_settings::parts::Parts;
 
@@ -70,11 +71,14 @@ impl Crowd {
 
 impl State {
     pub(super) fn members(&self) -> impl Iterator<Item = MemberRef<'_>> {
-        let base = &self.base;
-        (0u32..).zip(&base.members.all).filter_map(move |(index, state)| {
-            let id = base.member_id(index);
-            Some(MemberView { crowd: self, id, character: state.character? })
-        })
+        let indices = 0..u32_from(self.base.members.all.len());
+        indices.filter_map(|index| self.member_at(index))
+    }
+
+    /// Returns the member of an index; `None` if the index is free.
+    pub(super) fn member_at(&self, index: u32) -> Option<MemberRef<'_>> {
+        let character = self.base.members.all.get(index as usize)?.character?;
+        Some(MemberView { crowd: self, id: self.base.member_id(index), character })
     }
 }
 

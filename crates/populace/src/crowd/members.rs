@@ -1,7 +1,9 @@
 //! Spawning, despawning and drawing of members.
 
 use populace_device::Instance;
+use populace_model::convert::u32_from;
 use populace_settings::parts::{Check, Key, Parts};
+use rayon::prelude::*;
 
 use super::base::{Base, MemberState, Members};
 use super::{CharacterId, Crowd, MemberId};
@@ -78,5 +80,13 @@ impl Crowd {
     /// Iterates over the instances of all members, in the order of [`members`](Self::members).
     pub fn instances(&self) -> impl Iterator<Item = Instance<'_>> {
         self.members().map(|member| member.instance())
+    }
+
+    /// Returns the instances of all members, in the order of [`members`](Self::members). Works on
+    /// all threads.
+    pub(super) fn all_instances(&self) -> Vec<Instance<'_>> {
+        let state = &self.state;
+        let indices = (0..u32_from(state.base.members.all.len())).into_par_iter();
+        indices.filter_map(|index| Some(state.member_at(index)?.instance())).collect()
     }
 }

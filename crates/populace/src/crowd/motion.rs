@@ -16,6 +16,8 @@ use crate::{Error, Placement};
 pub(super) struct RootMotion {
     /// By member index.
     moving: ByMember<Moving>,
+    /// The tick of the watched joints that the offsets were last updated from.
+    updated_at: Option<u64>,
     /// The number of times that root motion has begun.
     begun: u32,
 }
@@ -108,6 +110,10 @@ impl RootMotion {
         tick: u64,
         elements: &[Float4],
     ) {
+        // Each page that is read asks for offsets.
+        if self.updated_at.replace(tick) == Some(tick) {
+            return;
+        }
         for (index, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {
             let Some(watched) = constraints.watched_index(moving.watch.key()) else { continue };
             let first = (watched * WATCHED_ELEMENTS) as usize;
