@@ -19,6 +19,8 @@ pub(crate) use keys::Keys;
 pub(crate) use subject::{Pose, Subject};
 pub(crate) use view::View;
 
+/// Visibility in distances of the camera from what it shows: haze leaves 83 % of the contrasts.
+const VISIBILITY: f32 = 16.0;
 /// Seconds in which the camera `orbit` goes round once.
 const ORBIT_SECS: f64 = 60.0;
 /// Height of the camera `orbit` above the horizon, in radians.
@@ -53,6 +55,7 @@ pub(crate) struct Cameras {
     mode: Mode,
     /// A camera that shows all people from the front.
     framed: Camera,
+    least_visibility_m: f32,
 }
 
 enum Mode {
@@ -119,7 +122,20 @@ impl Cameras {
                 )));
             }
         };
-        Ok(Self { mode, framed })
+        let distance = |camera: &Camera| Vec3::from(camera.eye).distance(camera.target.into());
+        let least_visibility_m = match (view, &mode) {
+            (View::Top | View::Iso, _) => f32::INFINITY,
+            (_, Mode::Orbit { distance, .. }) => VISIBILITY * distance,
+            (View::Crowd, Mode::Fixed(camera)) => VISIBILITY * distance(camera),
+            _ => 0.0,
+        };
+        Ok(Self { mode, framed, least_visibility_m })
+    }
+
+    /// Returns the least distance of visibility in metres. Cameras that are away so far that all is
+    /// in the picture would see haze alone.
+    pub(crate) fn least_visibility_m(&self) -> f32 {
+        self.least_visibility_m
     }
 
     /// Returns the camera at a time in seconds since frame 0.

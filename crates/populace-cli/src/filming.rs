@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use populace::{Crowd, CrowdBuilder};
 use populace_film::FilmSettings;
-use populace_render::{Drawn, Renderer, Scene};
+use populace_render::{Drawn, Preset, Renderer, Scene};
 use serde_json::{Value, json};
 
 use crate::cli::{PictureArgs, build};
@@ -97,6 +97,7 @@ impl<'a> Filming<'a> {
         mut sink: Sink<'_>,
     ) -> Result<Filmed, Failure> {
         let (args, frames) = (self.args, self.frames);
+        let scene = &in_clear_air(*scene, action);
         let frame_loop =
             FrameLoop { frames, lead_in, size: args.size(), scene, detail: args.detail_px() };
         let skipped = sink.skipped();
@@ -175,10 +176,21 @@ pub(crate) fn build_crowd(builder: CrowdBuilder) -> Result<Crowd, Failure> {
 
 /// Returns the light and the surroundings that were asked for.
 pub(crate) fn scene(args: &PictureArgs) -> Scene {
-    let mut scene = args.sky.unwrap_or_default().scene();
+    scene_of(args, args.sky.unwrap_or_default())
+}
+
+/// Returns the light and the surroundings of a preset.
+pub(crate) fn scene_of(args: &PictureArgs, sky: Preset) -> Scene {
+    let mut scene = sky.scene();
     if args.full_detail {
         scene.sun.error_texels = 0.0;
     }
+    scene
+}
+
+/// Returns a scene in air that is clear enough for the cameras of an action.
+pub(crate) fn in_clear_air(mut scene: Scene, action: &dyn Action) -> Scene {
+    scene.sky.visibility_m = scene.sky.visibility_m.max(action.least_visibility_m());
     scene
 }
 

@@ -55,6 +55,10 @@ pub(crate) trait Action {
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
+    /// Returns the least distance of visibility that the cameras need, in metres. Called after
+    /// [`set_aspect`](Self::set_aspect).
+    fn least_visibility_m(&self) -> f32;
+
     /// Returns true if [`overlay`](Self::overlay) needs the depths of pixels.
     fn needs_depths(&self) -> bool {
         false

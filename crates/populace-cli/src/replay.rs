@@ -324,6 +324,10 @@ impl Action for ReplayAction {
         people.find(|(_, other)| *other == member).map(|(agent, _)| agent as u64)
     }
 
+    fn least_visibility_m(&self) -> f32 {
+        self.cameras.as_ref().map_or(0.0, Cameras::least_visibility_m)
+    }
+
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))

@@ -260,10 +260,8 @@ impl SceneSource<'_> {
         let light = &self.plan.light;
         if self.picture.sky.is_none() {
             let sky = light.sky.parse::<Preset>();
-            let sky =
-                sky.map_err(|e| Failure::Input(anyhow::anyhow!("`sky` of [light]: {e}")))?.scene();
-            let sun = populace_render::Sun { error_texels: scene.sun.error_texels, ..sky.sun };
-            *scene = Scene { sun, ..sky };
+            let sky = sky.map_err(|e| Failure::Input(anyhow::anyhow!("`sky` of [light]: {e}")))?;
+            *scene = crate::filming::scene_of(self.picture, sky);
         }
         if let Some(height_deg) = light.sun_height_deg {
             let (up, level) = height_deg.to_radians().sin_cos();

@@ -219,7 +219,7 @@ impl Show for ActionShow {
     }
 
     fn scene(&self) -> Scene {
-        self.scene
+        filming::in_clear_air(self.scene, &*self.action)
     }
 
     fn detail_px(&self) -> Option<f32> {

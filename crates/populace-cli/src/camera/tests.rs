@@ -48,6 +48,21 @@ fn seen(camera: &Camera, point: [f32; 3]) -> [f32; 3] {
 }
 
 #[test]
+fn air_is_as_clear_as_the_camera_is_far_away() {
+    for view in ["crowd", "orbit"] {
+        let camera = camera(view, 3.0);
+        let distance = Vec3::from(camera.eye).distance(camera.target.into());
+        let cameras = Cameras::new(&view.parse().unwrap(), &Two, 1.5).unwrap();
+        let ratio = cameras.least_visibility_m() / distance;
+        assert!((ratio - VISIBILITY).abs() < 0.01, "{view}: {ratio}");
+    }
+    for (view, expected) in [("top", f32::INFINITY), ("iso", f32::INFINITY), ("close", 0.0)] {
+        let cameras = Cameras::new(&view.parse().unwrap(), &Two, 1.5).unwrap();
+        assert_eq!(cameras.least_visibility_m(), expected, "{view}");
+    }
+}
+
+#[test]
 fn everybody_is_in_the_picture() {
     for (view, secs) in [
         ("crowd", 0.0),

@@ -262,6 +262,10 @@ impl Action for FilmedScene {
         std::mem::take(&mut self.behave_ms)
     }
 
+    fn least_visibility_m(&self) -> f32 {
+        self.cameras.as_ref().map_or(0.0, Cameras::least_visibility_m)
+    }
+
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.live, secs)))

@@ -314,6 +314,25 @@ fn far_members_have_fewer_triangles_and_others_are_hidden() {
     assert!(number(&finer, "triangles") > number(&seen, "triangles"));
 }
 
+/// Haze ends the view of this sky after 150 m, and the cameras stand up to 500 m away.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn haze_hides_nobody_from_cameras_that_show_all() {
+    let folder = Folder::new();
+    let out = folder.text("x.png");
+    for camera in ["crowd", "top", "iso", "orbit"] {
+        let common = ["--sky", "overcast", "--size", "320x180", "--device", "native"];
+        let among = ["render", "@man", "--members", "2000", "--camera", camera, "--out", &out];
+        let output = populace(&[&among[..], &common[..]].concat());
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        let picture = image::open(&out).expect("a PNG").to_luma8();
+        let middle = picture.enumerate_pixels().filter(|(_, y, _)| (60..120).contains(y));
+        let values: Vec<u8> = middle.map(|(_, _, pixel)| pixel.0[0]).collect();
+        let contrast = values.iter().max().zip(values.iter().min()).map(|(high, low)| high - low);
+        assert!(contrast > Some(60), "{camera}: {contrast:?}");
+    }
+}
+
 /// A coarser level would shade a surface that is seen from near.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
