@@ -122,18 +122,18 @@ impl Cameras {
                 )));
             }
         };
-        let distance = |camera: &Camera| Vec3::from(camera.eye).distance(camera.target.into());
+        let framed_m = Vec3::from(framed.eye).distance(framed.target.into());
         let least_visibility_m = match (view, &mode) {
             (View::Top | View::Iso, _) => f32::INFINITY,
             (_, Mode::Orbit { distance, .. }) => VISIBILITY * distance,
-            (View::Crowd, Mode::Fixed(camera)) => VISIBILITY * distance(camera),
+            (View::Crowd, _) => VISIBILITY * framed_m,
             _ => 0.0,
         };
         Ok(Self { mode, framed, least_visibility_m })
     }
 
-    /// Returns the least distance of visibility in metres. Cameras that are away so far that all is
-    /// in the picture would see haze alone.
+    /// Returns the least distance of visibility in metres; 0 for cameras among people. Cameras far
+    /// enough away to show everybody would see only haze.
     pub(crate) fn least_visibility_m(&self) -> f32 {
         self.least_visibility_m
     }

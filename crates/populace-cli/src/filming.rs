@@ -7,6 +7,7 @@ use populace_film::FilmSettings;
 use populace_render::{Drawn, Preset, Renderer, Scene};
 use serde_json::{Value, json};
 
+use crate::camera::Cameras;
 use crate::cli::{PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, builder_for};
 use crate::failure::Failure;
@@ -190,7 +191,8 @@ pub(crate) fn scene_of(args: &PictureArgs, sky: Preset) -> Scene {
 
 /// Returns a scene in air that is clear enough for the cameras of an action.
 pub(crate) fn in_clear_air(mut scene: Scene, action: &dyn Action) -> Scene {
-    scene.sky.visibility_m = scene.sky.visibility_m.max(action.least_visibility_m());
+    let least_m = action.cameras().map_or(0.0, Cameras::least_visibility_m);
+    scene.sky.visibility_m = scene.sky.visibility_m.max(least_m);
     scene
 }
 

@@ -8,6 +8,7 @@ use populace::character::Image;
 use populace::{Crowd, MemberId};
 use populace_render::{Camera, Drawn, PassTimes, Scene};
 
+use crate::camera::Cameras;
 use crate::crowd_renderer::CrowdRenderer;
 use crate::exposure::Exposure;
 use crate::failure::Failure;
@@ -55,9 +56,8 @@ pub(crate) trait Action {
     /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
-    /// Returns the least distance of visibility that the cameras need, in metres. Called after
-    /// [`set_aspect`](Self::set_aspect).
-    fn least_visibility_m(&self) -> f32;
+    /// Returns the cameras; `None` before [`set_aspect`](Self::set_aspect).
+    fn cameras(&self) -> Option<&Cameras>;
 
     /// Returns true if [`overlay`](Self::overlay) needs the depths of pixels.
     fn needs_depths(&self) -> bool {

@@ -324,8 +324,8 @@ impl Action for ReplayAction {
         people.find(|(_, other)| *other == member).map(|(agent, _)| agent as u64)
     }
 
-    fn least_visibility_m(&self) -> f32 {
-        self.cameras.as_ref().map_or(0.0, Cameras::least_visibility_m)
+    fn cameras(&self) -> Option<&Cameras> {
+        self.cameras.as_ref()
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {

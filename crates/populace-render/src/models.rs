@@ -18,7 +18,8 @@ pub(crate) struct Models {
     indices: Known,
 }
 
-/// The index of each model by the address of its character.
+/// The index of each model by the address of its character, as a number, so that threads can share
+/// them.
 #[derive(Default)]
 pub(crate) struct Known(HashMap<usize, usize>);
 

@@ -330,12 +330,12 @@ impl Renderer {
     fn models_of(&mut self, instances: &[Instance<'_>]) -> Result<Vec<usize>, Error> {
         self.models.release_unused();
         let known = self.models.known();
-        let found: Vec<Option<usize>> =
+        let found: Option<Vec<usize>> =
             instances.par_iter().map(|i| known.find(i.character)).collect();
-        let models = found.into_iter().zip(instances);
-        models
-            .map(|(model, i)| model.map_or_else(|| self.models.index_of(&self.gl, i.character), Ok))
-            .collect()
+        match found {
+            Some(models) => Ok(models),
+            None => instances.iter().map(|i| self.models.index_of(&self.gl, i.character)).collect(),
+        }
     }
 }
 

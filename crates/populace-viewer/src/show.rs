@@ -21,7 +21,8 @@ pub trait Show {
     /// Returns its length in seconds; `None` if it goes on for ever.
     fn length_secs(&self) -> Option<f64>;
 
-    /// Returns light and surroundings.
+    /// Returns light and surroundings. They may depend on the cameras, see
+    /// [`set_aspect`](Self::set_aspect).
     fn scene(&self) -> Scene;
 
     /// Returns the error of levels of detail in pixels; `None` to evaluate and draw everyone in

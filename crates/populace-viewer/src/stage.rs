@@ -88,6 +88,13 @@ impl Stage {
         self.secs
     }
 
+    /// Chooses the cameras of pictures whose width is `aspect` times their height.
+    pub(crate) fn set_aspect(&mut self, aspect: f32) -> Result<(), ShowError> {
+        self.show.set_aspect(aspect)?;
+        self.scene = self.show.scene();
+        Ok(())
+    }
+
     pub(crate) fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -293,7 +293,7 @@ impl<'a> Viewer<'a> {
         if self.aspect.replace(width / height) == Some(width / height) {
             return Ok(());
         }
-        self.stage.show.set_aspect(width / height).map_err(Error::Show)
+        self.stage.set_aspect(width / height).map_err(Error::Show)
     }
 
     /// Draws lines and words over the picture.

@@ -16,8 +16,8 @@ use crate::{Error, Placement};
 pub(super) struct RootMotion {
     /// By member index.
     moving: ByMember<Moving>,
-    /// The tick of the watched joints that the offsets were last updated from.
-    updated_at: Option<u64>,
+    /// The crowd's frame, and the tick of the watched joints, at the last update of the offsets.
+    updated_at: Option<(u64, u64)>,
     /// The number of times that root motion has begun.
     begun: u32,
 }
@@ -111,7 +111,8 @@ impl RootMotion {
         elements: &[Float4],
     ) {
         // Each page that is read asks for offsets.
-        if self.updated_at.replace(tick) == Some(tick) {
+        let now = (base.clock.frame, tick);
+        if self.updated_at.replace(now) == Some(now) {
             return;
         }
         for (index, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {

@@ -168,6 +168,25 @@ fn removing_a_watch_keeps_other_watches() {
     assert_eq!(scene.crowd.readback(left), Ok(None));
 }
 
+/// The second frame at a tick is another frame: a jump back does not undo motion.
+#[test]
+fn offsets_follow_a_frame_at_the_same_time_again() {
+    let mut scene = fixture::scene(Device::native(), populace::Schedule::Fused);
+    let (_, walk) = add(&mut scene, straight("walk ahead", 1.0));
+    let member = walker(&mut scene, walk);
+    let offset = |scene: &mut Scene| {
+        scene.crowd.with_page(0, &mut |_| ()).expect("a page");
+        scene.crowd.member(member).expect("a member").instance().moved[2]
+    };
+    scene.update(0.5);
+    let before = offset(&mut scene);
+    assert!((before - 0.5).abs() < 1e-4, "{before}");
+    scene.crowd.seek(0.0).expect("a time");
+    scene.update(0.5);
+    let after = offset(&mut scene);
+    assert!(after > before + 0.4, "{after}");
+}
+
 #[test]
 fn root_motion_can_be_started_committed_placed_and_stopped() {
     everywhere(|scene| {
