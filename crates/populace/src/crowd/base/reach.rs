@@ -20,7 +20,7 @@ pub(in crate::crowd) struct Reach {
 impl Reach {
     /// Returns the reach of a body whose joints only rotate.
     pub(super) fn at_rest(skeleton: &Skeleton) -> Self {
-        Self::of(skeleton, |_| ([0.0; 3], 0.0))
+        Self::of(skeleton, |_| [0.0; 3])
     }
 
     /// Returns the reach of a body that plays a clip.
@@ -30,21 +30,19 @@ impl Reach {
         Self::of(skeleton, |joint| {
             let [translation, ..] = ranges[joint];
             let rest = skeleton.rest(joints[joint]).translation;
-            let spread = translation.step * ROW_STEPS;
-            let [x, y, z, _] = translation.offset;
-            let corner = |low: f32, rest: f32| (low - rest).abs().max((low + spread - rest).abs());
-            ([corner(x, rest[0]), corner(y, rest[1]), corner(z, rest[2])], spread)
+            let spread = 0.5 * translation.step * ROW_STEPS;
+            [0, 1, 2].map(|axis: usize| (translation.offset[axis] - rest[axis]).abs() + spread)
         })
     }
 
     /// `shift` returns the most by which a joint leaves its rest translation along each axis.
-    fn of(skeleton: &Skeleton, shift: impl Fn(usize) -> ([f32; 3], f32)) -> Self {
+    fn of(skeleton: &Skeleton, shift: impl Fn(usize) -> [f32; 3]) -> Self {
         let joints: Vec<_> = skeleton.joints().collect();
         let parents: Vec<Option<usize>> = joints
             .iter()
             .map(|joint| skeleton.parent(*joint).map(|parent| parent.index()))
             .collect();
-        let shifted = |joint: usize| length(shift(joint).0);
+        let shifted = |joint: usize| length(shift(joint));
         // The joint where the body branches: all else hangs from it.
         let children = |joint: usize| parents.iter().filter(|p| **p == Some(joint)).count();
         let center = (0..joints.len()).find(|joint| children(*joint) != 1).unwrap_or_default();
@@ -90,4 +88,35 @@ impl Reach {
 
 fn length(v: [f32; 3]) -> f32 {
     v[0].hypot(v[1]).hypot(v[2])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use populace_clip::Clip;
+    use populace_model::{ClipSource, Interpolation, JointSource, Property, Track, Trs};
+
+    #[test]
+    fn the_sphere_holds_a_movement_to_one_side() {
+        let joint = |name: &str, parent, y| JointSource {
+            name: name.into(),
+            parent,
+            rest: Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY },
+        };
+        let joints = [joint("root", None, 0.0), joint("hips", Some(0), 1.0)];
+        let skeleton = Skeleton::new(&joints).unwrap();
+        // From rest to 6 m along each axis.
+        let track = Track {
+            joint: "hips".into(),
+            property: Property::Translation,
+            interpolation: Interpolation::Linear,
+            times: vec![0.0, 1.0],
+            values: vec![0.0, 1.0, 0.0, -6.0, -5.0, -6.0],
+        };
+        let source = ClipSource { name: "sways".into(), tracks: vec![track] };
+        let clip = Clip::new(source, &skeleton).unwrap();
+        let reach = Reach::with_clip(&skeleton, &Binding::new(&clip, &skeleton));
+        assert!(reach.radius_m >= 10.4, "{reach:?}");
+        assert!(Reach::at_rest(&skeleton).radius_m < 2.0);
+    }
 }
