@@ -305,9 +305,11 @@ fn add_fitting(
 ) -> Result<Result<(ClipId, BindingReport), String>, Failure> {
     let (clip_roles, own) =
         (RoleMap::detect(clip.skeleton()), RoleMap::detect(&character.skeleton));
-    Ok(match Binding::fitting(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref()) {
-        Ok(binding) if binding.bound_joint_count() > 0 => {
-            Ok((crowd.character_mut(id)?.add_clip(clip)?, *binding.report()))
+    let report = BindingReport::new(clip, clip_roles.as_ref(), &character.skeleton, own.as_ref())
+        .and_then(|report| report.check(clip.name()).map(|()| report));
+    Ok(match report {
+        Ok(report) if report.bound_joints > 0 => {
+            Ok((crowd.character_mut(id)?.add_clip(clip)?, report))
         }
         Ok(_) => Err("it moves none of its joints".to_owned()),
         Err(error) => Err(error.to_string()),

@@ -1,5 +1,6 @@
 //! Clips: animations as rows of poses, and their binding to skeletons.
 
+mod converted;
 mod live;
 mod motion;
 
@@ -13,6 +14,7 @@ use crate::row_block::RowBlock;
 use crate::rows::Rows;
 use crate::storage::Range;
 
+pub use converted::RowPlace;
 pub use live::{LiveRing, LiveSettings, Streamed};
 pub use motion::{MotionOrigin, MotionSettings, MotionSource, RootMotion};
 

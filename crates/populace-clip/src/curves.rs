@@ -1,7 +1,9 @@
 //! Source curves, sampled in double precision.
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace_model::{ClipSource, Interpolation, JointIndex, Property, Skeleton, Track, f64math};
+use populace_model::{
+    ClipSource, Interpolation, JointIndex, Property, Skeleton, Track, Trs, f64math,
+};
 
 use crate::Error;
 
@@ -13,15 +15,51 @@ pub(crate) enum Side {
 }
 
 /// A local transform in double precision.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Local {
-    pub(crate) rotation: DQuat,
-    pub(crate) translation: DVec3,
-    pub(crate) scale: DVec3,
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Local {
+    /// Rotation of length 1.
+    pub rotation: DQuat,
+    /// Translation in the units of the parent's space.
+    pub translation: DVec3,
+    /// Scale factors.
+    pub scale: DVec3,
 }
 
 impl Local {
-    pub(crate) fn affine(&self) -> DAffine3 {
+    /// Converts a transform of a joint, and normalizes its rotation.
+    #[must_use]
+    pub fn of(trs: &Trs) -> Self {
+        Self {
+            rotation: f64math::quat(trs.rotation).normalize(),
+            translation: f64math::vec3(trs.translation),
+            scale: f64math::vec3(trs.scale),
+        }
+    }
+
+    /// Returns the transform in single precision.
+    #[must_use]
+    pub fn trs(&self) -> Trs {
+        Trs {
+            translation: f64math::to_f32(self.translation.to_array()),
+            rotation: f64math::to_f32(self.rotation.to_array()),
+            scale: f64math::to_f32(self.scale.to_array()),
+        }
+    }
+
+    /// Interpolates between two rows as devices do. `u` is 0 at the first and 1 at the second.
+    pub(crate) fn mix(&self, next: &Self, u: f64) -> Self {
+        let near =
+            if self.rotation.dot(next.rotation) < 0.0 { -next.rotation } else { next.rotation };
+        Self {
+            rotation: (self.rotation * (1.0 - u) + near * u).normalize(),
+            translation: self.translation.lerp(next.translation, u),
+            scale: self.scale.lerp(next.scale, u),
+        }
+    }
+
+    /// Returns the transform as a matrix.
+    #[must_use]
+    pub fn affine(&self) -> DAffine3 {
         DAffine3::from_scale_rotation_translation(self.scale, self.rotation, self.translation)
     }
 }
@@ -47,15 +85,13 @@ impl<'a> Curves<'a> {
                 return Err(Error::DuplicateTrack { joint, property });
             }
         }
-        let rest = skeleton.joints().map(|j| {
-            let trs = skeleton.rest(j);
-            Local {
-                rotation: f64math::quat(trs.rotation),
-                translation: f64math::vec3(trs.translation),
-                scale: f64math::vec3(trs.scale),
-            }
-        });
-        Ok(Self { tracks, rest: rest.collect(), source })
+        let rest = skeleton.joints().map(|j| Local::of(skeleton.rest(j))).collect();
+        Ok(Self { tracks, rest, source })
+    }
+
+    /// Iterates over the joints of the clip's own skeleton.
+    pub(crate) fn joints(&self) -> impl Iterator<Item = JointIndex> {
+        (0..).map(JointIndex).take(self.rest.len())
     }
 
     pub(crate) fn track(&self, joint: JointIndex, property: Property) -> Option<&'a Track> {

@@ -6,14 +6,14 @@ use populace_model::{Interpolation, JointIndex, Property, Skeleton, f64math};
 
 use crate::curves::{Curves, Local, Side};
 use crate::probes::distance_at_probes;
-use crate::row::{PROPERTIES, Row};
+use crate::row::{Motion, Row};
 
 /// Number of intervals of a gap at whose ends the error is measured.
 const MEASURED: u32 = 8;
 
 /// Context for measuring and filling the gap between two rows.
 pub(crate) struct Gap<'a> {
-    pub(crate) curves: &'a Curves<'a>,
+    pub(crate) motion: &'a dyn Motion,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) probes: &'a [f64],
     pub(crate) reach: &'a [f64],
@@ -40,7 +40,7 @@ impl Gap<'_> {
             rows.push(from);
             return bound;
         }
-        let middle = Row::new(self.curves, self.skeleton, middle, Side::After);
+        let middle = Row::new(self.motion, middle, Side::After);
         let first = self.fill(from, &middle, halvings - 1, rows);
         first.max(self.fill(middle, to, halvings - 1, rows))
     }
@@ -53,7 +53,8 @@ impl Gap<'_> {
         let mut worst: f64 = 0.0;
         for joint in self.skeleton.joints() {
             let above = self.skeleton.parent(joint).map_or(0.0, |p: JointIndex| totals[p.index()]);
-            let total = above + self.deviation(joint, from, to);
+            let own = self.motion.deviation(joint, [from, to], self.reach[joint.index()]);
+            let total = above + own;
             worst = worst.max(total);
             if worst > enough {
                 return f64::INFINITY;
@@ -71,10 +72,9 @@ impl Gap<'_> {
         for place in 1..MEASURED {
             let u = f64::from(place) / f64::from(MEASURED);
             let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
-            let exact =
-                self.skeleton.joints().map(|j| self.curves.local(j, secs, Side::After).affine());
-            let exact = f64math::model_from_joints(parents, exact);
-            let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| between(a, b, u).affine());
+            let exact = self.motion.pose(secs, Side::After);
+            let exact = f64math::model_from_joints(parents, exact.iter().map(Local::affine));
+            let stored = from.pose.iter().zip(&to.pose).map(|(a, b)| a.mix(b, u).affine());
             let stored = f64math::model_from_joints(parents, stored);
             for ((a, b), &probe) in exact.iter().zip(&stored).zip(self.probes) {
                 worst = worst.max(1.1 * distance_at_probes(a, b, probe));
@@ -85,46 +85,42 @@ impl Gap<'_> {
         }
         worst
     }
+}
 
-    fn deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+impl Motion for Curves<'_> {
+    fn pose(&self, secs: f64, side: Side) -> Vec<Local> {
+        self.joints().map(|joint| self.local(joint, secs, side)).collect()
+    }
+
+    fn deviation(&self, joint: JointIndex, [from, to]: [&Row; 2], reach: f64) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
-        let kind = |property| self.curves.track(joint, property).map(|track| track.interpolation);
-        let reach = self.reach[joint.index()];
-        let cubic = PROPERTIES.iter().any(|&p| kind(p) == Some(Interpolation::CubicSpline));
+        let kind = |property| self.track(joint, property).map(|track| track.interpolation);
+        let cubic = Property::ALL.iter().any(|&p| kind(p) == Some(Interpolation::CubicSpline));
         if cubic {
-            return self.sampled_deviation(joint, from, to);
+            return self.sampled_deviation(joint, [from, to], reach);
         }
         if kind(Property::Rotation) == Some(Interpolation::Linear) {
             return nlerp_error_rad(a.rotation, b.rotation) * reach;
         }
         0.0
     }
+}
 
+impl Curves<'_> {
     /// A spline minus a straight line is a cubic that is 0 at both ends. Its maximum is at most 1.1
     /// times the largest of seven evenly spaced samples.
-    fn sampled_deviation(&self, joint: JointIndex, from: &Row, to: &Row) -> f64 {
+    fn sampled_deviation(&self, joint: JointIndex, [from, to]: [&Row; 2], reach: f64) -> f64 {
         let (a, b) = (&from.pose[joint.index()], &to.pose[joint.index()]);
-        let reach = self.reach[joint.index()];
         let worst = (1..MEASURED).map(|point| {
             let u = f64::from(point) / f64::from(MEASURED);
             let secs = f64::from(from.secs) + (f64::from(to.secs) - f64::from(from.secs)) * u;
-            let exact = self.curves.local(joint, secs, Side::After);
-            let stored = between(a, b, u);
+            let exact = self.local(joint, secs, Side::After);
+            let stored = a.mix(b, u);
             exact.rotation.angle_between(stored.rotation) * reach
                 + exact.translation.distance(stored.translation)
                 + (exact.scale - stored.scale).abs().max_element() * reach
         });
         1.1 * worst.fold(0.0, f64::max)
-    }
-}
-
-/// Interpolates between two rows as devices do.
-fn between(a: &Local, b: &Local, u: f64) -> Local {
-    let near = if a.rotation.dot(b.rotation) < 0.0 { -b.rotation } else { b.rotation };
-    Local {
-        rotation: (a.rotation * (1.0 - u) + near * u).normalize(),
-        translation: a.translation.lerp(b.translation, u),
-        scale: a.scale.lerp(b.scale, u),
     }
 }
 

@@ -20,10 +20,11 @@ mod storage;
 
 pub use clip::{
     Clip, ClipStats, LiveRing, LiveSettings, MotionOrigin, MotionSettings, MotionSource,
-    RootMotion, Streamed,
+    RootMotion, RowPlace, Streamed,
 };
 pub use clock::{FIRST_TICK, TICK_SECS, TICKS_PER_SEC, ticks_from_secs};
 pub use contacts::Footstep;
+pub use curves::Local;
 pub use error::{Error, LiveFault, MotionFault};
 pub use row_block::{COLUMNS_PER_BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
-pub use storage::{Range, Storage};
+pub use storage::Range;

@@ -1,5 +1,7 @@
 //! Blocks of 16 columns and their locations within a row.
 
+use populace_model::Property;
+
 /// Columns in a block. Devices read rows in blocks of this size.
 pub const COLUMNS_PER_BLOCK: u32 = 16;
 /// [`COLUMNS_PER_BLOCK`] as an index.
@@ -9,7 +11,7 @@ pub const NO_PLANES: u32 = u32::MAX;
 /// Flag in a [`RowBlock`]'s lanes: the planes hold floats, one for each component.
 pub const ROW_FLOATS: u32 = 1 << 31;
 
-/// Location of a block of 16 columns within a row. Devices read the same bytes.
+/// Location of a block of 16 columns within a row.
 ///
 /// A row is a run of 32-bit words. For each property that moves in the block, planes of words
 /// follow each other from the property's first word:
@@ -34,8 +36,7 @@ pub const ROW_FLOATS: u32 = 1 << 31;
 /// | `*_lanes` | 0 to 30 | columns per plane, up to the last column that moves |
 ///
 /// A signed 16-bit number `n` stands for `offset + step * n`, see [`Range`](crate::Range).
-#[repr(C)]
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, bytemuck::Pod, bytemuck::Zeroable)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RowBlock {
     /// First word of the rotations, or [`NO_PLANES`].
     pub rotation_first: u32,
@@ -62,44 +63,18 @@ impl RowBlock {
         scale_lanes: 0,
     };
 
-    /// Merges two blocks into one that only tells what moves in either, and whether either stores
-    /// it as floats ([`ROW_FLOATS`]). First words are those of one of the two.
+    /// Returns the block with the planes of those properties alone for which `moves` is true.
     #[must_use]
-    pub const fn or_moving(mut self, other: &Self) -> Self {
-        if other.rotation_first != NO_PLANES {
-            (self.rotation_first, self.rotation_lanes) =
-                (other.rotation_first, self.rotation_lanes | other.rotation_lanes);
-        }
-        if other.translation_first != NO_PLANES {
-            (self.translation_first, self.translation_lanes) =
-                (other.translation_first, self.translation_lanes | other.translation_lanes);
-        }
-        if other.scale_first != NO_PLANES {
-            (self.scale_first, self.scale_lanes) =
-                (other.scale_first, self.scale_lanes | other.scale_lanes);
+    pub fn with_planes_of(mut self, moves: impl Fn(Property) -> bool) -> Self {
+        for (property, first, lanes) in [
+            (Property::Rotation, &mut self.rotation_first, &mut self.rotation_lanes),
+            (Property::Translation, &mut self.translation_first, &mut self.translation_lanes),
+            (Property::Scale, &mut self.scale_first, &mut self.scale_lanes),
+        ] {
+            if !moves(property) {
+                (*first, *lanes) = (NO_PLANES, 0);
+            }
         }
         self
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn merged_blocks_keep_float_flags_in_either_order() {
-        let block = |lanes| RowBlock {
-            rotation_first: 0,
-            rotation_lanes: lanes,
-            translation_first: 8,
-            translation_lanes: lanes,
-            scale_first: 16,
-            scale_lanes: lanes,
-        };
-        let (floats, halves) = (block(ROW_FLOATS | 16), block(3));
-        for merged in [floats.or_moving(&halves), halves.or_moving(&floats)] {
-            let lanes = [merged.rotation_lanes, merged.translation_lanes, merged.scale_lanes];
-            assert!(lanes.iter().all(|lanes| lanes & ROW_FLOATS != 0), "{merged:?}");
-        }
     }
 }

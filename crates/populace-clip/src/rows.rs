@@ -1,11 +1,11 @@
 //! Conversion of source curves to rows within the error bound.
 
-use populace_model::{Interpolation, JointIndex, Skeleton, Trs, f64math};
+use populace_model::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math};
 
 use crate::curves::{Curves, Local, Side};
 use crate::gap::Gap;
 use crate::probes::{Judge, distance_at_probes, in_joint_units, reaches};
-use crate::row::{PROPERTIES, Row};
+use crate::row::{Motion, Row};
 use crate::storage::Storage;
 
 /// Error bound for a body of 1.8 m, in metres. It is half of what is promised at 3 cm from the
@@ -45,6 +45,22 @@ pub(crate) struct Rows {
 
 impl Rows {
     pub(crate) fn new(curves: &Curves, skeleton: &Skeleton, most_rows: usize) -> Self {
+        let driven = skeleton
+            .joints()
+            .map(|j| Property::ALL.map(|p| curves.track(j, p).is_some()))
+            .collect();
+        Self::of(curves, key_times(curves), driven, skeleton, most_rows)
+    }
+
+    /// Converts a motion of `skeleton` that may have a corner at each of `times`, and jumps at
+    /// those with `true`.
+    pub(crate) fn of(
+        motion: &dyn Motion,
+        times: Vec<(f32, bool)>,
+        driven: Vec<[bool; 3]>,
+        skeleton: &Skeleton,
+        most_rows: usize,
+    ) -> Self {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
         let allowed = tolerance - STORAGE_M * scale - COMPUTED * f64::from(skeleton.size_m());
@@ -54,23 +70,19 @@ impl Rows {
         let probes = in_joint_units(skeleton, &probes);
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
-        let times = key_times(curves);
         let most =
             (ROWS_PER_KEY * times.len() + FREE_POSES / skeleton.joint_count()).min(most_rows);
         for (secs, jumps) in times {
-            let row =
-                Row::new(curves, skeleton, secs, if jumps { Side::Before } else { Side::After });
+            let row = Row::new(motion, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
-                let gap = Gap { curves, skeleton, probes: &probes, reach: &reach, allowed, most };
+                let gap = Gap { motion, skeleton, probes: &probes, reach: &reach, allowed, most };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
             }
             rows.push(row);
             if jumps {
-                rows.push(Row::new(curves, skeleton, secs, Side::After));
+                rows.push(Row::new(motion, secs, Side::After));
             }
         }
-        let driven =
-            skeleton.joints().map(|j| PROPERTIES.map(|p| curves.track(j, p).is_some())).collect();
         let allowed = STORAGE_M * scale;
         let storage = Storage::new(
             &rows,

@@ -12,7 +12,7 @@ use populace_model::{JointIndex, Property, Trs, f64math};
 
 use crate::curves::Local;
 use crate::probes::{Judge, distance_at_probes};
-use crate::row::{PROPERTIES, Row};
+use crate::row::Row;
 use crate::row_block::{BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
 
 /// The greatest number that is stored. Its negative is the least, so that 0 is in the middle.
@@ -52,15 +52,15 @@ impl Range {
 
 /// The stored rows of one clip.
 #[derive(Clone, Debug, Default)]
-pub struct Storage {
+pub(crate) struct Storage {
     /// All rows, one after the other.
-    pub words: Vec<u32>,
+    pub(crate) words: Vec<u32>,
     /// Words from one row to the next.
-    pub stride: usize,
+    pub(crate) stride: usize,
     /// Location of each block of 16 columns within a row.
-    pub blocks: Vec<RowBlock>,
+    pub(crate) blocks: Vec<RowBlock>,
     /// The range of each column and [`Property`].
-    pub ranges: Vec<[Range; 3]>,
+    pub(crate) ranges: Vec<[Range; 3]>,
     /// Largest error of a stored component, for each column and [`Property`]: in metres, quaternion
     /// components or factors.
     pub(crate) worst: Vec<[f32; 3]>,
@@ -78,7 +78,7 @@ impl Storage {
         let mut floats = vec![[false; 3]; ranges.len().div_ceil(BLOCK)];
         let mut found = 0;
         loop {
-            let mut stored = Self::encode(poses, ranges.clone(), &floats);
+            let mut stored = Self::of_poses(poses, ranges.clone(), &floats);
             stored.measure(rows, judge);
             let coarsest = stored.coarsest(judge, &floats);
             if coarsest.is_empty() || stored.error_m <= judge.allowed {
@@ -106,7 +106,8 @@ impl Storage {
             });
             moved.fold(0.0, f64::max)
         };
-        let all = (0..floats.len()).flat_map(|block| PROPERTIES.map(|property| (block, property)));
+        let all =
+            (0..floats.len()).flat_map(|block| Property::ALL.map(|property| (block, property)));
         let coarse = all.filter(|&(block, property)| {
             !floats[block][property as usize]
                 && planes(&self.blocks[block], property).0 != NO_PLANES
@@ -117,7 +118,19 @@ impl Storage {
         coarse.into_iter().rev().map(|(_, which)| which).collect()
     }
 
-    fn encode(poses: &[Vec<Trs>], mut ranges: Vec<[Range; 3]>, floats: &[[bool; 3]]) -> Self {
+    fn of_poses(poses: &[Vec<Trs>], ranges: Vec<[Range; 3]>, floats: &[[bool; 3]]) -> Self {
+        Self::encode(poses.len(), ranges, floats, |row, column, property| {
+            property.of(&poses[row][column]).map(f64::from)
+        })
+    }
+
+    /// Stores `row_count` rows of `values`, which are given the row, the column and the property.
+    fn encode(
+        row_count: usize,
+        mut ranges: Vec<[Range; 3]>,
+        floats: &[[bool; 3]],
+        values: impl Fn(usize, usize, Property) -> [f64; 4],
+    ) -> Self {
         for (column, ranges) in ranges.iter_mut().enumerate() {
             for (range, is_float) in ranges.iter_mut().zip(floats[column / BLOCK]) {
                 if is_float && range.step > 0.0 {
@@ -126,18 +139,15 @@ impl Storage {
             }
         }
         let (blocks, stride) = lay_out(&ranges, floats);
-        let mut stored = Self {
-            words: vec![0; stride * poses.len()],
-            stride,
-            blocks,
-            ranges,
-            ..Self::default()
-        };
-        for (row, pose) in poses.iter().enumerate() {
-            for (column, trs) in pose.iter().enumerate() {
-                stored.put(row, column, Property::Rotation, &trs.rotation);
-                stored.put(row, column, Property::Translation, &trs.translation);
-                stored.put(row, column, Property::Scale, &trs.scale);
+        let mut stored =
+            Self { words: vec![0; stride * row_count], stride, blocks, ranges, ..Self::default() };
+        for row in 0..row_count {
+            for column in 0..stored.ranges.len() {
+                for property in Property::ALL {
+                    if stored.ranges[column][property as usize].step > 0.0 {
+                        stored.put(row, column, property, values(row, column, property));
+                    }
+                }
             }
         }
         stored
@@ -147,7 +157,7 @@ impl Storage {
     /// are floats that will be overwritten.
     pub(crate) fn live(pose: Vec<Trs>, moves: &[[bool; 3]]) -> Self {
         let range = |(trs, moves): (&Trs, &[bool; 3])| {
-            PROPERTIES.map(|property| Range {
+            Property::ALL.map(|property| Range {
                 step: if moves[property as usize] { 1.0 } else { 0.0 },
                 ..Range::still(property.of(trs))
             })
@@ -155,29 +165,38 @@ impl Storage {
         let ranges: Vec<_> = pose.iter().zip(moves).map(range).collect();
         let floats = vec![[true; 3]; ranges.len().div_ceil(BLOCK)];
         let worst = vec![[0.0; 3]; ranges.len()];
-        Self { worst, ..Self::encode(&[pose], ranges, &floats) }
+        Self { worst, ..Self::of_poses(&[pose], ranges, &floats) }
     }
 
-    /// Stores rows of small rotations, one per column; all columns count as moving.
-    #[must_use]
-    pub fn of_rotations(rows: &[Vec<DQuat>]) -> Self {
-        let pose = |row: &Vec<DQuat>| -> Vec<Trs> {
-            let near = |q: &DQuat| if q.w < 0.0 { -*q } else { *q };
-            let rotation = |q: &DQuat| f64math::to_f32(near(q).to_array());
-            row.iter().map(|q| Trs { rotation: rotation(q), ..Trs::IDENTITY }).collect()
+    /// Copies the rows in another order of columns. `columns` names the column that each new one
+    /// copies, with the properties to copy; all else is constant at `rest`. Numbers are copied
+    /// as they are. Where floats are among them, a block's other numbers become floats as well.
+    pub(crate) fn arranged(&self, columns: &[Option<(usize, [bool; 3])>], rest: &[Trs]) -> Self {
+        let copied = |to: usize, property: Property| {
+            columns[to].filter(|(_, copied)| copied[property as usize]).map(|(from, _)| from)
         };
-        let poses: Vec<_> = rows.iter().map(pose).collect();
-        let columns = rows.first().map_or(0, Vec::len);
-        let range = |column: usize| {
-            let rotation = Range::over(bounds(poses.iter().map(|pose| pose[column].rotation)));
-            PROPERTIES.map(|property| match property {
-                Property::Rotation => rotation,
-                _ => Range::still(property.of(&Trs::IDENTITY)),
-            })
-        };
-        let ranges: Vec<_> = (0..columns).map(range).collect();
-        let floats = vec![[false; 3]; columns.div_ceil(BLOCK)];
-        Self::encode(&poses, ranges, &floats)
+        let mut floats = vec![[false; 3]; columns.len().div_ceil(BLOCK)];
+        let (mut ranges, mut worst) = (Vec::new(), Vec::new());
+        for (to, rest) in rest.iter().enumerate() {
+            ranges.push(Property::ALL.map(|property| match copied(to, property) {
+                Some(from) => self.ranges[from][property as usize],
+                None => Range::still(property.of(rest)),
+            }));
+            worst.push(Property::ALL.map(|property| {
+                copied(to, property).map_or(0.0, |from| self.worst[from][property as usize])
+            }));
+            for property in Property::ALL {
+                let from = copied(to, property).map(|from| &self.blocks[from / BLOCK]);
+                floats[to / BLOCK][property as usize] |=
+                    from.is_some_and(|block| planes(block, property).1 & ROW_FLOATS != 0);
+            }
+        }
+        let row_count = self.words.len() / self.stride.max(1);
+        let stored = Self::encode(row_count, ranges, &floats, |row, to, property| {
+            let from = copied(to, property).unwrap_or_default();
+            self.values(self.row(row), from, property)
+        });
+        Self { worst, error_m: self.error_m, ..stored }
     }
 
     /// Converts a pose to the words of a row of floats; properties that do not move are left out.
@@ -185,7 +204,7 @@ impl Storage {
         let mut words = vec![0; self.stride];
         for (column, trs) in pose.iter().enumerate().take(self.ranges.len()) {
             for property in
-                PROPERTIES.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0)
+                Property::ALL.into_iter().filter(|p| self.ranges[column][*p as usize].step > 0.0)
             {
                 for (component, value) in
                     property.of(trs).into_iter().take(property.width()).enumerate()
@@ -199,18 +218,34 @@ impl Storage {
         words
     }
 
-    fn put(&mut self, row: usize, column: usize, property: Property, values: &[f32]) {
+    /// Converts the words of a row to a pose.
+    pub(crate) fn pose_of(&self, words: &[u32]) -> Vec<Trs> {
+        let pose = |column| {
+            let values = |property| f64math::to_f32(self.values(words, column, property));
+            let vector = |property| {
+                let [x, y, z, _] = values(property);
+                [x, y, z]
+            };
+            Trs {
+                translation: vector(Property::Translation),
+                rotation: values(Property::Rotation),
+                scale: vector(Property::Scale),
+            }
+        };
+        (0..self.ranges.len()).map(pose).collect()
+    }
+
+    fn put(&mut self, row: usize, column: usize, property: Property, values: [f64; 4]) {
         let range = self.ranges[column][property as usize];
-        if range.step == 0.0 {
-            return;
-        }
         let first = row * self.stride;
-        for (component, &value) in values.iter().enumerate() {
+        for (component, value) in values.into_iter().take(property.width()).enumerate() {
             match self.location(column, property, component) {
-                Location::Float(word) => self.words[first + word] = value.to_bits(),
+                Location::Float(word) => {
+                    let [value] = f64math::to_f32([value]);
+                    self.words[first + word] = value.to_bits();
+                }
                 Location::Half(word, shift) => {
-                    let n = (f64::from(value) - f64::from(range.offset[component]))
-                        / f64::from(range.step);
+                    let n = (value - f64::from(range.offset[component])) / f64::from(range.step);
                     #[expect(clippy::cast_possible_truncation, reason = "clamped on the line")]
                     let n = n.round().clamp(-GREATEST, GREATEST) as i16;
                     self.words[first + word] |= u32::from(n.cast_unsigned()) << shift;
@@ -234,14 +269,18 @@ impl Storage {
         }
     }
 
+    /// Returns the words of a row.
+    fn row(&self, row: usize) -> &[u32] {
+        &self.words[row * self.stride..][..self.stride]
+    }
+
     /// Decodes a property of a stored row as devices do. The fourth component of vectors is 0.
-    fn values(&self, row: usize, column: usize, property: Property) -> [f64; 4] {
+    fn values(&self, words: &[u32], column: usize, property: Property) -> [f64; 4] {
         let range = &self.ranges[column][property as usize];
         let mut values = range.offset.map(f64::from);
         if range.step == 0.0 {
             return values;
         }
-        let words = &self.words[row * self.stride..][..self.stride];
         for (component, value) in values.iter_mut().enumerate().take(property.width()) {
             let n = match self.location(column, property, component) {
                 Location::Float(at) => f64::from(f32::from_bits(words[at])),
@@ -257,11 +296,11 @@ impl Storage {
     /// `u` to whole parts of 32,767. `u` is 0 at the first row and 1 at the second.
     pub(crate) fn local(&self, joint: JointIndex, [row, next]: [usize; 2], u: f64) -> Local {
         let mix = |property| {
-            let first = self.values(row, joint.index(), property);
+            let first = self.values(self.row(row), joint.index(), property);
             if u == 0.0 {
                 return first;
             }
-            let second = self.values(next, joint.index(), property);
+            let second = self.values(self.row(next), joint.index(), property);
             std::array::from_fn(|c| first[c] * (1.0 - u) + second[c] * u)
         };
         let vector = |property| DVec4::from_array(mix(property)).truncate();
@@ -277,7 +316,10 @@ impl Storage {
         let moving = |property: Property| {
             self.ranges.iter().filter(|column| column[property as usize].step > 0.0).count()
         };
-        PROPERTIES.into_iter().map(|property| (property.width() + 1) * 4 * moving(property)).sum()
+        Property::ALL
+            .into_iter()
+            .map(|property| (property.width() + 1) * 4 * moving(property))
+            .sum()
     }
 
     /// Measures the difference between stored and exact rows.
@@ -351,7 +393,7 @@ fn ranges(poses: &[Vec<Trs>], judge: &Judge) -> Vec<[Range; 3]> {
         }
         Range::over([low, high])
     };
-    let all = |joint| PROPERTIES.map(|property| range(joint, property));
+    let all = |joint| Property::ALL.map(|property| range(joint, property));
     judge.skeleton.joints().map(all).collect()
 }
 

@@ -63,12 +63,6 @@ macro_rules! device_struct {
                 &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
         }
     };
-    // A struct that a crate beneath declares. A field that is missing here, or has another type,
-    // does not compile.
-    (use populace_clip::$name:ident { $( $field:ident : $ty:ident ),* $(,)? }) => {
-        device_struct! { @impl $name { $( $field: $ty ),* } }
-        const _: fn($name) -> ($( $ty, )*) = |$name { $( $field ),* }| ($( $field, )*);
-    };
     ($(#[$doc:meta])* pub struct $name:ident {
         $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
     }) => {
@@ -160,21 +154,9 @@ device_consts! {
     /// Maximum number of phases per frame: one for members attached to nothing, and four levels of
     /// attached members.
     pub const MAX_PHASES: u32 = 5;
-    /// Flag in a joint map: the rotation comes from the clip's rows.
-    pub const MAP_ROTATION: u32 = populace_retarget::MAP_ROTATION;
-    /// Flag in a joint map: the translation comes from the clip's rows.
-    pub const MAP_TRANSLATION: u32 = populace_retarget::MAP_TRANSLATION;
-    /// Flag in a joint map: the scale comes from the clip's rows.
-    pub const MAP_SCALE: u32 = populace_retarget::MAP_SCALE;
     /// Flag in the lanes of a [`RowBlock`]: the planes hold floats, one plane per component.
     pub const ROW_FLOATS: u32 = populace_clip::ROW_FLOATS;
-    /// Flag in a [`BoundBlock`]: all joints follow one block, each the column of its own lane.
-    pub const BLOCK_STRAIGHT: u32 = 4;
-    /// Flag in a [`BoundBlock`]: the sampled pose goes on through the corrections of
-    /// [`BoundClip::next`].
-    pub const BLOCK_CORRECTED: u32 = 8;
-    /// Flag in a [`BoundBlock`]: all translations are at the body's rest. In a correction: it adds
-    /// nothing to translations.
+    /// Flag in a [`BoundBlock`]: all translations are at the body's rest.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
     pub const REST_SCALE: u32 = 2;
@@ -273,8 +255,6 @@ device_consts! {
     pub const CONDITION_BELOW: u32 = 1;
     /// [`Condition::kind`]: at least this many ticks have passed since the state was entered.
     pub const CONDITION_AFTER: u32 = 2;
-    /// The bits of a joint map that name the clip's column.
-    pub const MAP_COLUMN: u32 = populace_retarget::MAP_COLUMN;
     /// Sum of the weights of two rows of 16-bit numbers, which are whole numbers.
     pub const ROW_PARTS: f32 = 32767.0;
     /// Weights that sum to less count as none: the inverse of the sum would overflow.
@@ -368,20 +348,6 @@ pub const POSE_PLANES: usize = 10;
 /// A component is `offset + step * n` for the number `n` stored in a row. With a step of 0 the
 /// value is constant: the clip's constant, or the body's rest if the clip does not drive the joint.
 pub const RANGE_PLANES: usize = 13;
-/// Planes of a retarget correction, each of `padded_count` floats, joints fastest.
-///
-/// | Planes | Content |
-/// |---|---|
-/// | 0 to 3 | rotation: offsets `x y z w` |
-/// | 4, 5 | rotation: step of `x y z`, step of `w` (of opposite sign if the rotation is undone) |
-/// | 6 to 8, 9 | arm: offsets `x y z`, step |
-/// | 10 to 13 | second rotation `x y z w` |
-///
-/// The arm, rotated by the joint's rotation so far, is added to the joint's translation. Then the
-/// joint's rotation is multiplied from the right by the first and the second rotation. With
-/// identity rotations and an arm of 0 the joint is unchanged.
-pub const CORRECTION_PLANES: usize = 14;
-
 /// Layout of a shared struct in Rust, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StructLayout {
@@ -400,8 +366,8 @@ macro_rules! with_device_structs {
     ($callback:ident $(, $more:tt)*) => {
         $callback! {
             $($more)*;
-            Body, Entry, ClipRows, RowBlock, BoundClip, Contact, BoundBlock, Source, Slot,
-            InertializationSlot, Layer, Member, SlotSample, Control, Step, Override, Constraint,
+            Body, Entry, ClipRows, BoundClip, Contact, BoundBlock, Slot, InertializationSlot,
+            Layer, Member, SlotSample, Control, Step, Override, Constraint,
             Link, Target, Ground, MachineState, Transition, Condition, MachineInstance, Running
         }
     };

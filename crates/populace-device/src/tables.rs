@@ -1,6 +1,7 @@
 //! The tables that devices evaluate: data shared by all members, and the members themselves.
 
 mod binding;
+mod clips;
 mod controls;
 mod free_runs;
 mod hiding;
@@ -24,8 +25,8 @@ use std::collections::{BinaryHeap, HashMap};
 
 use crate::Error;
 use crate::layout::{
-    Body, ClipRows, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES,
-    MOTION_ELEMENTS, NONE, PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
+    Body, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES, NONE,
+    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -33,7 +34,6 @@ use controls::ControlSpaces;
 use machines::InstanceSpace;
 use pages::PageLists;
 use populace_character::PaletteEntry;
-use populace_clip::{Clip, RootMotion};
 use populace_model::convert::u32_from;
 use populace_model::{Mask, Skeleton, Trs};
 use runs::{Asset, Runs};
@@ -42,6 +42,7 @@ use soles::Soles;
 use space::Space;
 
 pub use controls::Ground;
+use live::LiveClip;
 pub use live::LiveNewest;
 pub use machines::{Condition, MachineState, Transition};
 pub use table::Table;
@@ -73,6 +74,8 @@ pub struct Tables {
     asset_runs: HashMap<(Asset, u32), Runs>,
     /// Soles of bodies that have some, by body.
     soles_of_bodies: HashMap<u32, Soles>,
+    /// Live clips, by index.
+    live_clips: HashMap<u32, LiveClip>,
     /// Set once a live clip is added, and kept when it is removed.
     had_live_clips: bool,
 }
@@ -110,6 +113,7 @@ impl Tables {
             instance_space: InstanceSpace::new(),
             asset_runs: HashMap::new(),
             soles_of_bodies: HashMap::new(),
+            live_clips: HashMap::new(),
             had_live_clips: false,
         }
     }
@@ -265,47 +269,6 @@ impl Tables {
         self.soles_of_bodies.insert(index, soles);
         self.measure_levels();
         Ok(BodyIndex(index))
-    }
-
-    /// Adds a clip's rows and returns its index. A live clip gets a ring of the size that it asks
-    /// for, filled with the rest pose until rows are written.
-    ///
-    /// # Errors
-    ///
-    /// [`Error::TooLarge`] if offsets exceed 32 bits.
-    pub fn add_clip(&mut self, clip: &Clip) -> Result<u32, Error> {
-        self.add_asset(Asset::Clip, |tables, runs| {
-            let row_first = tables.add_rows(clip, runs)?;
-            let all = &mut tables.all;
-            let blocks = clip.row_blocks().iter().copied();
-            let block_first = runs.add(&mut all.row_blocks, blocks)?;
-            let (buckets, buckets_per_sec) = clip.buckets();
-            let times = if buckets.is_empty() { &[] } else { clip.row_times() };
-            let time_first = runs.add(&mut all.row_times, times.iter().copied())?;
-            let bucket_first = runs.add(&mut all.buckets, buckets.iter().copied())?;
-            let motion = clip.root_motion();
-            let motions = motion.into_iter().flat_map(RootMotion::device_rows).map(Float4);
-            let motion_element = runs.add(&mut all.motions, motions)?;
-            let rows = ClipRows {
-                motion_first: motion_element / MOTION_ELEMENTS,
-                motion_count: u32_from(motion.map_or(0, RootMotion::row_count)),
-                motion_rows_per_sec: motion.map_or(0.0, RootMotion::rows_per_sec),
-                row_first,
-                row_stride: u32_from(clip.row_stride()),
-                row_count: u32_from(clip.row_count()),
-                block_first,
-                time_first,
-                bucket_first,
-                bucket_count: u32_from(buckets.len()),
-                buckets_per_sec,
-                start_secs: clip.start_secs(),
-                duration_secs: clip.duration_secs(),
-                rows_per_sec: clip.rows_per_sec(),
-                ..live::new_ring(clip)
-            };
-            tables.had_live_clips |= rows.ring_rows > 0;
-            runs.add(&mut tables.all.clips, [rows])
-        })
     }
 
     /// Adds a mask and returns its offset in [`masks`](Self::masks), for use in layers.

@@ -14,6 +14,9 @@ pub enum Property {
 }
 
 impl Property {
+    /// All properties; each one's index is its value as `usize`.
+    pub const ALL: [Self; 3] = [Self::Translation, Self::Rotation, Self::Scale];
+
     /// Values per key: 3, or 4 for a rotation.
     #[must_use]
     pub const fn width(self) -> usize {

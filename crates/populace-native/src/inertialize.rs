@@ -51,7 +51,7 @@ fn sampled_poses<R: SampleWidth<Stored: PoseWidth>>(
     rest: &Local<R>,
 ) -> SampledPoses<R> {
     let bound = &joints.tables.bound_clips().as_slice()[state.bound_clip as usize];
-    let clip = &joints.tables.clips().as_slice()[bound.clip as usize];
+    let clip = &joints.tables.clips().as_slice()[bound.rows as usize];
     let last = clip.row_count - 1;
     let rows = [place_of(clip, state.row), row_of(clip, far_row(state.row, last)), row_of(clip, 0)];
     let mut poses = [*rest; 3];

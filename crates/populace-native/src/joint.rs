@@ -155,7 +155,7 @@ impl Posing<'_> {
             let (weight, local) = (R::splat(playing.at.weight), &mut sum.local);
             sum.at_rest &= sample.at_rest;
             let (value, k) = if additive {
-                let first = tables.clips().as_slice()[bound.clip as usize].row_first;
+                let first = tables.clips().as_slice()[bound.rows as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
                 let start = sample_joint::<R>(joints, bound, &start, rest).normalized(rest);
                 let turned = quotient(&sample.normalized(rest), &start, quat::identity());

@@ -49,7 +49,6 @@ mod rows;
 mod slot;
 
 mod block_columns;
-mod corrections;
 mod dispatch;
 mod transposition;
 mod widths;

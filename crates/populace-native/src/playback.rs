@@ -66,7 +66,7 @@ impl<'a> Play<'a> {
     /// Asks for the rows that the slots mix.
     pub(crate) fn fetch_rows(&self, tables: &Tables) {
         for Playing { at, bound_clip, .. } in self.playing() {
-            let clip = tables.bound_clips().as_slice()[*bound_clip as usize].clip as usize;
+            let clip = tables.bound_clips().as_slice()[*bound_clip as usize].rows as usize;
             let stride = tables.clips().as_slice()[clip].row_stride as usize;
             for row in [at.row0, at.row1] {
                 fetch_lines(&tables.rows().as_slice()[row as usize..][..stride]);

@@ -6,10 +6,7 @@
 //! have a step of 0, so the arithmetic is the same for all.
 
 use populace_device::Tables;
-use populace_device::layout::{
-    BLOCK_CORRECTED, Body, BoundBlock, BoundClip, JOINT_BLOCK, MAP_COLUMN, MAP_ROTATION, MAP_SCALE,
-    MAP_TRANSLATION, NONE, ROW_PARTS, RowBlock,
-};
+use populace_device::layout::{Body, BoundBlock, BoundClip, ROW_PARTS, RowBlock};
 use populace_model::Property;
 
 use crate::encoding::{Planes, Rows};
@@ -69,36 +66,13 @@ pub(crate) trait Columns<R> {
 pub(crate) struct JointColumn<'a> {
     rows: &'a [u32],
     block: RowBlock,
-    flags: u32,
     lane: usize,
 }
 
-impl<'a> JointColumn<'a> {
-    /// Finds the column of joint `joint` of the body.
-    #[inline(always)]
-    pub(crate) fn of(joints: &Joints<'a>, bound: &BoundClip, joint: usize) -> Self {
-        let tables = joints.tables;
-        let map = tables.joint_maps().as_slice()[bound.map_first as usize + joint];
-        let column = map & MAP_COLUMN;
-        let block = (bound.row_block_first + column / JOINT_BLOCK) as usize;
-        let mut block = tables.row_blocks().as_slice()[block];
-        for (flag, first) in [
-            (MAP_ROTATION, &mut block.rotation_first),
-            (MAP_TRANSLATION, &mut block.translation_first),
-            (MAP_SCALE, &mut block.scale_first),
-        ] {
-            if map & flag == 0 {
-                *first = NONE;
-            }
-        }
-        let flags = joints.bound_block(bound).flags;
-        let lane = (column % JOINT_BLOCK) as usize;
-        Self { rows: tables.rows().as_slice(), block, flags, lane }
-    }
-
+impl JointColumn<'_> {
     /// Returns a component between two rows, in [`ROW_PARTS`] of a step.
     #[inline(always)]
-    pub(crate) fn parts(&self, property: Property, at: &Rows, component: usize) -> f32 {
+    fn parts(&self, property: Property, at: &Rows, component: usize) -> f32 {
         let planes = Planes::of(&self.block, property);
         let (from, encoding) = planes.plane_at(property, at.from, component);
         let (to, _) = planes.plane_at(property, at.to, component);
@@ -111,7 +85,11 @@ impl RowWidth for f32 {
 
     #[inline(always)]
     fn columns<'a>(joints: &Joints<'a>, bound: &'a BoundClip) -> JointColumn<'a> {
-        JointColumn::of(joints, bound, joints.first)
+        JointColumn {
+            rows: joints.tables.rows().as_slice(),
+            block: joints.bound_block(bound).rows(),
+            lane: joints.first % LANES,
+        }
     }
 }
 
@@ -123,7 +101,7 @@ impl Columns<f32> for JointColumn<'_> {
 
     #[inline(always)]
     fn are_common(&self) -> bool {
-        self.flags & BLOCK_CORRECTED == 0
+        true
     }
 
     #[inline(always)]

@@ -1,14 +1,11 @@
-//! Local transforms sampled from a clip, retarget corrections included. Twin of the end of
+//! Local transforms sampled from a clip. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_device::layout::{
-    BLOCK_CORRECTED, BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample,
-};
+use populace_device::layout::{BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
-use crate::corrections::correct;
 use crate::encoding::Rows;
 use crate::local::Local;
 use crate::rows::{
@@ -67,7 +64,7 @@ pub(crate) fn sample_joint<R: SampleWidth<Stored: PoseWidth>>(
     Sample { local, at_rest }
 }
 
-/// Columns of any storage, with or without corrections.
+/// Columns of any storage.
 ///
 /// They are sampled apart: most columns are common, and their path must not pay for the registers of
 /// this one.
@@ -82,12 +79,7 @@ impl Change for AnyColumns<'_> {
     fn changed<R: SampleWidth<Stored: PoseWidth>>(&self, rest: &Local<R>, _: Local<R>) -> Local<R> {
         let Self { joints, bound, at } = *self;
         let columns = R::columns(joints, bound);
-        let local = sample_columns::<R, false>(joints, &columns, bound, at, rest);
-        if joints.bound_block(bound).flags & BLOCK_CORRECTED != 0 {
-            correct(joints, bound, at, local)
-        } else {
-            local
-        }
+        sample_columns::<R, false>(joints, &columns, bound, at, rest)
     }
 }
 

@@ -51,7 +51,7 @@ pub(crate) fn sample_of(tables: &Tables, slot: &Slot, tick: u64) -> (SlotSample,
     let weight = if slot.bound_clip == NONE { 0.0 } else { slot.weight_at(tick) };
     if weight > 0.0 {
         let bound = tables.bound_clips().as_slice()[slot.bound_clip as usize];
-        let clip = &tables.clips().as_slice()[bound.clip as usize];
+        let clip = &tables.clips().as_slice()[bound.rows as usize];
         let (Between { row, next, between }, after_start) = if slot.mode() == SLOT_LIVE {
             (find_live_row(clip, slot, tick), f32::NAN)
         } else {

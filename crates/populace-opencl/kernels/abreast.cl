@@ -50,7 +50,7 @@ INLINE void fetch_rows(const ClipTables *tables, Playback playback)
 {
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
-        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].clip];
+        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].rows];
         fetch_lines(tables->rows + playing.at.row0, clip.row_stride);
         fetch_lines(tables->rows + playing.at.row1, clip.row_stride);
     }

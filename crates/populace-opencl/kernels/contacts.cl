@@ -39,7 +39,7 @@ INLINE Stepping stepping(const ConstraintTables *tables, uint bound_clip, float 
 {
     const BoundClip bound = tables->bound_clips[bound_clip];
     const Stepping stepping = { bound.contact_count > 0 ? weight : 0.0f, secs,
-                                tables->clips[bound.clip].duration_secs, bound.contact_first,
+                                tables->clips[bound.rows].duration_secs, bound.contact_first,
                                 bound.contact_count };
     return stepping;
 }
@@ -57,7 +57,7 @@ INLINE Stepping play_in(const Stop *at, uint lane, uint nth)
     const Slot slot = slot_now(given, tables->tick, tables->machines);
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tables->tick);
     if (weight <= 0.0f || slot_mode(slot) == SLOT_LIVE) return none;
-    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].clip];
+    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].rows];
     return stepping(tables, slot.bound_clip, weight,
                     slot_time(slot, tables->tick, clip) - clip.start_secs);
 }

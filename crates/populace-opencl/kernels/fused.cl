@@ -5,7 +5,7 @@
 INLINE float secs_after_start(Slot slot, SlotSample at, ulong tick, const ClipTables *tables)
 {
     if (at.weight <= 0.0f || slot_mode(slot) == SLOT_LIVE) return NAN;
-    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].clip];
+    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].rows];
     return slot_time(slot, tick, clip) - clip.start_secs;
 }
 

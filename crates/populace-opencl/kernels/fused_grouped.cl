@@ -24,22 +24,22 @@
 
 // clang-format off
 // Parameters that all kernels share, in the order in which src/fused.rs sets them: members and
-// their bodies; what they play; clips and stored poses; levels and joint maps; the clock and the
+// their bodies; what they play; clips and stored poses; levels; the clock and the
 // slots of each member; constraint programs.
 #define GROUPED_PARAMETERS \
     __global const Member *members, __global const Body *bodies, __global const uint *parents, \
     __global const Slot *slots, __global const MachineState *machine_states, \
     __global const Running *running, __global const Layer *layers, \
     __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks, \
-    __global const ClipRows *clips, __global const RowBlock *row_blocks, \
+    __global const ClipRows *clips, \
     __global const uint *rows, __global const float *row_times, __global const uint *buckets, \
     __global const float *poses, __global const float *masks, \
-    __global const uint *levels, __global const uint *joint_maps, \
+    __global const uint *levels, \
     ulong tick, uint slots_per_member, \
     __global const float *joint_scales, CONSTRAINT_PARAMETERS
 #define GROUPED_ARGUMENTS \
     members, bodies, parents, slots, machine_states, running, layers, bound_clips, bound_blocks, \
-    clips, row_blocks, rows, row_times, buckets, poses, masks, levels, joint_maps, tick, \
+    clips, rows, row_times, buckets, poses, masks, levels, tick, \
     slots_per_member, joint_scales, CONSTRAINT_ARGUMENTS
 
 // Parameters of the kernels of a frame: members of the page, of which those of a range and a phase
@@ -70,8 +70,7 @@ typedef struct {
 
 INLINE Grouped grouped_of(GROUPED_PARAMETERS)
 {
-    const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
-                                     row_blocks,  joint_maps,   rows, poses, masks };
+    const ClipTables clip_tables = { bound_clips, bound_blocks, clips, rows, poses, masks };
     const Adjustments adjustments = {
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };

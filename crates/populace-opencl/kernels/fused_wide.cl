@@ -118,9 +118,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     __global const Running *running, __global const Layer *layers,
     // Clips and stored poses.
     __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
-    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
-    __global const float *row_times, __global const uint *buckets, __global const float *poses,
-    __global const float *masks, __global const Source *sources, __global const uint *source_lanes,
+    __global const ClipRows *clips, __global const uint *rows, __global const float *row_times,
+    __global const uint *buckets, __global const float *poses, __global const float *masks,
     // The clock, and the slots of each member.
     ulong tick, uint slots_per_member,
     // Constraint programs.
@@ -132,9 +131,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     uint member_count, uint run, uint padded_most, uint desk_count,
     volatile __global uint *is_taken, __global float4 *restrict desks)
 {
-    const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
-                                     clips,       row_blocks,   0,       rows,
-                                     poses,       masks };
+    const ClipTables clip_tables = { bound_clips, bound_blocks, clips, rows, poses, masks };
     const Adjustments adjustments = {
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };
@@ -180,9 +177,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     __global const Running *running, __global const Layer *layers,
     // Clips and stored poses.
     __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
-    __global const ClipRows *clips, __global const RowBlock *row_blocks, __global const uint *rows,
-    __global const float *row_times, __global const uint *buckets, __global const float *poses,
-    __global const float *masks, __global const Source *sources, __global const uint *source_lanes,
+    __global const ClipRows *clips, __global const uint *rows, __global const float *row_times,
+    __global const uint *buckets, __global const float *poses, __global const float *masks,
     // The clock, and the slots of each member.
     ulong tick, uint slots_per_member,
     // Constraint programs.
@@ -192,9 +188,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     // Scratch.
     __global float4 *restrict desks)
 {
-    const ClipTables clip_tables = { bound_clips, bound_blocks, sources, source_lanes,
-                                     clips,       row_blocks,   0,       rows,
-                                     poses,       masks };
+    const ClipTables clip_tables = { bound_clips, bound_blocks, clips, rows, poses, masks };
     const Adjustments adjustments = {
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };

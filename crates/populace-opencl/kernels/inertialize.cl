@@ -84,7 +84,7 @@ INLINE Local inertialization_sample(const ClipTables *tables, SampledState state
                                     bool additive, Body body, uint joint, Local rest)
 {
     const BoundClip bound = tables->bound_clips[state.bound_clip];
-    const ClipRows clip = tables->clips[bound.clip];
+    const ClipRows clip = tables->clips[bound.rows];
     SlotSample place = place_of(clip, state.row);
     if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
     if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);

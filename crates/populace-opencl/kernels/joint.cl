@@ -62,7 +62,7 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
         if (!additive) {
             k = unit_of(trs.r, rest.r) * weight;
         } else {
-            const uint first = tables->clips[bound.clip].row_first;
+            const uint first = tables->clips[bound.rows].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
             const Local reference =
                 normalized(sample_joint(tables, bound, body, joint, start, rest), rest);

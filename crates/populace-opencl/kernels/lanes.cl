@@ -53,20 +53,6 @@ typedef int16 Choice;
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 
-// Returns words[lanes[i]] in each lane i. Only the low four bits of a lane index count.
-INLINE Words permute(Words words, Words lanes)
-{
-#if defined(__AVX512F__) && defined(__clang__)
-    // One instruction; shuffle() is compiled to sixteen loads.
-    typedef int Ints __attribute__((__vector_size__(64)));
-    return __builtin_astype(
-        __builtin_ia32_permvarsi512(__builtin_astype(words, Ints), __builtin_astype(lanes, Ints)),
-        Words);
-#else
-    return shuffle(words, lanes);
-#endif
-}
-
 #ifndef __has_builtin
 #define __has_builtin(name) 0
 #endif

@@ -143,7 +143,7 @@ INLINE Moves moves_of_layer(ConstraintTables tables, uint owner, uint layer, Spa
         const float weight = slot_mean_weight(slot, span.from, span.until);
         if (weight <= 0.0f || slot_layer(slot) != layer) continue;
         const BoundClip bound = tables.bound_clips[slot.bound_clip];
-        const Move move = move_of_slot(tables, slot, tables.clips[bound.clip], span);
+        const Move move = move_of_slot(tables, slot, tables.clips[bound.rows], span);
         const float far = weight * bound.motion_scale;
         sum.x += move.x * far;
         sum.y += move.y * far;

@@ -18,8 +18,7 @@ __kernel void pose(
     __global const Layer *layers,
     // Clips and stored poses.
     __global const BoundClip *bound_clips, __global const BoundBlock *bound_blocks,
-    __global const ClipRows *clips, __global const RowBlock *row_blocks,
-    __global const uint *joint_maps, __global const uint *rows, __global const float *poses,
+    __global const ClipRows *clips, __global const uint *rows, __global const float *poses,
     __global const float *masks,
     // Ranges.
     uint slots_per_member, uint place_count, uint member_first, uint member_end,
@@ -41,8 +40,7 @@ __kernel void pose(
     const uint joint = place - member.joint_first, first_slot = owner * slots_per_member;
     if (joint >= body.joint_count) return;
 
-    const ClipTables clip_tables = { bound_clips, bound_blocks, 0,    0,     clips,
-                                     row_blocks,  joint_maps,   rows, poses, masks };
+    const ClipTables clip_tables = { bound_clips, bound_blocks, clips, rows, poses, masks };
     const Machines machines = { machine_states, running };
     const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member,
                                 machines,

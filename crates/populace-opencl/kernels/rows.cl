@@ -10,11 +10,8 @@
 typedef struct {
     __global const BoundClip *bound_clips;
     __global const BoundBlock *bound_blocks;
-    __global const Source *sources;
-    __global const uint *source_lanes;
     __global const ClipRows *clips;
-    __global const RowBlock *row_blocks;
-    __global const uint *joint_maps, *rows;
+    __global const uint *rows;
     __global const float *poses, *masks;
 } ClipTables;
 
@@ -33,7 +30,7 @@ typedef struct {
     uint first, lanes;
 } Planes;
 
-INLINE Planes planes_of(RowBlock block, uint property)
+INLINE Planes planes_of(BoundBlock block, uint property)
 {
     const Planes rotation = { block.rotation_first, block.rotation_lanes };
     const Planes translation = { block.translation_first, block.translation_lanes };
@@ -46,30 +43,21 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
     return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
-// Returns the column references of the block of sixteen joints that `joint` belongs to.
-INLINE __global const BoundBlock *bound_block(const ClipTables *tables, BoundClip bound, uint joint)
-{
-    return tables->bound_blocks + bound.block_first + joint / JOINT_BLOCK;
-}
-
-#if LANES == 1
-
-// Where a joint's column is stored.
+// Where the columns of sixteen neighbouring joints are stored, and the lane of the joint if it is one
+// of them alone.
 typedef struct {
-    RowBlock block;
-    uint flags, lane;
+    BoundBlock block;
+    uint lane;
 } Columns;
 
 INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
 {
-    const uint map = tables->joint_maps[bound.map_first + joint], column = map & MAP_COLUMN;
-    Columns columns = { tables->row_blocks[bound.row_block_first + column / JOINT_BLOCK],
-                        bound_block(tables, bound, joint)->flags, column % JOINT_BLOCK };
-    if (!(map & MAP_ROTATION)) columns.block.rotation_first = NONE;
-    if (!(map & MAP_TRANSLATION)) columns.block.translation_first = NONE;
-    if (!(map & MAP_SCALE)) columns.block.scale_first = NONE;
+    const Columns columns = { tables->bound_blocks[bound.block_first + joint / JOINT_BLOCK],
+                              joint % JOINT_BLOCK };
     return columns;
 }
+
+#if LANES == 1
 
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
                       uint plane)
@@ -85,25 +73,6 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 }
 
 #else
-
-// Where the columns of sixteen neighbouring joints are stored: in one block, each in its own lane,
-// or gathered from several blocks. In the second case `block` only tells which properties move, and
-// whether any block has floats.
-typedef struct {
-    RowBlock block;
-    uint flags, source_first, source_count;
-} Columns;
-
-INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
-{
-    __global const BoundBlock *b = bound_block(tables, bound, joint);
-    const Columns columns = { { b->rotation_first, b->rotation_lanes, b->translation_first,
-                                b->translation_lanes, b->scale_first, b->scale_lanes },
-                              b->flags,
-                              b->source_first,
-                              b->source_count };
-    return columns;
-}
 
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
                       uint plane)
@@ -142,10 +111,9 @@ typedef struct {
     Words first_from, first_to, second_from, second_to;
 } RowWords;
 
-// Returns the words of columns of one block. The second plane of translations and scales becomes
-// lower halves.
-INLINE RowWords block_words(const ClipTables *tables, Columns columns, Planes planes, uint property,
-                            Rows at)
+// Returns the words of columns. The second plane of translations and scales becomes lower halves.
+INLINE RowWords row_words(const ClipTables *tables, Columns columns, Planes planes, uint property,
+                          Rows at)
 {
     const bool packed = property != ROTATION;
     const RowWords words = { words_at(tables, columns, planes, at.from, 0),
@@ -183,9 +151,10 @@ INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes,
            * ROW_PARTS;
 }
 
-// Returns rotations between two rows, in ROW_PARTS of a step, for columns of one block.
-INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes planes, Rows at)
+// Returns rotations between two rows, in ROW_PARTS of a step.
+INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
 {
+    const Planes planes = planes_of(columns.block, ROTATION);
     if (planes.lanes & ROW_FLOATS) {
         const Quat floats = { mix_floats(tables, columns, planes, at, 0),
                               mix_floats(tables, columns, planes, at, 1),
@@ -193,119 +162,20 @@ INLINE Quat block_rotation(const ClipTables *tables, Columns columns, Planes pla
                               mix_floats(tables, columns, planes, at, 3) };
         return floats;
     }
-    return mix_quats(block_words(tables, columns, planes, ROTATION, at), at);
-}
-
-// Returns translations or scales between two rows, in ROW_PARTS of a step, for columns of one block.
-INLINE Vec3 block_vector(const ClipTables *tables, Columns columns, Planes planes, uint property,
-                         Rows at)
-{
-    if (planes.lanes & ROW_FLOATS) {
-        const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
-                              mix_floats(tables, columns, planes, at, 1),
-                              mix_floats(tables, columns, planes, at, 2) };
-        return floats;
-    }
-    return mix_vectors(block_words(tables, columns, planes, property, at), at);
-}
-
-#if LANES > 1
-
-// A block of columns that joints follow, and the lane of each joint's column in it, or NONE.
-typedef struct {
-    Planes planes;
-    Words lanes;
-} Gathering;
-
-INLINE Gathering gathering_of(const ClipTables *tables, Columns columns, uint nth, uint property)
-{
-    const Source source = tables->sources[columns.source_first + nth];
-    const Gathering gathering = { planes_of(tables->row_blocks[source.block], property),
-                                  vload16(0, tables->source_lanes + source.lanes_first) };
-    return gathering;
-}
-
-// Replaces the lanes of joints that follow the block.
-INLINE Words gather(Words to, Words from, Words lanes)
-{
-    return lanes == (Words)(NONE) ? to : permute(from, lanes);
-}
-
-INLINE Real gather_reals(Real to, Real from, Words lanes)
-{
-    return AS_REAL(gather(AS_WORDS(to), AS_WORDS(from), lanes));
-}
-
-// Gathers words from several blocks without floats.
-APART RowWords gathered_words(const ClipTables *tables, Columns columns, uint property, Rows at)
-{
-    RowWords words = { 0, 0, 0, 0 };
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Gathering from = gathering_of(tables, columns, s, property);
-        if (from.planes.first == NONE) continue;
-        const RowWords found = block_words(tables, columns, from.planes, property, at);
-        words.first_from = gather(words.first_from, found.first_from, from.lanes);
-        words.first_to = gather(words.first_to, found.first_to, from.lanes);
-        words.second_from = gather(words.second_from, found.second_from, from.lanes);
-        words.second_to = gather(words.second_to, found.second_to, from.lanes);
-    }
-    return words;
-}
-
-// Gathers components from several blocks, some of them with floats. `w` is 0 for vectors.
-APART Quat gathered_components(const ClipTables *tables, Columns columns, uint property, Rows at)
-{
-    Quat n = { 0.0f, 0.0f, 0.0f, 0.0f };
-    for (uint s = 0; s < columns.source_count; s++) {
-        const Gathering from = gathering_of(tables, columns, s, property);
-        if (from.planes.first == NONE) continue;
-        Quat found = { 0.0f, 0.0f, 0.0f, 0.0f };
-        if (property == ROTATION) {
-            found = block_rotation(tables, columns, from.planes, at);
-        } else {
-            const Vec3 v = block_vector(tables, columns, from.planes, property, at);
-            found.x = v.x;
-            found.y = v.y;
-            found.z = v.z;
-        }
-        n.x = gather_reals(n.x, found.x, from.lanes);
-        n.y = gather_reals(n.y, found.y, from.lanes);
-        n.z = gather_reals(n.z, found.z, from.lanes);
-        n.w = gather_reals(n.w, found.w, from.lanes);
-    }
-    return n;
-}
-
-#endif
-
-// Returns rotations between two rows, in ROW_PARTS of a step.
-INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
-{
-    const Planes planes = planes_of(columns.block, ROTATION);
-#if LANES > 1
-    if (!(columns.flags & BLOCK_STRAIGHT)) {
-        if (planes.lanes & ROW_FLOATS) return gathered_components(tables, columns, ROTATION, at);
-        return mix_quats(gathered_words(tables, columns, ROTATION, at), at);
-    }
-#endif
-    return block_rotation(tables, columns, planes, at);
+    return mix_quats(row_words(tables, columns, planes, ROTATION, at), at);
 }
 
 // Returns translations or scales between two rows, in ROW_PARTS of a step.
 INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, Rows at)
 {
     const Planes planes = planes_of(columns.block, property);
-#if LANES > 1
-    if (!(columns.flags & BLOCK_STRAIGHT)) {
-        if (planes.lanes & ROW_FLOATS) {
-            const Quat n = gathered_components(tables, columns, property, at);
-            const Vec3 v = { n.x, n.y, n.z };
-            return v;
-        }
-        return mix_vectors(gathered_words(tables, columns, property, at), at);
+    if (planes.lanes & ROW_FLOATS) {
+        const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
+                              mix_floats(tables, columns, planes, at, 1),
+                              mix_floats(tables, columns, planes, at, 2) };
+        return floats;
     }
-#endif
-    return block_vector(tables, columns, planes, property, at);
+    return mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
 // Planes of a joint, or of sixteen, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
@@ -380,10 +250,6 @@ INLINE Local normalized(Sample sample, Local rest)
     return sample.trs;
 }
 
-// Applies retarget corrections; see corrections.cl.
-APART void correct(const ClipTables *tables, BoundClip bound, Body body, uint joint, SlotSample at,
-                   Local *posed);
-
 // Samples a clip between two rows. *trs comes in at rest.
 INLINE void sample_columns(const ClipTables *tables, Columns columns, BoundClip bound, Body body,
                            uint joint, SlotSample at, Local *trs)
@@ -394,33 +260,25 @@ INLINE void sample_columns(const ClipTables *tables, Columns columns, BoundClip 
     if (columns.block.rotation_first != NONE)
         trs->r = quat_add(quat_scale(rotation_parts(tables, columns, rows), stored_part(range, 4)),
                           trs->r);
-    if (!(columns.flags & REST_TRANSLATION))
+    if (!(columns.block.flags & REST_TRANSLATION))
         trs->t = sample_vector(tables, columns, TRANSLATION, rows, range, 5);
-    if (!(columns.flags & REST_SCALE))
+    if (!(columns.block.flags & REST_SCALE))
         trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
-    if (columns.flags & BLOCK_CORRECTED) {
-        Local turned = *trs;
-        correct(tables, bound, body, joint, at, &turned);
-        *trs = turned;
-    }
 }
 
 #if LANES > 1
 
-// Returns whether all columns are stored as halves, each joint's in its own lane, and need no
-// correction, as nearly all are.
+// Returns whether all columns are stored as halves, as nearly all are.
 INLINE bool are_common(Columns columns)
 {
     const uint lanes =
         columns.block.rotation_lanes | columns.block.translation_lanes | columns.block.scale_lanes;
-    return (columns.flags & (BLOCK_STRAIGHT | BLOCK_CORRECTED)) == BLOCK_STRAIGHT
-           && !(lanes & ROW_FLOATS);
+    return !(lanes & ROW_FLOATS);
 }
 
 // Tells the compiler that columns are common.
 INLINE Columns as_common(Columns columns)
 {
-    columns.flags = (columns.flags & (REST_TRANSLATION | REST_SCALE)) | BLOCK_STRAIGHT;
     columns.block.rotation_lanes &= ~ROW_FLOATS;
     columns.block.translation_lanes &= ~ROW_FLOATS;
     columns.block.scale_lanes &= ~ROW_FLOATS;
@@ -441,7 +299,7 @@ INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body,
                            SlotSample at, Local rest)
 {
     const Columns columns = columns_of(tables, bound, joint);
-    Sample sample = { rest, columns.flags & (REST_TRANSLATION | REST_SCALE) };
+    Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
 #if LANES > 1
     // The slow path has a copy, so that the pointer to it does not keep the sample in memory.
     if (!are_common(columns)) {

@@ -152,7 +152,7 @@ INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bou
     SlotSample sample = { 0, 0, 0.0f, 0.0f };
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tick);
     if (weight > 0.0f) {
-        const ClipRows clip = clips[bound_clips[slot.bound_clip].clip];
+        const ClipRows clip = clips[bound_clips[slot.bound_clip].rows];
         float between;
         uint row, next;
         if (slot_mode(slot) == SLOT_LIVE) {

@@ -46,7 +46,7 @@ INLINE bool stage_bounded(float4 v)
 
 // Runs a stage on a model transform. A result out of bounds is dropped.
 SELDOM float16 stage_model(StageTables tables, Step step, __global const Control *control,
-                               float16 own)
+                           float16 own)
 {
     StageJoint joint = stage_joint(tables, step, control);
     joint.row0 = own.s0123;
@@ -71,8 +71,8 @@ INLINE float lane_of(Real all, uint lane)
 }
 
 // Runs a stage on the local transform in one lane. A result out of bounds is dropped.
-SELDOM Local stage_local(StageTables tables, Step step, __global const Control *control,
-                             uint lane, Local trs)
+SELDOM Local stage_local(StageTables tables, Step step, __global const Control *control, uint lane,
+                         Local trs)
 {
     StageJoint joint = stage_joint(tables, step, control);
     joint.translation =

@@ -18,8 +18,8 @@ use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
 use populace_device::BackendError;
 use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, DeviceStruct,
-    Entry, Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock,
-    Running, Slot, SlotSample, Source, Step, Target, Transition,
+    Entry, Float4, Ground, Layer, Link, MachineInstance, MachineState, Member, Override, Running,
+    Slot, SlotSample, Step, Target, Transition,
 };
 
 use crate::handles::{CommandQueue, Event, Memory};
@@ -43,7 +43,7 @@ macro_rules! struct_elements {
 }
 elements! { f32 => "float", u32 => "uint", Float4 => "float4" }
 struct_elements! {
-    Body, Entry, ClipRows, BoundClip, RowBlock, BoundBlock, Source, Slot, Layer, Member, SlotSample,
+    Body, Entry, ClipRows, BoundClip, BoundBlock, Slot, Layer, Member, SlotSample,
     Contact, Control, Step, Override, Constraint, Link, Target, Ground, MachineState, Transition,
     Condition, MachineInstance, Running,
 }

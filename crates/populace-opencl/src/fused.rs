@@ -184,7 +184,6 @@ impl Fused {
             .buffer("bound_clips", &tables.bound_clips.buffer)
             .buffer("bound_blocks", &tables.bound_blocks.buffer)
             .buffer("clips", &tables.clips.buffer)
-            .buffer("row_blocks", &tables.row_blocks.buffer)
             .buffer("rows", &tables.rows.buffer)
             .buffer("row_times", &tables.row_times.buffer)
             .buffer("buckets", &tables.buckets.buffer)

@@ -113,7 +113,6 @@ impl Form {
             include_str!("../kernels/slot.cl"),
             include_str!("../kernels/machines.cl"),
             include_str!("../kernels/rows.cl"),
-            include_str!("../kernels/corrections.cl"),
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/stages.cl"),
             include_str!("../kernels/joint.cl"),

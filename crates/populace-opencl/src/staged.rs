@@ -149,8 +149,6 @@ impl Staged {
             .buffer("bound_clips", &context.tables.bound_clips.buffer)
             .buffer("bound_blocks", &context.tables.bound_blocks.buffer)
             .buffer("clips", &context.tables.clips.buffer)
-            .buffer("row_blocks", &context.tables.row_blocks.buffer)
-            .buffer("joint_maps", &context.tables.joint_maps.buffer)
             .buffer("rows", &context.tables.rows.buffer)
             .buffer("poses", &context.tables.poses.buffer)
             .buffer("masks", &context.tables.masks.buffer)

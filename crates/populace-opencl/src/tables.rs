@@ -2,8 +2,8 @@
 
 use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, Entry, Float4,
-    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source,
-    Step, Target, Transition,
+    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, Slot, Step, Target,
+    Transition,
 };
 use populace_device::{BackendError, Tables};
 

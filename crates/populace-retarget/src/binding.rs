@@ -1,37 +1,27 @@
 //! Binding of clips to skeletons, by joint names or by humanoid roles.
 
-use glam::DQuat;
-use populace_clip::{Clip, MotionOrigin, Range, RowBlock, Storage};
+use populace_clip::{COLUMNS_PER_BLOCK, Clip, MotionOrigin, Range, RowBlock};
 use populace_model::humanoid::RoleMap;
-use populace_model::{JointIndex, Property, Skeleton, Trs, f64math};
+use populace_model::{JointIndex, Property, Skeleton};
 
-use crate::common::{Chain, ColumnMotion, Common, Figure, Soles, Value};
-use crate::fit::BindingReport;
-use crate::{BindingFault, Error};
-
-/// Flag in a joint map: the rotation comes from the clip's rows.
-pub const MAP_ROTATION: u32 = 1 << 31;
-/// Flag in a joint map: the translation comes from the clip's rows.
-pub const MAP_TRANSLATION: u32 = 1 << 30;
-/// Flag in a joint map: the scale comes from the clip's rows.
-pub const MAP_SCALE: u32 = 1 << 29;
-/// The bits of a joint map that name the clip's column.
-pub const MAP_COLUMN: u32 = (1 << 29) - 1;
+use crate::Error;
+use crate::common::Soles;
+use crate::fit::{BindingMethod, BindingReport, columns_by_name, common_of};
+use crate::retarget::Retarget;
 
 /// Number of poses, at most, from which the lift of the hips and the pace of the feet are found.
 const GROUND_POSES: usize = 128;
 
-/// A clip bound to a skeleton: the column that each joint follows, and the range of its stored
-/// components.
+/// A clip bound to a skeleton: the place and the range of what each joint follows in its rows.
 ///
+/// Joints follow the columns of their own numbers: if the clip has others, its rows are converted.
 /// Joints and properties that the clip does not drive keep the rest of the bound skeleton; the rest
 /// of the clip's own skeleton has no effect on them.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Binding {
-    joint_map: Vec<u32>,
     ranges: Vec<[Range; 3]>,
-    corrections: Vec<Vec<Correction>>,
-    foot_correction: Option<FootCorrection>,
+    blocks: Vec<RowBlock>,
+    converted: Option<Converted>,
     bound_joint_count: usize,
     /// Scale of root motion: distance moved by the body per distance moved by the clip's own
     /// skeleton.
@@ -39,109 +29,35 @@ pub struct Binding {
     report: BindingReport,
 }
 
-/// A retarget correction of one joint; see `CORRECTION_PLANES` of populace-device.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Correction {
-    /// The clip's column and `MAP_` flags of what its rows drive.
-    pub map: u32,
-    /// The range of the clip's rotation that the correction applies.
-    pub rotation: Range,
-    /// The step of the rotation's w.
-    pub step_w: f32,
-    /// The range of the arm, which is added to the translation after rotation.
-    pub arm: Range,
-    /// The rotation applied last.
-    pub after: [f32; 4],
-}
-
-impl Correction {
-    /// The correction that changes nothing.
-    pub const NONE: Self = Self {
-        map: 0,
-        rotation: Range { offset: [0.0, 0.0, 0.0, 1.0], step: 0.0 },
-        step_w: 0.0,
-        arm: Range { offset: [0.0; 4], step: 0.0 },
-        after: [0.0, 0.0, 0.0, 1.0],
-    };
-
-    /// Returns whether the correction changes the translation.
-    #[must_use]
-    pub fn has_arm(&self) -> bool {
-        self.arm != Self::NONE.arm
-    }
-}
-
-/// The correction that keeps the feet of a retargeted clip above the ground. It comes last and has
-/// its own rows, one for each row of the clip.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FootCorrection {
-    /// One correction per joint.
-    pub corrections: Vec<Correction>,
-    /// All rows, one after the other; empty if the correction is constant.
-    pub rows: Vec<u32>,
-    /// Words from one row to the next.
-    pub stride: usize,
-    /// Location of each block of 16 columns within a row.
-    pub blocks: Vec<RowBlock>,
-}
-
-impl FootCorrection {
-    /// Returns `None` if no foot needs a correction.
-    fn new(clip: &Clip, soles: &Soles<'_>, joint_count: usize) -> Option<Self> {
-        // Live clips have no rows yet.
-        if clip.ring().is_some() {
-            return None;
-        }
-        let rows: Vec<Vec<DQuat>> = clip.row_poses(1).map(|pose| soles.rotations(&pose)).collect();
-        if rows.iter().all(|row| Soles::are_negligible(row)) {
-            return None;
-        }
-        let mut corrections = vec![Correction::NONE; joint_count];
-        let joints = soles.joints();
-        if clip.row_stride() == 0 {
-            // The clip does not move, so that all rows are equal.
-            for (joint, correction) in joints.iter().zip(&rows[0]) {
-                corrections[joint.index()].after = f64math::to_f32(correction.to_array());
-            }
-            return Some(Self { corrections, rows: Vec::new(), stride: 0, blocks: Vec::new() });
-        }
-        let Storage { words, stride, blocks, ranges, .. } = Storage::of_rotations(&rows);
-        for ((column, joint), [_, rotation, _]) in (0..).zip(joints).zip(ranges) {
-            let map = column | MAP_ROTATION;
-            corrections[joint.index()] =
-                Correction { map, rotation, step_w: rotation.step, ..Correction::NONE };
-        }
-        Some(Self { corrections, rows: words, stride, blocks })
-    }
+/// A clip converted to the skeleton that it is bound to.
+#[derive(Clone, Debug)]
+pub struct Converted {
+    /// Takes the place of the clip. It has no root motion.
+    pub clip: Clip,
+    /// Converts poses that arrive for a live clip.
+    pub retarget: Retarget,
 }
 
 impl Binding {
-    fn empty(motion_scale: f32, report: BindingReport) -> Self {
-        let (joint_map, ranges, corrections) = (Vec::new(), Vec::new(), Vec::new());
-        Self {
-            joint_map,
-            ranges,
-            corrections,
-            foot_correction: None,
-            bound_joint_count: 0,
-            motion_scale,
-            report,
-        }
-    }
-
     /// Binds a clip by joint names.
     #[must_use]
     pub fn new(clip: &Clip, skeleton: &Skeleton) -> Self {
-        let mut binding = Self::empty(1.0, BindingReport::by_name(clip, skeleton));
-        for joint in skeleton.joints() {
-            let column = clip.skeleton().find(skeleton.name(joint));
-            let column = column.filter(|&column| clip.drives(column));
-            binding.bound_joint_count += usize::from(column.is_some());
-            let (map, ranges) = bind(clip, column, skeleton.rest(joint));
-            binding.joint_map.push(map);
-            binding.ranges.push(ranges);
-        }
-        binding
+        let report = BindingReport::by_name(clip, skeleton);
+        let columns = columns_by_name(clip, skeleton);
+        let in_order = |(joint, column): (JointIndex, &Option<JointIndex>)| {
+            column.is_none_or(|column| column == joint)
+        };
+        let converted = (!skeleton.joints().zip(&columns).all(in_order)).then(|| Converted {
+            clip: clip.arranged(skeleton, &columns),
+            retarget: Retarget::by_names(clip, skeleton, &columns),
+        });
+        let bound_joint_count = columns.iter().flatten().count();
+        let drives = |joint: JointIndex, property| {
+            columns[joint.index()].is_some_and(|column| clip.drives_property(column, property))
+        };
+        let rows = converted.as_ref().map_or(clip, |converted| &converted.clip);
+        let (ranges, blocks) = places(rows, skeleton, drives);
+        Self { ranges, blocks, converted, bound_joint_count, motion_scale: 1.0, report }
     }
 
     /// Binds a clip by the method that suits: by name if the skeleton is the clip's own
@@ -158,9 +74,8 @@ impl Binding {
         skeleton: &Skeleton,
         roles: Option<&RoleMap>,
     ) -> Result<Self, Error> {
-        let binding = Self::partial(clip, clip_roles, skeleton, roles)?;
-        binding.report.check(clip.name())?;
-        Ok(binding)
+        BindingReport::new(clip, clip_roles, skeleton, roles)?.check(clip.name())?;
+        Self::partial(clip, clip_roles, skeleton, roles)
     }
 
     /// Like [`fitting`](Self::fitting), but for clips of which only a part is needed, for example
@@ -175,26 +90,12 @@ impl Binding {
         skeleton: &Skeleton,
         roles: Option<&RoleMap>,
     ) -> Result<Self, Error> {
-        let by_name = Self::new(clip, skeleton);
-        if clip.is_made_for(skeleton) {
-            return Ok(by_name);
-        }
-        if let (Some(clip_roles), Some(roles)) = (clip_roles, roles)
-            && let Ok(binding) = Self::retarget(clip, clip_roles, skeleton, roles)
-        {
-            return Ok(binding);
-        }
-        let driven = clip.skeleton().joints().find(|joint| clip.drives(*joint));
-        match driven.filter(|_| by_name.bound_joint_count == 0) {
-            None => Ok(by_name),
-            Some(first) => {
-                let fault = BindingFault::NoCommonName {
-                    joint: clip.skeleton().name(first).to_owned(),
-                    skeleton_has_roles: roles.is_some(),
-                    clip_has_roles: clip_roles.is_some(),
-                };
-                Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
+        let report = BindingReport::new(clip, clip_roles, skeleton, roles)?;
+        match (report.method, clip_roles, roles) {
+            (BindingMethod::Roles, Some(clip_roles), Some(roles)) => {
+                Self::retarget(clip, clip_roles, skeleton, roles)
             }
+            _ => Ok(Self::new(clip, skeleton)),
         }
     }
 
@@ -227,22 +128,8 @@ impl Binding {
         skeleton: &Skeleton,
         roles: &RoleMap,
     ) -> Result<Self, Error> {
-        let refused = |fault| Err(Error::CannotBind { clip: clip.name().to_owned(), fault });
-        for (map, own) in [(clip_roles, clip.skeleton()), (roles, skeleton)] {
-            if map.joint_count() != own.joint_count() {
-                let (wanted, joints) = (map.joint_count(), own.joint_count());
-                return refused(BindingFault::OtherSkeleton { wanted, joints });
-            }
-        }
-        let source = Figure::new(clip.skeleton().in_bind_pose(), clip_roles);
-        let standing = skeleton.in_bind_pose();
-        let mut common = Common::new(source, Figure::new(standing, roles));
-        let driven =
-            |joint: JointIndex| common.partner(joint).is_some_and(|source| clip.drives(source));
-        let bound_joint_count = skeleton.joints().filter(|joint| driven(*joint)).count();
-        if bound_joint_count == 0 {
-            return refused(BindingFault::NoCommonRole);
-        }
+        let mut common = common_of(clip, clip_roles, skeleton, roles)?;
+        let bound_joint_count = common.driven_joints(clip).count();
         let every = clip.row_count().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.row_poses(every).collect();
         common.keep_above_ground(&poses);
@@ -256,68 +143,14 @@ impl Binding {
         } else {
             common.leg_ratio()
         };
-        let foot_correction =
-            soles.and_then(|soles| FootCorrection::new(clip, &soles, skeleton.joint_count()));
         let report = BindingReport::by_roles(clip, skeleton, &common);
-        let mut binding =
-            Self { bound_joint_count, foot_correction, ..Self::empty(motion_scale, report) };
-        let motion = |joint: JointIndex| motion(clip, joint);
-        for joint in skeleton.joints() {
-            binding.push(clip, standing.rest(joint), common.chain(joint, &motion));
-        }
-        Ok(binding)
-    }
-
-    /// Adds a joint with its chain of corrections, or one at rest.
-    fn push(&mut self, clip: &Clip, rest: &Trs, chain: Option<Chain>) {
-        let joint = self.joint_map.len();
-        let (mut at_rest, mut links) = (*rest, Vec::new());
-        if let Some(chain) = chain {
-            at_rest.rotation = f64math::to_f32(chain.before.normalize().to_array());
-            at_rest.translation =
-                chain.base.map_or(rest.translation, |base| f64math::to_f32(base.to_array()));
-            links = chain.links;
-        }
-        let (map, ranges) = bind(clip, None, &at_rest);
-        self.joint_map.push(map);
-        self.ranges.push(ranges);
-        for correction in &mut self.corrections {
-            correction.push(Correction::NONE);
-        }
-        for (at, link) in links.iter().enumerate() {
-            if self.corrections.len() <= at {
-                self.corrections.push(vec![Correction::NONE; joint + 1]);
-            }
-            let mut correction = Correction { map: link.column.0, ..Correction::NONE };
-            correction.after = f64math::to_f32(link.after.normalize().to_array());
-            let [translation, rotation, _] = clip.ranges()[link.column.index()];
-            if link.rotates {
-                let [x, y, z, w] = rotation.offset;
-                let sign = if link.undone { -1.0 } else { 1.0 };
-                let offset = [sign * x, sign * y, sign * z, w];
-                correction.rotation = Range { offset, step: sign * rotation.step };
-                correction.step_w = rotation.step;
-                correction.map |= MAP_ROTATION;
-            }
-            let mut arm = link.arm;
-            if link.arm_scale != 0.0 {
-                let [x, y, z, _] = translation.offset;
-                arm += link.arm_scale * f64math::vec3([x, y, z]);
-                [correction.arm.step] =
-                    f64math::to_f32([link.arm_scale * f64::from(translation.step)]);
-                correction.map |= MAP_TRANSLATION;
-            }
-            let [x, y, z] = f64math::to_f32(arm.to_array());
-            correction.arm.offset = [x, y, z, 0.0];
-            self.corrections[at][joint] = correction;
-        }
-    }
-
-    /// For each joint, in level order, the clip's column, and `MAP_` flags for the properties that
-    /// the clip's rows drive.
-    #[must_use]
-    pub fn joint_map(&self) -> &[u32] {
-        &self.joint_map
+        let retarget = Retarget::by_roles(&common);
+        let clip = retarget.clip(clip, &common, soles.as_ref());
+        let (ranges, blocks) = places(&clip, skeleton.in_bind_pose(), |joint, property| {
+            clip.drives_property(joint, property)
+        });
+        let converted = Some(Converted { clip, retarget });
+        Ok(Self { ranges, blocks, converted, bound_joint_count, motion_scale, report })
     }
 
     /// The range of each joint and [`Property`].
@@ -326,17 +159,18 @@ impl Binding {
         &self.ranges
     }
 
-    /// The corrections that poses go through one after the other, each with one element per joint;
-    /// empty if the clip is bound by name.
+    /// Location within a row of each 16 joints. Properties that none of them follows have no
+    /// planes.
     #[must_use]
-    pub fn corrections(&self) -> &[Vec<Correction>] {
-        &self.corrections
+    pub fn blocks(&self) -> &[RowBlock] {
+        &self.blocks
     }
 
-    /// The foot correction, which comes after those.
+    /// The clip converted to the skeleton, whose rows the joints follow; `None` if the clip has
+    /// them in the skeleton's order.
     #[must_use]
-    pub fn foot_correction(&self) -> Option<&FootCorrection> {
-        self.foot_correction.as_ref()
+    pub fn converted(&self) -> Option<&Converted> {
+        self.converted.as_ref()
     }
 
     /// Scale of root motion: distance moved by the body per distance moved by the clip's skeleton.
@@ -358,38 +192,23 @@ impl Binding {
     }
 }
 
-/// Returns what the clip does to a column: constant values or motion.
-fn motion(clip: &Clip, column: JointIndex) -> ColumnMotion {
-    let [translation, rotation, _] = clip.ranges()[column.index()];
-    let [x, y, z, _] = translation.offset;
-    let still = f64math::vec3([x, y, z]);
-    ColumnMotion {
-        rotation: if rotation.step > 0.0 {
-            Value::Moving
-        } else {
-            Value::Still(f64math::quat(rotation.offset).normalize())
-        },
-        translation: if translation.step > 0.0 { Value::Moving } else { Value::Still(still) },
-    }
-}
-
-/// Returns the joint map and the ranges of a joint with rest `rest` that follows `column`.
-fn bind(clip: &Clip, column: Option<JointIndex>, rest: &Trs) -> (u32, [Range; 3]) {
-    let mut map = column.map_or(0, |column| column.0);
-    let ranges = [Property::Translation, Property::Rotation, Property::Scale].map(|property| {
-        let driven = column.filter(|&column| clip.drives_property(column, property));
-        let range = driven.map_or_else(
-            || Range::still(property.of(rest)),
-            |column| clip.ranges()[column.index()][property as usize],
-        );
-        if range.step > 0.0 {
-            map |= match property {
-                Property::Rotation => MAP_ROTATION,
-                Property::Translation => MAP_TRANSLATION,
-                Property::Scale => MAP_SCALE,
-            };
-        }
-        range
+/// Returns the range of each joint and property, and the location of each 16 joints within a row.
+/// Each joint follows the column of its own number in the properties of which `drives` is true.
+fn places(
+    clip: &Clip,
+    skeleton: &Skeleton,
+    drives: impl Fn(JointIndex, Property) -> bool,
+) -> (Vec<[Range; 3]>, Vec<RowBlock>) {
+    let range = |joint: JointIndex, property: Property| match drives(joint, property) {
+        true => clip.ranges()[joint.index()][property as usize],
+        false => Range::still(property.of(skeleton.rest(joint))),
+    };
+    let ranges: Vec<_> =
+        skeleton.joints().map(|joint| Property::ALL.map(|p| range(joint, p))).collect();
+    let blocks = ranges.chunks(COLUMNS_PER_BLOCK as usize).enumerate().map(|(block, joints)| {
+        let moves = |property: Property| joints.iter().any(|j| j[property as usize].step > 0.0);
+        clip.row_blocks().get(block).map_or(RowBlock::STILL, |rows| rows.with_planes_of(moves))
     });
-    (map, ranges)
+    let blocks = blocks.collect();
+    (ranges, blocks)
 }

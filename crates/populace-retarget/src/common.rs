@@ -18,7 +18,7 @@ use glam::{DAffine3, DQuat, DVec3};
 use populace_model::humanoid::{Role, RoleMap, Side};
 use populace_model::{JointIndex, Skeleton, f64math};
 
-pub(crate) use chain::{Chain, ColumnMotion, Value};
+pub(crate) use chain::Chain;
 pub(crate) use soles::Soles;
 
 /// Lengths below this fraction of the body's size have no direction.

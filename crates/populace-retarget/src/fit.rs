@@ -1,9 +1,10 @@
 //! Reports of how well a clip fits the skeleton that it is bound to.
 
 use populace_clip::Clip;
+use populace_model::humanoid::RoleMap;
 use populace_model::{JointIndex, Skeleton, f64math};
 
-use crate::common::Common;
+use crate::common::{Common, Figure};
 use crate::{BindingFault, Error};
 
 /// Method of matching a clip's joints with those of a skeleton.
@@ -38,6 +39,38 @@ impl BindingReport {
     /// Minimum share of a clip's moving joints that must be bound by name only, unless a partial
     /// binding is asked for.
     pub const LEAST_SHARE: f32 = 0.3;
+
+    /// Reports how [`Binding::partial`](crate::Binding::partial) binds a clip. Converts nothing.
+    ///
+    /// # Errors
+    ///
+    /// As `Binding::partial`.
+    pub fn new(
+        clip: &Clip,
+        clip_roles: Option<&RoleMap>,
+        skeleton: &Skeleton,
+        roles: Option<&RoleMap>,
+    ) -> Result<Self, Error> {
+        if !clip.is_made_for(skeleton)
+            && let (Some(clip_roles), Some(roles)) = (clip_roles, roles)
+            && let Ok(common) = common_of(clip, clip_roles, skeleton, roles)
+        {
+            return Ok(Self::by_roles(clip, skeleton, &common));
+        }
+        let driven = clip.skeleton().joints().find(|joint| clip.drives(*joint));
+        let first = driven.filter(|_| columns_by_name(clip, skeleton).iter().all(Option::is_none));
+        match first {
+            None => Ok(Self::by_name(clip, skeleton)),
+            Some(first) => {
+                let fault = BindingFault::NoCommonName {
+                    joint: clip.skeleton().name(first).to_owned(),
+                    skeleton_has_roles: roles.is_some(),
+                    clip_has_roles: clip_roles.is_some(),
+                };
+                Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
+            }
+        }
+    }
 
     /// Share of the clip's moving joints that affect the skeleton, 0 to 1; 1 for a clip without
     /// joints.
@@ -109,6 +142,37 @@ impl BindingReport {
             rest_shift: 0.0,
         }
     }
+}
+
+/// Returns the joint of the clip's own skeleton that each joint follows by its name.
+pub(crate) fn columns_by_name(clip: &Clip, skeleton: &Skeleton) -> Vec<Option<JointIndex>> {
+    let column = |joint| {
+        let column = clip.skeleton().find(skeleton.name(joint));
+        column.filter(|&column| clip.drives(column))
+    };
+    skeleton.joints().map(column).collect()
+}
+
+/// Returns both bodies in their common pose, before the hips are raised.
+pub(crate) fn common_of<'a>(
+    clip: &'a Clip,
+    clip_roles: &'a RoleMap,
+    skeleton: &'a Skeleton,
+    roles: &'a RoleMap,
+) -> Result<Common<'a>, Error> {
+    let refused = |fault| Err(Error::CannotBind { clip: clip.name().to_owned(), fault });
+    for (map, own) in [(clip_roles, clip.skeleton()), (roles, skeleton)] {
+        if map.joint_count() != own.joint_count() {
+            let (wanted, joints) = (map.joint_count(), own.joint_count());
+            return refused(BindingFault::OtherSkeleton { wanted, joints });
+        }
+    }
+    let source = Figure::new(clip.skeleton().in_bind_pose(), clip_roles);
+    let common = Common::new(source, Figure::new(skeleton.in_bind_pose(), roles));
+    if common.driven_joints(clip).next().is_none() {
+        return refused(BindingFault::NoCommonRole);
+    }
+    Ok(common)
 }
 
 /// Returns the joints of its own skeleton that a clip moves, or those that it sets if it moves

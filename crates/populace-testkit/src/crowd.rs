@@ -3,6 +3,7 @@
 
 use std::collections::HashMap;
 
+use populace_clip::Clip;
 use populace_device::layout::{Layer, NONE, Slot};
 use populace_device::{Backend, BodyIndex, Frame, LayerSettings, Schedule, Stage, Tables};
 use populace_model::Mask;
@@ -21,6 +22,8 @@ pub struct TestCrowd<'a> {
     bodies: Vec<BodyIndex>,
     clips: HashMap<usize, u32>,
     bound_clips: HashMap<(usize, usize), u32>,
+    /// Clips as they were converted to bodies.
+    pub(crate) converted: HashMap<(usize, usize), Clip>,
     members: Vec<Option<(u32, MemberPlan)>>,
 }
 
@@ -44,6 +47,7 @@ impl<'a> TestCrowd<'a> {
             bodies,
             clips: HashMap::new(),
             bound_clips: HashMap::new(),
+            converted: HashMap::new(),
             members: Vec::new(),
         }
     }
@@ -206,6 +210,7 @@ impl<'a> TestCrowd<'a> {
             .clips
             .entry(clip)
             .or_insert_with(|| tables.add_clip(source).expect("a clip fits in the tables"));
+        let converted = &mut self.converted;
         *self.bound_clips.entry((clip, body)).or_insert_with(|| {
             let skeleton = &scene.bodies[body].skeleton;
             let binding = match scene.retargets.contains_key(&(clip, body)) {
@@ -217,6 +222,9 @@ impl<'a> TestCrowd<'a> {
                     binding.expect("both bodies are humanoid")
                 }
             };
+            if let Some(of_body) = binding.converted() {
+                converted.insert((clip, body), of_body.clip.clone());
+            }
             tables
                 .add_bound_clip(index, body_index, &binding)
                 .expect("a bound clip fits in the tables")

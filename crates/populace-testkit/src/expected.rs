@@ -94,8 +94,8 @@ impl<'a> TestCrowd<'a> {
     }
 
     /// Widens a bound by the errors that retargeted clips add for a joint: the error of each source
-    /// rotation on the way, and the rounding of up to four products, 8 units each. Positions are
-    /// off by the rotation error times the lever.
+    /// rotation on the way, the rounding of up to four products, 8 units each, and storage.
+    /// Positions are off by the rotation error times the lever.
     fn with_retargets(
         &self,
         own: SampleBound,
@@ -124,7 +124,9 @@ impl<'a> TestCrowd<'a> {
                 bound.translation = 2.0 * bound.rotation * reach + retarget.scale() * moved;
                 bound.translation *= 1.0 / self.least_scale(plan.body);
             }
-            widest = widest.or(bound);
+            let converted = self.converted.get(&(play.clip, plan.body));
+            let name = &self.scene.bodies[plan.body].joints[joint].name;
+            widest = widest.or(bound.with_storage(name, converted.into_iter()));
         }
         widest
     }

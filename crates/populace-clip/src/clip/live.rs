@@ -1,11 +1,9 @@
 //! Live clips, which receive their rows while they play.
 
-use populace_model::{ClipSource, Property, Skeleton, Trs};
+use populace_model::{Property, Skeleton, Trs};
 
 use super::Clip;
 use crate::clock::TICKS_PER_SEC;
-use crate::contacts::Contacts;
-use crate::row::PROPERTIES;
 use crate::rows::Rows;
 use crate::storage::Storage;
 use crate::{Error, LiveFault};
@@ -78,9 +76,21 @@ impl Clip {
         stream(&settings.translations, Property::Translation, skeleton, &mut moves)?;
         stream(&settings.scales, Property::Scale, skeleton, &mut moves)?;
         let rest = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
+        Ok(Self::with_ring(name, skeleton, ring, rest, moves))
+    }
+
+    /// Creates a live clip that shows `pose` until rows arrive. `moves` tells for each joint and
+    /// [`Property`] whether rows drive it.
+    pub(super) fn with_ring(
+        name: &str,
+        skeleton: &Skeleton,
+        ring: LiveRing,
+        pose: Vec<Trs>,
+        moves: Vec<[bool; 3]>,
+    ) -> Self {
         let rows = Rows {
             times: vec![0.0],
-            storage: Storage::live(rest, &moves),
+            storage: Storage::live(pose, &moves),
             buckets: Vec::new(),
             buckets_per_sec: 0.0,
             rows_per_sec: 0.0,
@@ -88,9 +98,7 @@ impl Clip {
             error_bound_m: 0.0,
             tolerance_m: 0.0,
         };
-        let source = ClipSource { name: name.to_owned(), tracks: Vec::new() };
-        let (skeleton, contacts) = (skeleton.clone(), Contacts::default());
-        Ok(Self { source, skeleton, rows, contacts, ring: Some(ring), motion: None })
+        Self { ring: Some(ring), ..Self::of_rows(name, skeleton, rows) }
     }
 
     /// The ring of a live clip's rows; `None` for other clips.
@@ -103,6 +111,16 @@ impl Clip {
     #[must_use]
     pub fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
         self.rows.storage.row_of(pose)
+    }
+
+    /// Converts a row of a live clip to a pose.
+    ///
+    /// # Panics
+    ///
+    /// If `row` is shorter than a row.
+    #[must_use]
+    pub fn pose_of(&self, row: &[u32]) -> Vec<Trs> {
+        self.rows.storage.pose_of(row)
     }
 }
 
@@ -127,14 +145,14 @@ fn ring(name: &str, settings: &LiveSettings) -> Result<LiveRing, Error> {
     Ok(LiveRing { rows: rows + 2, row_ticks })
 }
 
-/// Marks the streamed columns; `moves` is indexed by column and [`PROPERTIES`].
+/// Marks the streamed columns; `moves` is indexed by column and [`Property::ALL`].
 fn stream(
     streamed: &Streamed,
     property: Property,
     skeleton: &Skeleton,
     moves: &mut [[bool; 3]],
 ) -> Result<(), Error> {
-    debug_assert_eq!(PROPERTIES[property as usize], property);
+    debug_assert_eq!(Property::ALL[property as usize], property);
     match streamed {
         Streamed::Nothing => {}
         Streamed::All => moves.iter_mut().for_each(|moves| moves[property as usize] = true),

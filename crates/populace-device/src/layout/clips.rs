@@ -18,8 +18,6 @@ device_struct! {
         pub row_stride: u32,
         /// Number of rows, at least one. Live clips: rows of the ring received so far.
         pub row_count: u32,
-        /// Offset into `row_blocks`: one for each block of 16 columns.
-        pub block_first: u32,
         /// Offset into `row_times`.
         pub time_first: u32,
         /// Offset into `buckets`. Each bucket holds a row at or before the bucket's start.
@@ -53,50 +51,30 @@ device_struct! {
         pub motion_count: u32,
         /// Root-motion rows per second.
         pub motion_rows_per_sec: f32,
+        /// Zero.
+        pub unused: u32,
     }
 }
 
 pub use populace_clip::RowBlock;
 
 device_struct! {
-    use populace_clip::RowBlock {
-        rotation_first: u32,
-        rotation_lanes: u32,
-        translation_first: u32,
-        translation_lanes: u32,
-        scale_first: u32,
-        scale_lanes: u32,
-    }
-}
-
-device_struct! {
     /// A clip bound to a body.
     pub struct BoundClip {
-        /// Index into `clips`.
+        /// Index into `clips`: the clip as it was added.
         pub clip: u32,
-        /// Offset into `joint_maps`: for each joint the clip's column, and `MAP_` flags for the
-        /// properties that the clip's rows drive.
-        pub map_first: u32,
+        /// Index into `clips`: the rows that the joints follow, each the column of its own number.
+        /// They are those of the clip, or of the clip converted to the body.
+        pub rows: u32,
         /// Offset into `poses`: the planes of [`RANGE_PLANES`].
         pub range_first: u32,
         /// Offset into `bound_blocks`: one for each block of 16 joints of the body.
         pub block_first: u32,
-        /// The body it is bound to; [`NONE`] for a retarget correction, which slots must not name.
+        /// The body it is bound to; [`NONE`] for an unused element, which slots must not name.
         pub body: u32,
-        /// Index into `bound_clips`: the correction that the sampled pose goes through next, or
-        /// [`NONE`]. A correction is a bound clip whose ranges are those of [`CORRECTION_PLANES`].
-        /// Blocks without [`BLOCK_CORRECTED`] skip it.
-        pub next: u32,
         /// Scale of root motion: distance moved by the body per distance moved by the clip's
         /// skeleton.
         pub motion_scale: f32,
-        /// Offset into `row_blocks`: where the first 16 columns lie within a row.
-        pub row_block_first: u32,
-        /// Word offset into `rows`: rows of a correction that has its own, one for each row of the
-        /// clip.
-        pub row_first: u32,
-        /// Words between rows of the correction; 0 if it uses the clip's rows.
-        pub row_stride: u32,
         /// Offset into `contacts`.
         pub contact_first: u32,
         /// Number of contacts; 0 if they are not known.
@@ -121,11 +99,8 @@ device_struct! {
 }
 
 device_struct! {
-    /// Location of the columns of 16 neighbouring joints of a body within a clip's rows.
-    ///
-    /// The first six fields are those of a [`RowBlock`]. With [`BLOCK_STRAIGHT`] they are those of
-    /// the single block that the joints follow. Otherwise a first word only tells whether anything
-    /// moves, and the lanes only whether any source holds floats.
+    /// Location of the columns of 16 neighbouring joints of a body within a row: the fields of a
+    /// [`RowBlock`], and what is at rest.
     pub struct BoundBlock {
         /// First word of the rotations, or [`NONE`].
         pub rotation_first: u32,
@@ -139,18 +114,27 @@ device_struct! {
         pub scale_first: u32,
         /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
-        /// Bits of [`BLOCK_STRAIGHT`], [`BLOCK_CORRECTED`], [`REST_TRANSLATION`] and
-        /// [`REST_SCALE`].
+        /// Bits of [`REST_TRANSLATION`] and [`REST_SCALE`].
         pub flags: u32,
-        /// Offset into `sources`.
-        pub source_first: u32,
-        /// Number of the clip's blocks that the joints follow; 0 if nothing moves.
-        pub source_count: u32,
     }
 }
 
 impl BoundBlock {
-    /// Returns the location of the columns; valid with [`BLOCK_STRAIGHT`].
+    /// Creates a block with the given flags.
+    #[must_use]
+    pub const fn new(rows: &RowBlock, flags: u32) -> Self {
+        Self {
+            rotation_first: rows.rotation_first,
+            rotation_lanes: rows.rotation_lanes,
+            translation_first: rows.translation_first,
+            translation_lanes: rows.translation_lanes,
+            scale_first: rows.scale_first,
+            scale_lanes: rows.scale_lanes,
+            flags,
+        }
+    }
+
+    /// Returns the location of the columns.
     #[inline]
     #[must_use]
     pub const fn rows(&self) -> RowBlock {
@@ -162,16 +146,5 @@ impl BoundBlock {
             scale_first: self.scale_first,
             scale_lanes: self.scale_lanes,
         }
-    }
-}
-
-device_struct! {
-    /// A block of columns that some of 16 neighbouring joints follow.
-    pub struct Source {
-        /// Index into `row_blocks`.
-        pub block: u32,
-        /// Offset into `source_lanes`: for each of the 16 joints its lane in the block, or [`NONE`]
-        /// if it follows another block.
-        pub lanes_first: u32,
     }
 }

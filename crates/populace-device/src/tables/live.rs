@@ -1,12 +1,36 @@
-//! Rows of clips, and rows that arrive while a live clip plays.
+//! Live clips, whose rows arrive while they play.
 
 use populace_clip::Clip;
 use populace_model::Trs;
+use populace_model::convert::u32_from;
+use populace_retarget::Converted;
 
 use super::Tables;
-use super::runs::Runs;
+use super::set::TableSet;
 use crate::Error;
-use crate::layout::{ClipRows, JOINT_BLOCK};
+use crate::layout::ClipRows;
+
+/// A live clip, and the bound clips that show it on other bodies.
+#[derive(Clone, Debug)]
+pub(super) struct LiveClip {
+    clip: Clip,
+    followers: Vec<LiveFollower>,
+}
+
+/// A bound clip that shows a live clip's poses converted to its body.
+#[derive(Clone, Debug)]
+struct LiveFollower {
+    bound: u32,
+    /// The index of the converted clip.
+    rows: u32,
+    converted: Converted,
+}
+
+impl LiveFollower {
+    fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
+        self.converted.clip.row_of(&self.converted.retarget.pose(pose))
+    }
+}
 
 /// The newest row of a live clip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,56 +59,71 @@ pub(super) fn new_ring(clip: &Clip) -> ClipRows {
 }
 
 impl Tables {
-    /// Adds the rows of a clip, or empty rows for its ring, and returns the first word.
-    pub(super) fn add_rows(&mut self, clip: &Clip, runs: &mut Runs) -> Result<u32, Error> {
-        // The first row, which additive layers measure from, and the ring.
-        let times = clip.ring().map_or(1, |ring| 1 + ring.rows as usize);
-        let (rows, count) = (clip.rows(), clip.rows().len().saturating_mul(times));
-        if self.all.rows.len().saturating_add(count) > u32::MAX as usize {
-            return Err(Error::TooLarge { what: "rows", count, limit: u32::MAX as usize });
+    /// Keeps a clip if it is live.
+    pub(super) fn add_live(&mut self, index: u32, clip: &Clip) {
+        if clip.ring().is_some() {
+            self.had_live_clips = true;
+            self.live_clips.insert(index, LiveClip { clip: clip.clone(), followers: Vec::new() });
         }
-        self.add_words(rows.iter().copied().cycle().take(count), runs)
     }
 
-    /// Adds words with padding behind them, so that runs are whole blocks, and returns the first
-    /// word.
-    pub(super) fn add_words(
-        &mut self,
-        words: impl Iterator<Item = u32>,
-        runs: &mut Runs,
-    ) -> Result<u32, Error> {
-        let mut words: Vec<u32> = words.collect();
-        let past_the_end = words.len() + JOINT_BLOCK as usize;
-        words.resize(past_the_end.next_multiple_of(JOINT_BLOCK as usize), 0);
-        runs.add(&mut self.all.rows, words)
+    /// Lets a bound clip follow a live clip: converts the rows that have arrived, and those that
+    /// will arrive. `rows` is the index of the converted clip. Clips that are not live are ignored.
+    pub(super) fn follow_live(&mut self, index: u32, bound: u32, rows: u32, converted: &Converted) {
+        let Some(live) = self.live_clips.get_mut(&index) else {
+            return;
+        };
+        let follower = LiveFollower { bound, rows, converted: converted.clone() };
+        let all = &mut self.all;
+        let (from, to) =
+            (all.clips.as_slice()[index as usize], all.clips.as_slice()[rows as usize]);
+        for nth in 0..=from.row_count as usize {
+            let words = from.row_first as usize + nth * from.row_stride as usize;
+            let words = &all.rows.as_slice()[words..][..from.row_stride as usize];
+            let pose = live.clip.pose_of(words);
+            write_row(all, &to, nth, &follower.row_of(&pose));
+        }
+        let ClipRows { row_first, row_stride, .. } = to;
+        all.clips.set(rows as usize, ClipRows { row_first, row_stride, ..from });
+        live.followers.push(follower);
     }
 
-    /// Writes a pose into a row of a live clip's ring. With `row` of `None` it writes the row that
-    /// additive layers measure from. `clip` must be the clip that was added as `index`.
+    /// Ends what [`follow_live`](Self::follow_live) began.
+    pub(super) fn forget_follower(&mut self, bound: u32) {
+        for live in self.live_clips.values_mut() {
+            live.followers.retain(|follower| follower.bound != bound);
+        }
+    }
+
+    /// Writes a pose into a row of a live clip's ring, and into those of the bound clips that it is
+    /// converted to. With `row` of `None` it writes the row that additive layers measure from.
     ///
     /// # Errors
     ///
-    /// [`Error::BadPlayback`] if `clip` is another clip or the row does not exist.
+    /// [`Error::BadPlayback`] if the clip is not live, the row does not exist or the pose has
+    /// another number of joints than the clip's own skeleton.
     pub fn set_live_row(
         &mut self,
         index: u32,
-        clip: &Clip,
         row: Option<u32>,
         pose: &[Trs],
     ) -> Result<(), Error> {
-        let rows = self.live_rows(index)?;
-        let words = clip.row_of(pose);
-        if clip.ring().is_none() || words.len() != rows.row_stride as usize {
-            return Err(Error::BadPlayback {
-                what: "live clip with such rows and index",
-                value: index,
-            });
+        let live = self.live_clips.get(&index);
+        let live = live.ok_or(Error::BadPlayback { what: "live clip", value: index })?;
+        if pose.len() != live.clip.skeleton().joint_count() {
+            let (what, value) = ("number of joints of a live pose", u32_from(pose.len()));
+            return Err(Error::BadPlayback { what, value });
         }
+        let rows = self.all.clips.as_slice()[index as usize];
         if let Some(row) = row.filter(|row| *row >= rows.ring_rows) {
             return Err(Error::BadPlayback { what: "ring row", value: row });
         }
         let nth = row.map_or(0, |row| row as usize + 1);
-        self.all.rows.set_run(rows.row_first as usize + nth * words.len(), &words);
+        write_row(&mut self.all, &rows, nth, &live.clip.row_of(pose));
+        for follower in &live.followers {
+            let rows = self.all.clips.as_slice()[follower.rows as usize];
+            write_row(&mut self.all, &rows, nth, &follower.row_of(pose));
+        }
         Ok(())
     }
 
@@ -105,15 +144,18 @@ impl Tables {
                 return Err(Error::BadPlayback { what, value });
             }
         }
-        let rows = ClipRows {
-            newest_tick: newest.tick,
-            newest_row: newest.row,
-            row_count: newest.row_count,
-            newest_ticks: newest.ticks,
-            per_newest_tick: 1.0 / newest.ticks as f32,
-            ..rows
-        };
-        self.all.clips.set(index as usize, rows);
+        let followers = self.live_clips.get(&index).into_iter().flat_map(|live| &live.followers);
+        for index in std::iter::once(index).chain(followers.map(|follower| follower.rows)) {
+            let rows = ClipRows {
+                newest_tick: newest.tick,
+                newest_row: newest.row,
+                row_count: newest.row_count,
+                newest_ticks: newest.ticks,
+                per_newest_tick: 1.0 / newest.ticks as f32,
+                ..self.all.clips.as_slice()[index as usize]
+            };
+            self.all.clips.set(index as usize, rows);
+        }
         Ok(())
     }
 
@@ -121,4 +163,9 @@ impl Tables {
         let rows = self.all.clips.as_slice().get(index as usize).filter(|rows| rows.ring_rows > 0);
         rows.copied().ok_or(Error::BadPlayback { what: "live clip", value: index })
     }
+}
+
+/// Writes the `nth` row behind the first of a live clip.
+fn write_row(all: &mut TableSet, rows: &ClipRows, nth: usize, words: &[u32]) {
+    all.rows.set_run(rows.row_first as usize + nth * rows.row_stride as usize, words);
 }

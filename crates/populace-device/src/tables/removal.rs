@@ -61,6 +61,7 @@ impl Tables {
     pub fn remove_clip(&mut self, clip: u32) -> Result<(), Error> {
         self.remove_asset(Asset::Clip, clip, |tables| {
             tables.all.clips.set(clip as usize, ClipRows::default());
+            tables.live_clips.remove(&clip);
         })
     }
 
@@ -72,8 +73,13 @@ impl Tables {
     pub fn remove_bound_clip(&mut self, bound: u32) -> Result<(), Error> {
         self.release_contacts(bound);
         self.remove_asset(Asset::BoundClip, bound, |tables| {
-            let free = BoundClip { body: NONE, next: NONE, ..BoundClip::default() };
+            let free = BoundClip { body: NONE, ..BoundClip::default() };
+            let BoundClip { clip, rows, .. } = tables.all.bound_clips.as_slice()[bound as usize];
+            if rows != clip {
+                tables.all.clips.set(rows as usize, ClipRows::default());
+            }
             tables.all.bound_clips.set(bound as usize, free);
+            tables.forget_follower(bound);
         })
     }
 

@@ -17,7 +17,7 @@ impl Tables {
     #[must_use]
     pub fn sampled_state(&self, slot: &Slot, tick: u64) -> SampledState {
         let bound = self.bound_clips().as_slice()[slot.bound_clip as usize];
-        let clip = self.clips().as_slice()[bound.clip as usize];
+        let clip = self.clips().as_slice()[bound.rows as usize];
         let (row, between) =
             self.find_row(&clip, slot.time_at(tick, clip.start_secs, clip.duration_secs));
         let at = row as f32 + between;

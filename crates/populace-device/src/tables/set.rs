@@ -5,8 +5,8 @@ use std::ops::Range;
 use super::{Table, Tables};
 use crate::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, Entry, Float4,
-    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, RowBlock, Slot, Source,
-    Step, Target, Transition,
+    Ground, Layer, Link, MachineInstance, MachineState, Member, Override, Slot, Step, Target,
+    Transition,
 };
 
 /// Calls a macro with every table that all schedules read: its documentation, its name and its
@@ -26,10 +26,10 @@ macro_rules! with_tables {
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Rest poses (`POSE_PLANES` planes each), ranges of bound clips (`RANGE_PLANES` planes
-            /// each) and of their retarget corrections (`CORRECTION_PLANES` planes each).
+            /// Rest poses (`POSE_PLANES` planes each) and ranges of bound clips (`RANGE_PLANES`
+            /// planes each).
             poses: f32,
-            /// Clips.
+            /// Clips, and clips converted to bodies.
             clips: ClipRows,
             /// Root-motion rows of clips, `MOTION_ELEMENTS` each: `x y z 0`, then sine and cosine
             /// of the heading.
@@ -41,20 +41,12 @@ macro_rules! with_tables {
             row_times: f32,
             /// Buckets of those clips.
             buckets: u32,
-            /// Location within a row of each block of 16 columns.
-            row_blocks: RowBlock,
             /// Clips bound to bodies.
             bound_clips: BoundClip,
             /// Contacts of feet, for each bound clip whose contacts are known.
             contacts: Contact,
             /// Location of the columns of 16 neighbouring joints, for each bound clip.
             bound_blocks: BoundBlock,
-            /// Blocks of columns that bound blocks follow.
-            sources: Source,
-            /// For each source and each of 16 joints: its lane in the source, or `NONE`.
-            source_lanes: u32,
-            /// For each joint of each bound clip: its column and `MAP_` flags.
-            joint_maps: u32,
             /// Masks: a weight per joint, padded to whole blocks of `JOINT_BLOCK`.
             masks: f32,
             /// Members, by member index.

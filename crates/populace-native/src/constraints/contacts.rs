@@ -41,7 +41,7 @@ impl<'a> Stepping<'a> {
         if playing.layer != 0 || secs.is_nan() || bound.contact_count == 0 {
             return None;
         }
-        let duration_secs = tables.clips().as_slice()[bound.clip as usize].duration_secs;
+        let duration_secs = tables.clips().as_slice()[bound.rows as usize].duration_secs;
         let first = bound.contact_first as usize;
         let contacts = &tables.contacts().as_slice()[first..first + bound.contact_count as usize];
         Some(Self { weight: playing.at.weight, secs, duration_secs, contacts })

@@ -199,7 +199,7 @@ impl Solver<'_> {
     /// Returns the move of a slot's clip within a span, relative to the clip's own position at its
     /// start.
     fn move_of_slot(&self, slot: &Slot, bound: &BoundClip, span: Span) -> Move {
-        let clip = &self.tables.clips().as_slice()[bound.clip as usize];
+        let clip = &self.tables.clips().as_slice()[bound.rows as usize];
         if clip.motion_count == 0 || !matches!(slot.mode(), SLOT_LOOP | SLOT_ONCE) {
             return Move::NONE;
         }

@@ -121,15 +121,11 @@ impl Dispatch {
         }
     }
 
-    /// Sets the tables that only one of the two forms reads.
+    /// Sets the tables that only the grouped form reads.
     pub(super) fn tables<'a>(&self, launch: Launch<'a>, tables: &DeviceTables) -> Launch<'a> {
         match self {
-            Self::Wide { .. } => launch
-                .buffer("sources", &tables.sources.buffer)
-                .buffer("source_lanes", &tables.source_lanes.buffer),
-            Self::Grouped { .. } => launch
-                .buffer("levels", &tables.levels.buffer)
-                .buffer("joint_maps", &tables.joint_maps.buffer),
+            Self::Wide { .. } => launch,
+            Self::Grouped { .. } => launch.buffer("levels", &tables.levels.buffer),
         }
     }
 

@@ -3,65 +3,69 @@
 //! Let *above* be the nearest paired ancestor of a target joint. Its local rotation
 //! `inverse(Gt(parent)) * Gt` is `before * path * after`. `path` is the product of the source's
 //! local rotations from the partner of *above* to the joint's own partner: inverted on the way up,
-//! then plain on the way down. Constant rotations are multiplied into their neighbours, so most
-//! joints are left with one moving rotation between two constant ones.
+//! then plain on the way down. `before` and `after` are constant. The result depends on the
+//! source's rotations without a jump, so that neighbouring rows stay in one hemisphere.
 
 use glam::{DQuat, DVec3};
+use populace_clip::{Clip, Local};
 use populace_model::humanoid::Role;
 use populace_model::{JointIndex, f64math};
 
 use super::{Common, Figure, Pair};
 
-/// A value of the clip: constant, or moving with its rows.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Value<T> {
-    Still(T),
-    Moving,
-}
-
-/// The clip's effect on a joint of its own skeleton.
-pub(crate) struct ColumnMotion {
-    pub(crate) rotation: Value<DQuat>,
-    pub(crate) translation: Value<DVec3>,
-}
-
-/// A rotation of the source within a path, and the arm that is added to the translation before it.
+/// A step along a path: a rotation of the source, and the arm that is added to the translation
+/// before it.
 #[derive(Clone, Debug)]
-pub(crate) struct Link {
-    /// The source joint that moves.
-    pub(crate) column: JointIndex,
-    /// True if the rotation moves; otherwise it is the identity.
-    pub(crate) rotates: bool,
+struct Step {
+    /// The source joint.
+    joint: JointIndex,
     /// True if the rotation is inverted.
-    pub(crate) undone: bool,
+    undone: bool,
     /// Offset added to the translation, in the space of the rotation so far.
-    pub(crate) arm: DVec3,
-    /// Factor of the source's translation, which is added too if it moves; otherwise 0.
-    pub(crate) arm_scale: f64,
-    /// A constant rotation that follows.
-    pub(crate) after: DQuat,
+    arm: DVec3,
+    /// Factor of the source's translation, which is added too; 0 if it is not.
+    arm_scale: f64,
 }
 
-/// The corrections of one joint. The local rotation is `before`, multiplied for each link by its
-/// rotation and its `after`. The local translation is `base` plus the arms.
+/// The way to a joint's local transform. The rotation is `before`, multiplied for each step by its
+/// rotation, and by `after`. The translation is `base` plus the arms.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain {
-    pub(crate) before: DQuat,
+    before: DQuat,
     /// `None` if the translation stays at rest.
-    pub(crate) base: Option<DVec3>,
-    pub(crate) links: Vec<Link>,
+    base: Option<DVec3>,
+    steps: Vec<Step>,
+    /// Offset added to the translation before `after`.
+    arm: DVec3,
+    after: DQuat,
 }
 
-/// A rotation of the path before constant ones are merged.
-struct Step {
-    link: Link,
-    still: DQuat,
+impl Chain {
+    /// Returns whether the translation leaves its rest.
+    pub(crate) fn moves(&self) -> bool {
+        self.base.is_some()
+    }
+
+    /// Returns the joint's local transform in a pose of the source's joints.
+    pub(crate) fn local(&self, rest: &Local, pose: &[Local]) -> Local {
+        let (mut rotation, mut offset) = (self.before, DVec3::ZERO);
+        for Step { joint, undone, arm, arm_scale } in &self.steps {
+            let source = &pose[joint.index()];
+            offset += rotation * (*arm + *arm_scale * source.translation);
+            rotation *= if *undone { source.rotation.conjugate() } else { source.rotation };
+        }
+        offset += rotation * self.arm;
+        Local {
+            rotation: (rotation * self.after).normalize(),
+            translation: self.base.map_or(rest.translation, |base| base + offset),
+            scale: rest.scale,
+        }
+    }
 }
 
 /// Collects the path to one joint.
 struct Walk<'a> {
     common: &'a Common<'a>,
-    motion: &'a dyn Fn(JointIndex) -> ColumnMotion,
     /// Ratio of lengths in the space of the target's parent to those in the source's model space.
     per_metre: f64,
     steps: Vec<Step>,
@@ -75,12 +79,14 @@ impl Common<'_> {
         self.pairs[joint.index()].map(|pair| pair.source)
     }
 
-    /// Returns the corrections of a target joint; `None` if it keeps its rest.
-    pub(crate) fn chain(
-        &self,
-        joint: JointIndex,
-        motion: &dyn Fn(JointIndex) -> ColumnMotion,
-    ) -> Option<Chain> {
+    /// Iterates over the target joints whose partners a clip drives.
+    pub(crate) fn driven_joints(&self, clip: &Clip) -> impl Iterator<Item = JointIndex> {
+        let driven = |joint: &JointIndex| self.partner(*joint).is_some_and(|of| clip.drives(of));
+        self.target.skeleton.joints().filter(driven)
+    }
+
+    /// Returns the way to a target joint; `None` if it keeps its rest.
+    pub(crate) fn chain(&self, joint: JointIndex) -> Option<Chain> {
         let Pair { source, .. } = self.pairs[joint.index()]?;
         let skeleton = self.target.skeleton;
         let parent = skeleton.parent(joint);
@@ -89,7 +95,6 @@ impl Common<'_> {
         let space = self.target.scale(parent);
         let mut walk = Walk {
             common: self,
-            motion,
             per_metre: self.scale / space,
             steps: Vec::new(),
             arm: DVec3::ZERO,
@@ -114,7 +119,7 @@ impl Common<'_> {
         let before = parent_rotation.inverse()
             * above.map_or(DQuat::IDENTITY, |(_, s)| self.source.rotation[s.index()]);
         let after = self.source.rotation[source.index()].inverse() * self.rotation[joint.index()];
-        Some(fold(Chain { before, base, links: Vec::new() }, walk, after))
+        Some(Chain { before, base, steps: walk.steps, arm: walk.arm, after })
     }
 
     /// Returns the target joints through whose positions the path to a detached joint leads, ending
@@ -187,22 +192,8 @@ impl Walk<'_> {
     }
 
     fn step(&mut self, joint: JointIndex, undone: bool, carried: Option<f64>) {
-        let motion = (self.motion)(joint);
-        let (rotates, still) = match motion.rotation {
-            Value::Moving => (true, DQuat::IDENTITY),
-            Value::Still(rotation) if undone => (false, rotation.inverse()),
-            Value::Still(rotation) => (false, rotation),
-        };
-        let mut arm = std::mem::take(&mut self.arm);
-        let mut arm_scale = 0.0;
-        if let Some(scale) = carried {
-            match motion.translation {
-                Value::Moving => arm_scale = scale,
-                Value::Still(translation) => arm += scale * translation,
-            }
-        }
-        let link = Link { column: joint, rotates, undone, arm, arm_scale, after: DQuat::IDENTITY };
-        self.steps.push(Step { link, still });
+        let arm = std::mem::take(&mut self.arm);
+        self.steps.push(Step { joint, undone, arm, arm_scale: carried.unwrap_or_default() });
     }
 }
 
@@ -220,43 +211,4 @@ fn rest_offset(
         rotation *= f64math::quat(rest.rotation).normalize();
     }
     offset
-}
-
-/// Merges constant rotations into their moving neighbours.
-fn fold(mut chain: Chain, walk: Walk<'_>, after: DQuat) -> Chain {
-    let mut arm = DVec3::ZERO;
-    for Step { mut link, still } in walk.steps {
-        link.arm += arm;
-        arm = DVec3::ZERO;
-        if link.rotates || link.arm_scale != 0.0 {
-            link.after = still;
-            chain.links.push(link);
-        } else if let Some(last) = chain.links.last_mut() {
-            last.after *= still;
-            arm = still.inverse() * link.arm;
-        } else {
-            chain.base = chain.base.map(|base| base + chain.before * link.arm);
-            chain.before *= still;
-        }
-    }
-    arm += walk.arm;
-    match chain.links.last_mut() {
-        None => {
-            chain.base = chain.base.map(|base| base + chain.before * arm);
-            chain.before *= after;
-        }
-        Some(last) if arm == DVec3::ZERO => last.after *= after,
-        Some(last) => {
-            let column = last.column;
-            chain.links.push(Link {
-                column,
-                rotates: false,
-                undone: false,
-                arm,
-                arm_scale: 0.0,
-                after,
-            });
-        }
-    }
-    chain
 }

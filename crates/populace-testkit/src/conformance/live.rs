@@ -30,7 +30,6 @@ const LAST_POSE: u64 = 24;
 /// A clip that streams in.
 struct Stream {
     clip: usize,
-    live: Clip,
     /// Indices of the clip and of the bound clip in the tables.
     index: u32,
     bound: u32,
@@ -69,7 +68,7 @@ impl Stream {
         let bound = crowd.tables.add_bound_clip(index, of_body, &binding);
         let ring = live.ring().expect("the clip is live");
         let bound = bound.expect("the clip fits in the tables");
-        Self { clip, live, index, bound, ring, newest: 0, row: 0 }
+        Self { clip, index, bound, ring, newest: 0, row: 0 }
     }
 
     /// Returns the clip's pose at a time of the stream, in level order.
@@ -94,7 +93,7 @@ impl Stream {
     fn write(&self, crowd: &mut TestCrowd<'_>, nth: Option<u64>, ticks: u64) {
         let row = nth.map(|nth| u32::try_from(nth % u64::from(self.ring.rows)).expect("a row"));
         let pose = self.pose(crowd.scene, ticks);
-        let set = crowd.tables.set_live_row(self.index, &self.live, row, &pose);
+        let set = crowd.tables.set_live_row(self.index, row, &pose);
         set.expect("the row exists");
     }
 

@@ -33,7 +33,7 @@ pub use layers::{check_additive_layers, check_far_rotations, check_override_laye
 pub use live::check_live_clips;
 pub use machines::check_machines;
 pub use mixed::{check_churn, check_mixed_dispatch};
-pub use retarget::check_retarget;
+pub use retarget::{check_retarget, check_retarget_between_keys};
 pub use running::{check_growth, check_long_run};
 pub use sampling::{
     check_sampling_at_keys, check_sampling_between_keys, check_sampling_within_clip_bounds,
@@ -96,6 +96,8 @@ macro_rules! conformance_checks {
             one check_additive_layers additive_layers_hold additive_layers_can_fail rotation;
             one check_far_rotations far_rotations_hold far_rotations_can_fail coarse_rotation;
             one check_retarget retarget_holds retarget_can_fail coarse_rotation;
+            one check_retarget_between_keys
+                retarget_between_keys_holds retarget_between_keys_can_fail position;
             one check_inertialization
                 inertialization_holds inertialization_can_fail coarse_rotation;
             one check_gaze gaze_holds;

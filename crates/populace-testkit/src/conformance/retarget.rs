@@ -1,8 +1,10 @@
 //! Checks of retargeted clips.
 
 use populace_device::{Backend, LayerMode};
+use populace_model::convert::single;
 
 use super::plans;
+use super::sampling::{compare_probes, promised_m};
 use crate::compare::Judge;
 use crate::scenes::Scene;
 use crate::{LayerPlan, MemberPlan, Play, Rng};
@@ -19,6 +21,38 @@ pub fn check_retarget(backend: &mut dyn Backend) {
     let mut rng = Rng::new(51);
     let mut crowd = plans::crowd(&scene, 2, plans(&mut rng, &scene));
     judge.frame(backend, &mut crowd, 0);
+    judge.done();
+}
+
+/// Checks points around every joint for every clip on every other body, at times between keys. They
+/// may deviate by half of what is promised for a clip; with rows at key times alone they deviate by
+/// more.
+///
+/// # Panics
+///
+/// If the backend is wrong, or a conversion deviates too far.
+pub fn check_retarget_between_keys(backend: &mut dyn Backend) {
+    let scene = Scene::of_humanoids();
+    let mut judge = Judge::new("retargeted clips between keys");
+    let mut rng = Rng::new(52);
+    let mut crowd = plans::crowd(&scene, 1, None);
+    for body in 0..scene.bodies.len() {
+        for (index, of) in scene.clips.iter().enumerate().filter(|(_, clip)| clip.body != body) {
+            let (start, duration) = (of.clip.start_secs(), of.clip.duration_secs());
+            for _ in 0..12 {
+                let time = start + single(rng.between(0.0, 1.0)) * duration;
+                crowd.add(MemberPlan::plain(body, vec![Play::held(index, time)]));
+            }
+        }
+    }
+    crowd.run_stages(backend, 0);
+    for (member, _, plan) in crowd.members() {
+        let of = &scene.clips[plan.plays[0].clip];
+        let tolerance_m = 0.5 * promised_m(&scene, plan.body);
+        let got = crowd.read(backend, member);
+        let wanted = crowd.expected_within(member, 0, of.at_keys);
+        compare_probes(&mut judge, &crowd, member, |_| tolerance_m, &got, &wanted);
+    }
     judge.done();
 }
 

@@ -7,7 +7,7 @@ use populace_model::convert::single;
 use super::plans;
 use crate::compare::{Judge, joint_name};
 use crate::expected::Expected;
-use crate::scenes::{Scene, SceneClip, body};
+use crate::scenes::{Scene, body};
 use crate::{MemberPlan, MemberReading, Play, Rng, TestCrowd};
 
 /// Checks every clip exactly at keys (a STEP key holds from its own time on), before the first key,
@@ -66,11 +66,30 @@ pub fn check_sampling_within_clip_bounds(backend: &mut dyn Backend) {
     crowd.run_stages(backend, 0);
     for (member, _, plan) in crowd.members() {
         let clip = &scene.clips[plan.plays[0].clip];
+        let tolerance_m = promised_m(&scene, clip.body);
+        let stated = f64::from(clip.clip.stats().error_bound_m);
+        assert!(
+            stated <= tolerance_m * 1.000_1,
+            "{}: the clip's own bound, {stated} m, is above the promised {tolerance_m} m",
+            clip.clip.name()
+        );
         let got = crowd.read(backend, member);
         let wanted = crowd.expected_within(member, 0, clip.at_keys);
-        compare_probes(&mut judge, &crowd, member, clip, &got, &wanted);
+        let reach_m = probe_m(&scene, clip.body);
+        let bound_m = |joint: usize| tolerance_m + wanted.models[joint].at_reach(reach_m);
+        compare_probes(&mut judge, &crowd, member, bound_m, &got, &wanted);
     }
     judge.done();
+}
+
+/// Returns the distance from joints at which the promise holds, in metres.
+fn probe_m(scene: &Scene, body: usize) -> f64 {
+    f64::from(scene.bodies[body].skeleton.size_m()) * 0.03 / 1.8
+}
+
+/// Returns the promised deviation of clips on a body from their source curves, in metres.
+pub(super) fn promised_m(scene: &Scene, body: usize) -> f64 {
+    f64::from(scene.bodies[body].skeleton.size_m()) * 0.000_3 / 1.8
 }
 
 fn between_keys(scene: &Scene, seed: u64, clips: Vec<usize>) -> TestCrowd<'_> {
@@ -88,26 +107,21 @@ fn between_keys(scene: &Scene, seed: u64, clips: Vec<usize>) -> TestCrowd<'_> {
 }
 
 /// Compares points around each joint, at a distance of 3 cm on a body of 1.8 m, as in the
-/// definition of the clip's bound.
-fn compare_probes(
+/// definition of the clip's bound. `bound_m` is that of each joint's points.
+pub(super) fn compare_probes(
     judge: &mut Judge,
     crowd: &TestCrowd<'_>,
     member: usize,
-    clip: &SceneClip,
+    bound_m: impl Fn(usize) -> f64,
     got: &MemberReading,
     wanted: &Expected,
 ) {
-    let size_m = f64::from(crowd.scene.bodies[clip.body].skeleton.size_m());
-    let (reach_m, tolerance_m) = (size_m * 0.03 / 1.8, size_m * 0.000_3 / 1.8);
-    let stated = f64::from(clip.clip.stats().error_bound_m);
-    assert!(
-        stated <= tolerance_m * 1.000_1,
-        "{}: the clip's own bound, {stated} m, is above the promised {tolerance_m} m",
-        clip.clip.name()
-    );
+    let plan = crowd.plan(member);
+    let reach_m = probe_m(crowd.scene, plan.body);
+    let name = crowd.scene.clips[plan.plays[0].clip].clip.name();
     let points = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| axis * reach_m);
     for (joint, model) in wanted.pose.model_from_joint.iter().enumerate() {
-        let bound = tolerance_m + wanted.models[joint].at_reach(reach_m);
+        let bound = bound_m(joint);
         for point in points.into_iter().flat_map(|p| [p, -p]) {
             let image = model.transform_point3(point);
             for (axis, row) in got.models[joint].chunks(4).enumerate() {
@@ -115,7 +129,7 @@ fn compare_probes(
                 let got = single(a * point.x + b * point.y + c * point.z + d);
                 judge.number(got, image[axis], bound, f64::INFINITY, || {
                     let joint = joint_name(crowd, member, joint);
-                    let (name, time) = (clip.clip.name(), crowd.plan(member).plays[0].timing);
+                    let time = plan.plays[0].timing;
                     format!("{joint}, clip \"{name}\" {time:?}, point {point} axis {axis}")
                 });
             }

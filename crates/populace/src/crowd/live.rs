@@ -51,7 +51,6 @@ impl Stream {
         &mut self,
         tables: &mut Tables,
         index: u32,
-        clip: &Clip,
         at: u64,
         pose: Vec<Trs>,
     ) -> Result<(), Error> {
@@ -67,10 +66,10 @@ impl Stream {
             let between = (self.next - self.newest) as f64 / (at - self.newest) as f64;
             let row: Vec<_> =
                 self.pose.iter().zip(&pose).map(|(a, b)| mix(a, b, between)).collect();
-            tables.set_live_row(index, clip, Some(self.row), &row)?;
+            tables.set_live_row(index, Some(self.row), &row)?;
             self.step();
         }
-        tables.set_live_row(index, clip, Some(self.row), &pose)?;
+        tables.set_live_row(index, Some(self.row), &pose)?;
         (self.newest, self.pose) = (at, pose);
         self.tell(tables, index)
     }
@@ -173,8 +172,8 @@ impl LiveClips {
                 row: 0,
                 row_count: 1,
             };
-            base.tables.set_live_row(index.0, clip, None, &pose)?;
-            stream.take(&mut base.tables, index.0, clip, 0, pose)?;
+            base.tables.set_live_row(index.0, None, &pose)?;
+            stream.take(&mut base.tables, index.0, 0, pose)?;
             self.streams.insert(index, stream);
             return Ok(());
         };
@@ -190,7 +189,7 @@ impl LiveClips {
                 now.rotation = now.rotation.map(|c| -c);
             }
         }
-        stream.take(&mut base.tables, index.0, clip, at, pose)
+        stream.take(&mut base.tables, index.0, at, pose)
     }
 
     /// Returns the stream time that is shown with a delay of `delay_ticks`.

@@ -134,10 +134,15 @@ pub(crate) fn character() -> Character {
     ];
     let clips =
         sources.map(|source| Arc::new(Clip::new(source, &skeleton).expect("a good clip"))).to_vec();
+    bare("body", skeleton, clips)
+}
+
+/// A character without meshes, and a palette entry for each joint.
+pub(crate) fn bare(name: &str, skeleton: Skeleton, clips: Vec<Arc<Clip>>) -> Character {
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let palette = skeleton.joints().map(entry).collect();
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
-    let name = "body".into();
+    let name = name.into();
     Character::new(CharacterSource {
         name,
         skeleton,

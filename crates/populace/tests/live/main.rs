@@ -11,17 +11,16 @@
 
 #[path = "../controls/fixture.rs"]
 mod fixture;
+
+mod bodies;
 mod refusals;
 
 use std::cell::RefCell;
 
 use fixture::{Scene, everywhere, scene, skeleton};
 use glam::{DAffine3, DQuat, DVec3};
-use populace::character::{Character, CharacterSource};
 use populace::clip::Clip;
-use populace::model::{
-    ClipSource, Interpolation, JointSource, Property, Role, RoleMap, Side, Skeleton, Track,
-};
+use populace::model::{ClipSource, Interpolation, Property, Track};
 use populace::{
     Affine, ClipId, ClipPlayback, Device, LayerMode, LayerSettings, LiveSettings, MemberId,
     Placement, Schedule, Streamed, Trs,
@@ -215,17 +214,18 @@ fn oldest_rows_are_overwritten_repeatedly() {
     });
 }
 
+/// Adds an ordinary clip of the stream's poses to the scene's body.
+fn recorded(scene: &mut Scene) -> ClipId {
+    let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
+    let mut body = scene.crowd.character_mut(scene.body).expect("a body");
+    body.add_clip(&clip.into()).expect("enough capacity")
+}
+
 #[test]
 fn live_clip_equals_an_ordinary_clip_of_the_same_poses() {
     everywhere(|scene| {
         let (live, _) = followers(scene, 2.0, &[]);
-        let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
-        let clip = scene
-            .crowd
-            .character_mut(scene.body)
-            .expect("enough capacity")
-            .add_clip(&clip.into())
-            .expect("enough capacity");
+        let clip = recorded(scene);
         let held = scene.clip("sway");
         let pairs = [0, 1].map(|layer| {
             [(live, ClipPlayback::live(0.3)), (clip, ClipPlayback::looping())].map(
@@ -416,98 +416,5 @@ fn named_joints_are_streamed_and_others_stay_at_rest() {
         wanted[joint("hips").index()] = hips;
         wanted[joint("head").index()].rotation = head.rotation;
         assert_shows(scene, member, &interpolated(&wanted, &wanted, 0.0), 2e-6, "hips and head");
-    });
-}
-
-/// Returns a character with bones 1.3 times as long.
-fn longer_character() -> Character {
-    let own = skeleton();
-    let joint = |joint: populace::JointIndex| {
-        let mut rest = *own.rest(joint);
-        rest.translation = rest.translation.map(|c| 1.3 * c);
-        JointSource {
-            name: own.name(joint).into(),
-            parent: own.parent(joint).map(|p| p.index()),
-            rest,
-        }
-    };
-    let joints: Vec<_> = own.joints().map(joint).collect();
-    let skeleton = Skeleton::new(&joints).expect("a skeleton");
-    let (parts, materials, images, skins, clips, palette) =
-        (vec![], vec![], vec![], vec![], vec![], vec![]);
-    let name = "other".into();
-    Character::new(CharacterSource {
-        name,
-        skeleton,
-        palette,
-        parts,
-        materials,
-        images,
-        skins,
-        clips,
-    })
-    .expect("a character")
-}
-
-/// Roles of hips and legs, the only limbs that the humanoid has in full.
-fn legs(skeleton: &Skeleton) -> RoleMap {
-    let (left, right) = (Side::Left, Side::Right);
-    let roles = [
-        (Role::Hips, "hips"),
-        (Role::UpperLeg(left), "leftUpperLeg"),
-        (Role::LowerLeg(left), "leftLowerLeg"),
-        (Role::Foot(left), "leftFoot"),
-        (Role::UpperLeg(right), "rightUpperLeg"),
-        (Role::LowerLeg(right), "rightLowerLeg"),
-        (Role::Foot(right), "rightFoot"),
-    ];
-    RoleMap::from_names(skeleton, &roles).expect("joints of those names")
-}
-
-#[test]
-fn live_clip_is_retargeted_to_other_characters() {
-    everywhere(|scene| {
-        let other = scene.crowd.add_character(longer_character()).expect("enough capacity");
-        for character in [scene.body, other] {
-            let skeleton =
-                scene.crowd.character(character).expect("a character").asset().skeleton.clone();
-            scene
-                .crowd
-                .character_mut(character)
-                .expect("its roles")
-                .set_roles(legs(&skeleton))
-                .expect("its roles");
-        }
-        let (live, _) = followers(scene, 2.0, &[]);
-        let clip = Clip::new(recording("recorded", 40), &skeleton()).expect("a clip");
-        let clip = scene
-            .crowd
-            .character_mut(scene.body)
-            .expect("enough capacity")
-            .add_clip(&clip.into())
-            .expect("enough capacity");
-        let members = [0, 1]
-            .map(|_| scene.crowd.spawn(other, Placement::at([0.0; 3])).expect("enough capacity"));
-        scene.edit(members[0]).play(live, ClipPlayback::live(0.3)).expect("a live clip");
-        let now = stream_evenly(scene, live, 40, |_, _, _| {});
-        let held = ClipPlayback::held_at_secs((now - f64::from(0.3_f32)) as f32);
-        scene.edit(members[1]).play(clip, held).expect("a clip");
-        scene.update(0.0);
-        let [found, wanted] = members.map(|member| scene.models(member));
-        let hips = fixture::joint("hips").index();
-        let from_hips = |all: &[Affine], m: &Affine| {
-            let (a, b) = (m.origin(), all[hips].origin());
-            [0, 1, 2].map(|i| a[i] - b[i])
-        };
-        for (a, b) in found.iter().zip(&wanted).skip(1) {
-            assert!(fixture::turn_deg(a, b) < 0.1, "{a:?} {b:?}");
-            let [a, b] = [from_hips(&found, a), from_hips(&wanted, b)];
-            assert!(fixture::distance(a, b) < 1e-3, "{a:?} {b:?}");
-        }
-        let [knee, hip] = ["leftLowerLeg", "leftUpperLeg"]
-            .map(|name| found[fixture::joint(name).index()].origin());
-        let thigh = skeleton().rest(fixture::joint("leftLowerLeg")).translation;
-        let longer = fixture::distance(knee, hip) / fixture::distance(thigh, [0.0; 3]);
-        assert!((longer - 1.3).abs() < 1e-3, "the leg is {longer} times as long, not 1.3 times");
     });
 }

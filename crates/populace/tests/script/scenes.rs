@@ -36,7 +36,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "clips", start: clips, hash: 0x9192_5bfe_a628_6396 },
     Scene { name: "layers", start: layers, hash: 0x71da_0e23_5e44_927f },
     Scene { name: "inertialization", start: inertialization, hash: 0xd496_64c9_9b18_4b71 },
-    Scene { name: "retargeting", start: retargeting, hash: 0x764d_467d_faaa_4326 },
+    Scene { name: "retargeting", start: retargeting, hash: 0x4354_5d35_7183_8653 },
     Scene { name: "blend spaces", start: blend_spaces, hash: 0xa6d3_5b41_1040_04b2 },
     Scene { name: "state machines", start: state_machines, hash: 0x74dd_3216_cae6_ed7c },
     Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },

@@ -29,7 +29,11 @@ impl Base {
         let (state, known) = self.to_bind(character, clip)?;
         match self.assets.bound_clips.get(&(state.body, ClipIndex::of(clip))) {
             Some(bound) => Ok(bound.report),
-            None => Ok(*self.make_binding(state, known)?.report()),
+            None => {
+                let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+                let clip_roles = self.roles_of(known);
+                Ok(BindingReport::new(known, clip_roles.as_ref(), skeleton, roles)?)
+            }
         }
     }
 

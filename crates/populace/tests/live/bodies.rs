@@ -1,0 +1,152 @@
+//! Live clips on bodies with other joints than the clip's own.
+
+use populace::character::Character;
+use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
+use populace::{Affine, CharacterId, ClipPlayback, MemberId, Placement};
+
+use super::fixture::{self, Scene, everywhere, skeleton};
+use super::{followers, recorded, stream_evenly};
+
+/// Returns a character with bones 1.3 times as long.
+fn longer_character() -> Character {
+    let own = skeleton();
+    let joint = |joint: populace::JointIndex| {
+        let mut rest = *own.rest(joint);
+        rest.translation = rest.translation.map(|c| 1.3 * c);
+        JointSource {
+            name: own.name(joint).into(),
+            parent: own.parent(joint).map(|p| p.index()),
+            rest,
+        }
+    };
+    let joints: Vec<_> = own.joints().map(joint).collect();
+    fixture::bare("longer", Skeleton::new(&joints).expect("a skeleton"), Vec::new())
+}
+
+/// Returns a character with the same joints, of which siblings come in the opposite order.
+fn mirrored_character() -> Character {
+    let own = skeleton();
+    let mut order: Vec<populace::JointIndex> = Vec::new();
+    let mut next = vec![None];
+    while let Some(parent) = next.pop() {
+        order.extend(parent);
+        let of: Vec<_> = own.joints().filter(|joint| own.parent(*joint) == parent).collect();
+        next.extend(of.into_iter().map(Some));
+    }
+    let place = |joint| order.iter().position(|other| *other == joint);
+    let joint = |joint: &populace::JointIndex| JointSource {
+        name: own.name(*joint).into(),
+        parent: own.parent(*joint).and_then(place),
+        rest: *own.rest(*joint),
+    };
+    let joints: Vec<_> = order.iter().map(joint).collect();
+    fixture::bare("mirrored", Skeleton::new(&joints).expect("a skeleton"), Vec::new())
+}
+
+/// Roles of hips and legs, the only limbs that the humanoid has in full.
+fn legs(skeleton: &Skeleton) -> RoleMap {
+    let (left, right) = (Side::Left, Side::Right);
+    let roles = [
+        (Role::Hips, "hips"),
+        (Role::UpperLeg(left), "leftUpperLeg"),
+        (Role::LowerLeg(left), "leftLowerLeg"),
+        (Role::Foot(left), "leftFoot"),
+        (Role::UpperLeg(right), "rightUpperLeg"),
+        (Role::LowerLeg(right), "rightLowerLeg"),
+        (Role::Foot(right), "rightFoot"),
+    ];
+    RoleMap::from_names(skeleton, &roles).expect("joints of those names")
+}
+
+#[test]
+fn live_clip_is_retargeted_to_other_characters() {
+    everywhere(|scene| {
+        let other = scene.crowd.add_character(longer_character()).expect("enough capacity");
+        for character in [scene.body, other] {
+            let skeleton =
+                scene.crowd.character(character).expect("a character").asset().skeleton.clone();
+            scene
+                .crowd
+                .character_mut(character)
+                .expect("its roles")
+                .set_roles(legs(&skeleton))
+                .expect("its roles");
+        }
+        let (live, _) = followers(scene, 2.0, &[]);
+        let clip = recorded(scene);
+        let members = [0, 1]
+            .map(|_| scene.crowd.spawn(other, Placement::at([0.0; 3])).expect("enough capacity"));
+        scene.edit(members[0]).play(live, ClipPlayback::live(0.3)).expect("a live clip");
+        let now = stream_evenly(scene, live, 40, |_, _, _| {});
+        let held = ClipPlayback::held_at_secs((now - f64::from(0.3_f32)) as f32);
+        scene.edit(members[1]).play(clip, held).expect("a clip");
+        scene.update(0.0);
+        let [found, wanted] = members.map(|member| scene.models(member));
+        let hips = fixture::joint("hips").index();
+        let from_hips = |all: &[Affine], m: &Affine| {
+            let (a, b) = (m.origin(), all[hips].origin());
+            [0, 1, 2].map(|i| a[i] - b[i])
+        };
+        for (a, b) in found.iter().zip(&wanted).skip(1) {
+            assert!(fixture::turn_deg(a, b) < 0.1, "{a:?} {b:?}");
+            let [a, b] = [from_hips(&found, a), from_hips(&wanted, b)];
+            assert!(fixture::distance(a, b) < 1e-3, "{a:?} {b:?}");
+        }
+        let [knee, hip] = ["leftLowerLeg", "leftUpperLeg"]
+            .map(|name| found[fixture::joint(name).index()].origin());
+        let thigh = skeleton().rest(fixture::joint("leftLowerLeg")).translation;
+        let longer = fixture::distance(knee, hip) / fixture::distance(thigh, [0.0; 3]);
+        assert!((longer - 1.3).abs() < 1e-3, "the leg is {longer} times as long, not 1.3 times");
+    });
+}
+
+/// Adds a character with roles and a member of it.
+fn add(scene: &mut Scene, character: Character) -> (CharacterId, MemberId) {
+    let roles = legs(&character.skeleton);
+    let id = scene.crowd.add_character(character).expect("enough capacity");
+    scene.crowd.character_mut(id).expect("a character").set_roles(roles).expect("its roles");
+    (id, scene.crowd.spawn(id, Placement::at([0.0; 3])).expect("enough capacity"))
+}
+
+#[test]
+fn bodies_bound_late_show_what_arrived_before() {
+    everywhere(|scene| {
+        let roles = legs(&skeleton());
+        let body = scene.body;
+        scene.crowd.character_mut(body).expect("a body").set_roles(roles).expect("its roles");
+        let (live, own) = followers(scene, 2.0, &[0.4]);
+        let (ids, early): (Vec<_>, Vec<_>) = [longer_character(), mirrored_character()]
+            .map(|other| add(scene, other))
+            .into_iter()
+            .unzip();
+        let at_rest: Vec<_> = ids
+            .into_iter()
+            .map(|id| scene.crowd.spawn(id, Placement::at([0.0; 3])).expect("enough capacity"))
+            .collect();
+        for &member in &early {
+            scene.edit(member).play(live, ClipPlayback::live(0.4)).expect("a live clip");
+        }
+        stream_evenly(scene, live, 40, |_, _, _| {});
+        let late = [longer_character(), mirrored_character()].map(|other| add(scene, other).1);
+        for member in late {
+            scene.edit(member).play(live, ClipPlayback::live(0.4)).expect("a live clip");
+        }
+        scene.update(0.0);
+        for ((&early, late), at_rest) in early.iter().zip(late).zip(at_rest) {
+            let (early, late) = (scene.models(early), scene.models(late));
+            assert_eq!(early, late);
+            assert_ne!(early, scene.models(at_rest));
+        }
+        let (own, other) = (scene.models(own[0]), scene.models(early[1]));
+        let mirrored = mirrored_character().skeleton.clone();
+        let mut moved = 0;
+        for joint in skeleton().joints() {
+            let same = mirrored.find(skeleton().name(joint)).expect("the same joints");
+            moved += usize::from(same != joint);
+            let (a, b) = (&own[joint.index()], &other[same.index()]);
+            assert!(fixture::distance(a.origin(), b.origin()) < 2e-6, "{a:?} {b:?}");
+            assert!(fixture::turn_deg(a, b) < 1e-3, "{a:?} {b:?}");
+        }
+        assert!(moved > 0, "the test needs another order");
+    });
+}
