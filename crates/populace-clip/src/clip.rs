@@ -36,6 +36,9 @@ const SAME_PLACE: f64 = 0.002;
 /// joints fastest, with 16 bits per component over the joint's own range (see [`RowBlock`]). Blocks
 /// in which nothing moves are omitted. Storage uses up part of the error bound; animations that 16
 /// bits cannot represent within it are stored as floats.
+///
+/// Clips that were converted to another skeleton ([`converted`](Self::converted),
+/// [`arranged`](Self::arranged)) have no source: nothing can be measured against it.
 #[derive(Clone, Debug)]
 pub struct Clip {
     source: ClipSource,

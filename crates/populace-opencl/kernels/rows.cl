@@ -43,8 +43,7 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
     return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
-// Where the columns of sixteen neighbouring joints are stored, and the lane of the joint if it is one
-// of them alone.
+// Where the columns of sixteen neighbouring joints are stored. `lane` is that of a single joint.
 typedef struct {
     BoundBlock block;
     uint lane;

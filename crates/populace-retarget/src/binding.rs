@@ -12,9 +12,10 @@ use crate::retarget::Retarget;
 /// Number of poses, at most, from which the lift of the hips and the pace of the feet are found.
 const GROUND_POSES: usize = 128;
 
-/// A clip bound to a skeleton: the place and the range of what each joint follows in its rows.
+/// A clip bound to a skeleton: the rows that the joints follow, and the range of each joint.
 ///
-/// Joints follow the columns of their own numbers: if the clip has others, its rows are converted.
+/// Each joint follows the column of its own number. If the clip has other joints, or the same in
+/// another order, its rows are converted.
 /// Joints and properties that the clip does not drive keep the rest of the bound skeleton; the rest
 /// of the clip's own skeleton has no effect on them.
 #[derive(Clone, Debug)]

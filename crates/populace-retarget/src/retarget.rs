@@ -9,6 +9,8 @@ use crate::common::{Chain, Common, Soles};
 /// Converts poses of a clip's own skeleton to poses of another.
 #[derive(Clone, Debug)]
 pub struct Retarget {
+    /// Number of joints of the clip's own skeleton.
+    joint_count: usize,
     /// For each joint of the other skeleton its rest, and where its pose comes from.
     joints: Vec<(Local, Way)>,
 }
@@ -36,7 +38,8 @@ impl Retarget {
         let joint = |(joint, from): (JointIndex, &Option<JointIndex>)| {
             (Local::of(skeleton.rest(joint)), from.map_or(Way::Rest, way))
         };
-        Self { joints: skeleton.joints().zip(columns).map(joint).collect() }
+        let joints = skeleton.joints().zip(columns).map(joint).collect();
+        Self { joint_count: clip.skeleton().joint_count(), joints }
     }
 
     pub(crate) fn by_roles(common: &Common<'_>) -> Self {
@@ -44,15 +47,22 @@ impl Retarget {
         let joint = |joint: JointIndex| {
             (Local::of(skeleton.rest(joint)), common.chain(joint).map_or(Way::Rest, Way::Chain))
         };
-        Self { joints: skeleton.joints().map(joint).collect() }
+        let joint_count = common.source.skeleton.joint_count();
+        Self { joint_count, joints: skeleton.joints().map(joint).collect() }
+    }
+
+    /// Number of joints of the poses that are converted.
+    #[must_use]
+    pub fn joint_count(&self) -> usize {
+        self.joint_count
     }
 
     /// Converts local transforms of all joints of the clip's own skeleton, in level order, to those
-    /// of the other. Rotations that continue one another stay in one hemisphere.
+    /// of the other.
     ///
     /// # Panics
     ///
-    /// If `pose` has too few joints.
+    /// If `pose` has fewer than [`joint_count`](Self::joint_count) joints.
     #[must_use]
     pub fn pose(&self, pose: &[Trs]) -> Vec<Trs> {
         let pose: Vec<Local> = pose.iter().map(Local::of).collect();

@@ -54,10 +54,15 @@ impl Clip {
     /// Converts the clip to poses of another skeleton. `convert` converts the pose of all joints
     /// of the clip's own skeleton at a place within its rows. The result has a row at the time of
     /// each of these rows, and further rows wherever interpolation would deviate from converted
-    /// poses by more than the error bound of a [`Clip`]. Of a live clip, `moves` tells for each
-    /// joint of `skeleton` and [`Property`](populace_model::Property) whether rows drive it.
+    /// poses by more than the error bound of a [`Clip`]. `moves` tells for each joint of `skeleton`
+    /// and [`Property`](populace_model::Property) whether it follows the rows.
     ///
-    /// The result has no source, no footsteps and no root motion.
+    /// The result has no source, no footsteps and no root motion. Its error bound counts from the
+    /// rows of the clip, not from the source curves.
+    ///
+    /// # Panics
+    ///
+    /// If `moves` or a converted pose has too few joints.
     #[must_use]
     pub fn converted(
         &self,
@@ -88,17 +93,28 @@ impl Clip {
     /// does not drive keep the rest of `skeleton`. Values are those of the clip: rows and their
     /// times are the same.
     ///
-    /// The result has no source, no footsteps and no root motion.
+    /// The result has no source, no footsteps and no root motion. Its error bound is that of the
+    /// clip on its own skeleton.
+    ///
+    /// # Panics
+    ///
+    /// If `columns` has fewer joints than `skeleton`, or names one that the clip lacks.
     #[must_use]
     pub fn arranged(&self, skeleton: &Skeleton, columns: &[Option<JointIndex>]) -> Self {
         let driven = |joint: JointIndex| self.rows.driven[joint.index()];
         let copied: Vec<_> =
             columns.iter().map(|from| from.map(|from| (from.index(), driven(from)))).collect();
         let rest: Vec<Trs> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
+        let Rows { times, buckets, buckets_per_sec, rows_per_sec, .. } = &self.rows;
         let rows = Rows {
+            times: times.clone(),
             storage: self.rows.storage.arranged(&copied, &rest),
+            buckets: buckets.clone(),
+            buckets_per_sec: *buckets_per_sec,
+            rows_per_sec: *rows_per_sec,
             driven: copied.iter().map(|from| from.map_or([false; 3], |(_, d)| d)).collect(),
-            ..self.rows.clone()
+            error_bound_m: self.rows.error_bound_m,
+            tolerance_m: self.rows.tolerance_m,
         };
         Self { ring: self.ring, ..Self::of_rows(self.name(), skeleton, rows) }
     }

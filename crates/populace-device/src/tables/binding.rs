@@ -26,7 +26,9 @@ impl Tables {
     ) -> Result<u32, Error> {
         let joints =
             self.all.bodies.as_slice().get(body.0 as usize).map(|b| b.joint_count as usize);
-        if clip as usize >= self.all.clips.len() || joints != Some(binding.ranges().len()) {
+        let known = self.asset_runs.contains_key(&(Asset::Clip, clip));
+        let fits = binding.converted().is_none_or(|converted| self.can_follow(clip, converted));
+        if !known || !fits || joints != Some(binding.ranges().len()) {
             return Err(Error::BadPlayback { what: "clip or body to bind", value: clip });
         }
         self.add_asset(Asset::BoundClip, |tables, runs| tables.bind(clip, body, binding, runs))

@@ -3,6 +3,7 @@
 use populace_clip::Clip;
 use populace_model::Trs;
 use populace_model::convert::u32_from;
+use populace_model::math::quat;
 use populace_retarget::Converted;
 
 use super::Tables;
@@ -24,11 +25,22 @@ struct LiveFollower {
     /// The index of the converted clip.
     rows: u32,
     converted: Converted,
+    /// The pose converted last; empty before the first.
+    last: Vec<Trs>,
 }
 
 impl LiveFollower {
-    fn row_of(&self, pose: &[Trs]) -> Vec<u32> {
-        self.converted.clip.row_of(&self.converted.retarget.pose(pose))
+    /// Converts a pose to a row. Its rotations are in the hemispheres of those of the pose before:
+    /// a product of rotations may leave them, though each of its factors does not.
+    fn row_of(&mut self, pose: &[Trs]) -> Vec<u32> {
+        let mut pose = self.converted.retarget.pose(pose);
+        for (now, before) in pose.iter_mut().zip(&self.last) {
+            if quat::dot(now.rotation, before.rotation) < 0.0 {
+                now.rotation = now.rotation.map(|c| -c);
+            }
+        }
+        self.last = pose;
+        self.converted.clip.row_of(&self.last)
     }
 }
 
@@ -73,30 +85,46 @@ impl Tables {
         let Some(live) = self.live_clips.get_mut(&index) else {
             return;
         };
-        let follower = LiveFollower { bound, rows, converted: converted.clone() };
+        let mut follower =
+            LiveFollower { bound, rows, converted: converted.clone(), last: Vec::new() };
         let all = &mut self.all;
         let (from, to) =
             (all.clips.as_slice()[index as usize], all.clips.as_slice()[rows as usize]);
-        for nth in 0..=from.row_count as usize {
-            let words = from.row_first as usize + nth * from.row_stride as usize;
+        // The first row, then those of the ring, oldest first.
+        let oldest = from.newest_row + from.ring_rows + 1 - from.row_count;
+        let ring = (0..from.row_count).map(|nth| 1 + (oldest + nth) % from.ring_rows);
+        for nth in std::iter::once(0).chain(ring) {
+            let words = from.row_first as usize + nth as usize * from.row_stride as usize;
             let words = &all.rows.as_slice()[words..][..from.row_stride as usize];
-            let pose = live.clip.pose_of(words);
-            write_row(all, &to, nth, &follower.row_of(&pose));
+            let row = follower.row_of(&live.clip.pose_of(words));
+            write_row(all, &to, nth as usize, &row);
         }
         let ClipRows { row_first, row_stride, .. } = to;
         all.clips.set(rows as usize, ClipRows { row_first, row_stride, ..from });
         live.followers.push(follower);
     }
 
-    /// Ends what [`follow_live`](Self::follow_live) began.
-    pub(super) fn forget_follower(&mut self, bound: u32) {
-        for live in self.live_clips.values_mut() {
+    /// Returns whether a converted clip can follow a clip: neither is live, or both have the same
+    /// ring and number of joints to convert.
+    pub(super) fn can_follow(&self, index: u32, converted: &Converted) -> bool {
+        match self.live_clips.get(&index) {
+            None => converted.clip.ring().is_none(),
+            Some(live) => {
+                live.clip.ring() == converted.clip.ring()
+                    && live.clip.skeleton().joint_count() == converted.retarget.joint_count()
+            }
+        }
+    }
+
+    /// Ends what [`follow_live`](Self::follow_live) began for a bound clip of the clip `index`.
+    pub(super) fn forget_follower(&mut self, index: u32, bound: u32) {
+        if let Some(live) = self.live_clips.get_mut(&index) {
             live.followers.retain(|follower| follower.bound != bound);
         }
     }
 
     /// Writes a pose into a row of a live clip's ring, and into those of the bound clips that it is
-    /// converted to. With `row` of `None` it writes the row that additive layers measure from.
+    /// converted for. With `row` of `None` it writes the row that additive layers measure from.
     ///
     /// # Errors
     ///
@@ -108,7 +136,7 @@ impl Tables {
         row: Option<u32>,
         pose: &[Trs],
     ) -> Result<(), Error> {
-        let live = self.live_clips.get(&index);
+        let live = self.live_clips.get_mut(&index);
         let live = live.ok_or(Error::BadPlayback { what: "live clip", value: index })?;
         if pose.len() != live.clip.skeleton().joint_count() {
             let (what, value) = ("number of joints of a live pose", u32_from(pose.len()));
@@ -120,7 +148,7 @@ impl Tables {
         }
         let nth = row.map_or(0, |row| row as usize + 1);
         write_row(&mut self.all, &rows, nth, &live.clip.row_of(pose));
-        for follower in &live.followers {
+        for follower in &mut live.followers {
             let rows = self.all.clips.as_slice()[follower.rows as usize];
             write_row(&mut self.all, &rows, nth, &follower.row_of(pose));
         }
@@ -134,7 +162,9 @@ impl Tables {
     /// [`Error::BadPlayback`] if the clip is not live, or if the row, row count or tick count is
     /// out of range.
     pub fn set_live_newest(&mut self, index: u32, newest: LiveNewest) -> Result<(), Error> {
-        let rows = self.live_rows(index)?;
+        let live = self.live_clips.get(&index);
+        let live = live.ok_or(Error::BadPlayback { what: "live clip", value: index })?;
+        let rows = self.all.clips.as_slice()[index as usize];
         for (what, value, fits) in [
             ("ring row", newest.row, newest.row < rows.ring_rows),
             ("row count", newest.row_count, (1..=rows.ring_rows).contains(&newest.row_count)),
@@ -144,8 +174,8 @@ impl Tables {
                 return Err(Error::BadPlayback { what, value });
             }
         }
-        let followers = self.live_clips.get(&index).into_iter().flat_map(|live| &live.followers);
-        for index in std::iter::once(index).chain(followers.map(|follower| follower.rows)) {
+        let followers = live.followers.iter().map(|follower| follower.rows);
+        for index in std::iter::once(index).chain(followers) {
             let rows = ClipRows {
                 newest_tick: newest.tick,
                 newest_row: newest.row,
@@ -157,11 +187,6 @@ impl Tables {
             self.all.clips.set(index as usize, rows);
         }
         Ok(())
-    }
-
-    fn live_rows(&self, index: u32) -> Result<ClipRows, Error> {
-        let rows = self.all.clips.as_slice().get(index as usize).filter(|rows| rows.ring_rows > 0);
-        rows.copied().ok_or(Error::BadPlayback { what: "live clip", value: index })
     }
 }
 

@@ -77,9 +77,9 @@ impl Tables {
             let BoundClip { clip, rows, .. } = tables.all.bound_clips.as_slice()[bound as usize];
             if rows != clip {
                 tables.all.clips.set(rows as usize, ClipRows::default());
+                tables.forget_follower(clip, bound);
             }
             tables.all.bound_clips.set(bound as usize, free);
-            tables.forget_follower(bound);
         })
     }
 

@@ -3,8 +3,7 @@
 //! Let *above* be the nearest paired ancestor of a target joint. Its local rotation
 //! `inverse(Gt(parent)) * Gt` is `before * path * after`. `path` is the product of the source's
 //! local rotations from the partner of *above* to the joint's own partner: inverted on the way up,
-//! then plain on the way down. `before` and `after` are constant. The result depends on the
-//! source's rotations without a jump, so that neighbouring rows stay in one hemisphere.
+//! then plain on the way down. `before` and `after` are constant.
 
 use glam::{DQuat, DVec3};
 use populace_clip::{Clip, Local};

@@ -107,7 +107,7 @@ impl Feet {
     }
 }
 
-/// The feet of both bodies, and the correction of the target's.
+/// The feet of both bodies, and the roll of the target's.
 pub(crate) struct Soles<'a> {
     common: &'a Common<'a>,
     source: Feet,
@@ -129,7 +129,7 @@ impl<'a> Soles<'a> {
         known.then(|| Self { common, source: Feet::new(&common.source).or_under_joints(), target })
     }
 
-    /// The joints that are corrected.
+    /// The joints that roll.
     pub(crate) fn joints(&self) -> Vec<JointIndex> {
         self.target.sides.iter().flatten().map(|sole| sole.joint).collect()
     }
@@ -196,7 +196,7 @@ impl<'a> Soles<'a> {
     }
 
     /// Rolls a foot, then its toes, about their own left-right axes by the smallest angle that
-    /// keeps them no deeper than `depth`. Returns the corrections of the joints. Toes with a source
+    /// keeps them no deeper than `depth`. Returns the rotations of the joints. Toes with a source
     /// joint keep their own direction while the foot rolls.
     pub(super) fn roll_feet(&self, side: Side, feet: &mut [Stands], depth: f64) -> Vec<DQuat> {
         let bottom = self.target.ground - depth;

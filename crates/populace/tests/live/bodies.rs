@@ -1,11 +1,12 @@
 //! Live clips on bodies with other joints than the clip's own.
 
 use populace::character::Character;
+use populace::model::math::quat;
 use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
-use populace::{Affine, CharacterId, ClipPlayback, MemberId, Placement};
+use populace::{Affine, CharacterId, ClipPlayback, MemberId, Placement, Trs};
 
 use super::fixture::{self, Scene, everywhere, skeleton};
-use super::{followers, recorded, stream_evenly};
+use super::{followers, recorded, settings, stream_evenly};
 
 /// Returns a character with bones 1.3 times as long.
 fn longer_character() -> Character {
@@ -114,7 +115,7 @@ fn bodies_bound_late_show_what_arrived_before() {
         let roles = legs(&skeleton());
         let body = scene.body;
         scene.crowd.character_mut(body).expect("a body").set_roles(roles).expect("its roles");
-        let (live, own) = followers(scene, 2.0, &[0.4]);
+        let (live, own) = followers(scene, 1.0, &[0.4]);
         let (ids, early): (Vec<_>, Vec<_>) = [longer_character(), mirrored_character()]
             .map(|other| add(scene, other))
             .into_iter()
@@ -126,7 +127,8 @@ fn bodies_bound_late_show_what_arrived_before() {
         for &member in &early {
             scene.edit(member).play(live, ClipPlayback::live(0.4)).expect("a live clip");
         }
-        stream_evenly(scene, live, 40, |_, _, _| {});
+        // The ring holds 32 rows.
+        stream_evenly(scene, live, 70, |_, _, _| {});
         let late = [longer_character(), mirrored_character()].map(|other| add(scene, other).1);
         for member in late {
             scene.edit(member).play(live, ClipPlayback::live(0.4)).expect("a live clip");
@@ -148,5 +150,52 @@ fn bodies_bound_late_show_what_arrived_before() {
             assert!(fixture::turn_deg(a, b) < 1e-3, "{a:?} {b:?}");
         }
         assert!(moved > 0, "the test needs another order");
+    });
+}
+
+/// Returns a character with one more joint at its left knee.
+fn character_with_two_knees() -> Character {
+    let own = skeleton();
+    let joint = |joint: populace::JointIndex| JointSource {
+        name: own.name(joint).into(),
+        parent: own.parent(joint).map(|p| p.index()),
+        rest: *own.rest(joint),
+    };
+    let mut joints: Vec<_> = own.joints().map(joint).collect();
+    let knee = fixture::joint("leftLowerLeg").index();
+    let count = joints.len();
+    let between = JointSource { name: "between".into(), ..joints[knee].clone() };
+    joints[knee] = JointSource { parent: Some(count), rest: Trs::IDENTITY, ..joints[knee].clone() };
+    joints.push(between);
+    fixture::bare("two knees", Skeleton::new(&joints).expect("a skeleton"), Vec::new())
+}
+
+#[test]
+fn products_of_fast_rotations_take_the_short_way() {
+    everywhere(|scene| {
+        let source = character_with_two_knees();
+        let skeleton = source.skeleton.clone();
+        let (id, _) = add(scene, source);
+        let (longer, member) = add(scene, longer_character());
+        let at_rest = scene.crowd.spawn(longer, Placement::at([0.0; 3])).expect("enough capacity");
+        let mut character = scene.crowd.character_mut(id).expect("a character");
+        let live = character.add_live_clip("fast", &settings(1.0)).expect("a live clip");
+        // Halfway between two poses, which are a thirtieth of a second apart.
+        scene.edit(member).play(live, ClipPlayback::live(1.0 / 60.0)).expect("a live clip");
+        // Both joints turn by 130 degrees: their product turns by 100 degrees the other way.
+        for (nth, half_turn) in [0.0_f32, 65.0].into_iter().enumerate() {
+            let mut pose: Vec<_> = skeleton.joints().map(|j| *skeleton.rest(j)).collect();
+            for name in ["between", "leftLowerLeg"] {
+                let (sin, cos) = half_turn.to_radians().sin_cos();
+                let rotation = &mut pose[skeleton.find(name).expect("a joint").index()].rotation;
+                *rotation = quat::mul(*rotation, [sin, 0.0, 0.0, cos]);
+            }
+            let secs = nth as f64 / 30.0;
+            scene.crowd.clip_mut(live).expect("a clip").append(secs, &pose).expect("a pose");
+        }
+        scene.update(1.0 / 30.0);
+        let shin = fixture::joint("leftLowerLeg").index();
+        let turn = fixture::turn_deg(&scene.models(member)[shin], &scene.models(at_rest)[shin]);
+        assert!((turn - 50.0).abs() < 1.0, "the shin turns by {turn} degrees");
     });
 }

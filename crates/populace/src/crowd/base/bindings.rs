@@ -29,11 +29,7 @@ impl Base {
         let (state, known) = self.to_bind(character, clip)?;
         match self.assets.bound_clips.get(&(state.body, ClipIndex::of(clip))) {
             Some(bound) => Ok(bound.report),
-            None => {
-                let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
-                let clip_roles = self.roles_of(known);
-                Ok(BindingReport::new(known, clip_roles.as_ref(), skeleton, roles)?)
-            }
+            None => self.report(state, known),
         }
     }
 
@@ -53,9 +49,9 @@ impl Base {
             check(&bound.report)?;
             return Ok(bound.index);
         }
-        let binding = self.make_binding(state, known)?;
-        let report = *binding.report();
+        let report = self.report(state, known)?;
         check(&report)?;
+        let binding = self.make_binding(state, known)?;
         let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
         let state = self.character_state_mut(character)?;
@@ -91,6 +87,11 @@ impl Base {
     ) -> Result<(&CharacterState, &Arc<Clip>), Error> {
         let known = self.known_clip(clip)?;
         Ok((self.character_state(character)?, known))
+    }
+
+    fn report(&self, state: &CharacterState, clip: &Arc<Clip>) -> Result<BindingReport, Error> {
+        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+        Ok(BindingReport::new(clip, self.roles_of(clip).as_ref(), skeleton, roles)?)
     }
 
     fn make_binding(&self, state: &CharacterState, clip: &Arc<Clip>) -> Result<Binding, Error> {
