@@ -53,7 +53,13 @@ macro_rules! opencl_type {
 }
 
 macro_rules! device_struct {
-    (@impl $name:ident { $( $field:ident : $ty:ident ),* }) => {
+    ($(#[$doc:meta])* pub struct $name:ident {
+        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
+    }) => {
+        $(#[$doc])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
         impl DeviceStruct for $name {
             const NAME: &'static str = stringify!($name);
             const OPENCL_C: &'static str = concat!("typedef struct {",
@@ -62,15 +68,6 @@ macro_rules! device_struct {
             const FIELDS: &'static [(&'static str, usize)] =
                 &[$( (stringify!($field), std::mem::offset_of!($name, $field)) ),*];
         }
-    };
-    ($(#[$doc:meta])* pub struct $name:ident {
-        $( $(#[$field_doc:meta])* pub $field:ident : $ty:ident ),* $(,)?
-    }) => {
-        $(#[$doc])*
-        #[repr(C)]
-        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-        pub struct $name { $( $(#[$field_doc])* pub $field: $ty ),* }
-        device_struct! { @impl $name { $( $field: $ty ),* } }
     };
 }
 

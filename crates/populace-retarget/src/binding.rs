@@ -5,8 +5,8 @@ use populace_model::humanoid::RoleMap;
 use populace_model::{JointIndex, Property, Skeleton};
 
 use crate::Error;
-use crate::common::Soles;
-use crate::fit::{BindingMethod, BindingReport, columns_by_name, common_of};
+use crate::common::{Common, Soles};
+use crate::fit::{BindingReport, Match, columns_by_name, common_of};
 use crate::retarget::Retarget;
 
 /// Number of poses, at most, from which the lift of the hips and the pace of the feet are found.
@@ -75,8 +75,9 @@ impl Binding {
         skeleton: &Skeleton,
         roles: Option<&RoleMap>,
     ) -> Result<Self, Error> {
-        BindingReport::new(clip, clip_roles, skeleton, roles)?.check(clip.name())?;
-        Self::partial(clip, clip_roles, skeleton, roles)
+        let binding = Self::partial(clip, clip_roles, skeleton, roles)?;
+        binding.report.check(clip.name())?;
+        Ok(binding)
     }
 
     /// Like [`fitting`](Self::fitting), but for clips of which only a part is needed, for example
@@ -91,13 +92,10 @@ impl Binding {
         skeleton: &Skeleton,
         roles: Option<&RoleMap>,
     ) -> Result<Self, Error> {
-        let report = BindingReport::new(clip, clip_roles, skeleton, roles)?;
-        match (report.method, clip_roles, roles) {
-            (BindingMethod::Roles, Some(clip_roles), Some(roles)) => {
-                Self::retarget(clip, clip_roles, skeleton, roles)
-            }
-            _ => Ok(Self::new(clip, skeleton)),
-        }
+        Ok(match Match::new(clip, clip_roles, skeleton, roles)? {
+            Match::Roles(common) => Self::by_common_pose(clip, skeleton, *common),
+            Match::Names => Self::new(clip, skeleton),
+        })
     }
 
     /// Binds a clip by humanoid roles: the skeleton's limbs point in the directions of the limbs of
@@ -129,7 +127,11 @@ impl Binding {
         skeleton: &Skeleton,
         roles: &RoleMap,
     ) -> Result<Self, Error> {
-        let mut common = common_of(clip, clip_roles, skeleton, roles)?;
+        let common = common_of(clip, clip_roles, skeleton, roles)?;
+        Ok(Self::by_common_pose(clip, skeleton, common))
+    }
+
+    fn by_common_pose(clip: &Clip, skeleton: &Skeleton, mut common: Common<'_>) -> Self {
         let bound_joint_count = common.driven_joints(clip).count();
         let every = clip.row_count().div_ceil(GROUND_POSES).max(1);
         let poses: Vec<_> = clip.row_poses(every).collect();
@@ -151,7 +153,7 @@ impl Binding {
             clip.drives_property(joint, property)
         });
         let converted = Some(Converted { clip, retarget });
-        Ok(Self { ranges, blocks, converted, bound_joint_count, motion_scale, report })
+        Self { ranges, blocks, converted, bound_joint_count, motion_scale, report }
     }
 
     /// The range of each joint and [`Property`].

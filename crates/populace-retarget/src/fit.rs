@@ -35,6 +35,41 @@ pub struct BindingReport {
     pub rest_shift: f32,
 }
 
+/// Match of a clip's joints with those of a skeleton.
+pub(crate) enum Match<'a> {
+    /// By humanoid roles, in a common pose.
+    Roles(Box<Common<'a>>),
+    Names,
+}
+
+impl<'a> Match<'a> {
+    /// See [`Binding::partial`](crate::Binding::partial).
+    pub(crate) fn new(
+        clip: &'a Clip,
+        clip_roles: Option<&'a RoleMap>,
+        skeleton: &'a Skeleton,
+        roles: Option<&'a RoleMap>,
+    ) -> Result<Self, Error> {
+        if !clip.is_made_for(skeleton)
+            && let (Some(clip_roles), Some(roles)) = (clip_roles, roles)
+            && let Ok(common) = common_of(clip, clip_roles, skeleton, roles)
+        {
+            return Ok(Self::Roles(Box::new(common)));
+        }
+        let driven = clip.skeleton().joints().find(|joint| clip.drives(*joint));
+        let Some(first) = driven else { return Ok(Self::Names) };
+        if columns_by_name(clip, skeleton).iter().any(Option::is_some) {
+            return Ok(Self::Names);
+        }
+        let fault = BindingFault::NoCommonName {
+            joint: clip.skeleton().name(first).to_owned(),
+            skeleton_has_roles: roles.is_some(),
+            clip_has_roles: clip_roles.is_some(),
+        };
+        Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
+    }
+}
+
 impl BindingReport {
     /// Minimum share of a clip's moving joints that must be bound by name only, unless a partial
     /// binding is asked for.
@@ -51,25 +86,10 @@ impl BindingReport {
         skeleton: &Skeleton,
         roles: Option<&RoleMap>,
     ) -> Result<Self, Error> {
-        if !clip.is_made_for(skeleton)
-            && let (Some(clip_roles), Some(roles)) = (clip_roles, roles)
-            && let Ok(common) = common_of(clip, clip_roles, skeleton, roles)
-        {
-            return Ok(Self::by_roles(clip, skeleton, &common));
-        }
-        let driven = clip.skeleton().joints().find(|joint| clip.drives(*joint));
-        let first = driven.filter(|_| columns_by_name(clip, skeleton).iter().all(Option::is_none));
-        match first {
-            None => Ok(Self::by_name(clip, skeleton)),
-            Some(first) => {
-                let fault = BindingFault::NoCommonName {
-                    joint: clip.skeleton().name(first).to_owned(),
-                    skeleton_has_roles: roles.is_some(),
-                    clip_has_roles: clip_roles.is_some(),
-                };
-                Err(Error::CannotBind { clip: clip.name().to_owned(), fault })
-            }
-        }
+        Ok(match Match::new(clip, clip_roles, skeleton, roles)? {
+            Match::Roles(common) => Self::by_roles(clip, skeleton, &common),
+            Match::Names => Self::by_name(clip, skeleton),
+        })
     }
 
     /// Share of the clip's moving joints that affect the skeleton, 0 to 1; 1 for a clip without

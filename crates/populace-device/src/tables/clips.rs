@@ -76,17 +76,8 @@ impl Tables {
         if self.all.rows.len().saturating_add(count) > u32::MAX as usize {
             return Err(Error::TooLarge { what: "rows", count, limit: u32::MAX as usize });
         }
-        self.add_words(rows.iter().copied().cycle().take(count), runs)
-    }
-
-    /// Adds words with padding behind them, so that runs are whole blocks, and returns the first
-    /// word.
-    fn add_words(
-        &mut self,
-        words: impl Iterator<Item = u32>,
-        runs: &mut Runs,
-    ) -> Result<u32, Error> {
-        let mut words: Vec<u32> = words.collect();
+        let mut words: Vec<u32> = rows.iter().copied().cycle().take(count).collect();
+        // Padding, because sixteen lanes may read past the end. Runs are whole blocks.
         let past_the_end = words.len() + JOINT_BLOCK as usize;
         words.resize(past_the_end.next_multiple_of(JOINT_BLOCK as usize), 0);
         runs.add(&mut self.all.rows, words)

@@ -29,7 +29,10 @@ impl Base {
         let (state, known) = self.to_bind(character, clip)?;
         match self.assets.bound_clips.get(&(state.body, ClipIndex::of(clip))) {
             Some(bound) => Ok(bound.report),
-            None => self.report(state, known),
+            None => {
+                let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
+                Ok(BindingReport::new(known, self.roles_of(known).as_ref(), skeleton, roles)?)
+            }
         }
     }
 
@@ -49,9 +52,9 @@ impl Base {
             check(&bound.report)?;
             return Ok(bound.index);
         }
-        let report = self.report(state, known)?;
-        check(&report)?;
         let binding = self.make_binding(state, known)?;
+        let report = *binding.report();
+        check(&report)?;
         let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
         let state = self.character_state_mut(character)?;
@@ -87,11 +90,6 @@ impl Base {
     ) -> Result<(&CharacterState, &Arc<Clip>), Error> {
         let known = self.known_clip(clip)?;
         Ok((self.character_state(character)?, known))
-    }
-
-    fn report(&self, state: &CharacterState, clip: &Arc<Clip>) -> Result<BindingReport, Error> {
-        let (skeleton, roles) = (&state.character.skeleton, state.roles.as_ref());
-        Ok(BindingReport::new(clip, self.roles_of(clip).as_ref(), skeleton, roles)?)
     }
 
     fn make_binding(&self, state: &CharacterState, clip: &Arc<Clip>) -> Result<Binding, Error> {
