@@ -8,8 +8,8 @@ find_library() {
     [ -n "$found" ] || { echo "no lib$2*.a in $1" >&2; exit 1; }
     echo "$found"
 }
-animation=$(find_library "$2" ozz_animation)
+offline=$(find_library "$2" ozz_animation_offline)
+animation=$(find_library "$2" "ozz_animation_[dr]")
 base=$(find_library "$2" ozz_base)
-media=$(cd "$1/media/bin" && pwd)
 ${CXX:-c++} -std=c++20 -O3 -DNDEBUG ${CXXFLAGS:--march=native} -I"$1/include" \
-    -DOZZ_MEDIA="\"$media\"" "$(dirname "$0")/ozz_frames.cc" "$animation" "$base" -pthread -o "$3"
+    "$(dirname "$0")/ozz_frames.cc" "$offline" "$animation" "$base" -pthread -o "$3"

@@ -34,10 +34,10 @@ pub(crate) struct OracleCheck<'a> {
 impl OracleCheck<'_> {
     /// Returns the largest distance between probe points moved by a member's palette and by the
     /// oracle's.
-    pub(crate) fn worst_error_m(
+    pub(crate) fn worst_error_m<E: From<Error>>(
         &self,
-        mut palette: impl FnMut(usize) -> Result<Vec<Affine>, Error>,
-    ) -> Result<f64, Error> {
+        mut palette: impl FnMut(usize) -> Result<Vec<Affine>, E>,
+    ) -> Result<f64, E> {
         let scene = self.scene;
         let bodies: Vec<_> =
             scene.characters.iter().map(|c| OracleBody::from_character(c)).collect();
@@ -89,6 +89,23 @@ impl OracleCheck<'_> {
         let end = u64::from(self.frames) * FRAME_TICKS;
         changing.values_mut().for_each(|member| member.advance_to(end));
         changing.into_iter().map(|(index, member)| (index, member.slots)).collect()
+    }
+}
+
+impl Scene {
+    /// Returns the largest error in metres of palettes that another program computed, after a
+    /// number of frames of 1/60 s. It is measured as that of a crowd is, at the same members.
+    ///
+    /// # Errors
+    ///
+    /// Those of `palette`, which returns a member's.
+    pub fn error_of<E: From<Error>>(
+        &self,
+        frames: u32,
+        palette: impl FnMut(usize) -> Result<Vec<Affine>, E>,
+    ) -> Result<f64, E> {
+        let (members, slots) = (sample(self), self.slot_count);
+        OracleCheck { scene: self, frames, members, slots }.worst_error_m(palette)
     }
 }
 

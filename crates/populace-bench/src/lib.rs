@@ -32,6 +32,7 @@ mod scene;
 mod skate;
 mod spec;
 mod table;
+mod text;
 mod timing;
 
 pub use baked::TableSizes;

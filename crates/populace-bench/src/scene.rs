@@ -153,10 +153,52 @@ impl Scene {
         Ok(Self { load, characters, member_count: 0, slot_count, seed: settings.seed })
     }
 
+    /// Creates a scene of characters with clips of their own, without members. Loads are
+    /// [`Plain`](Load::Plain) and [`Changing`](Load::Changing); the others need the bones of random
+    /// skeletons.
+    ///
+    /// # Errors
+    ///
+    /// Says which character has no clips, or which load was asked for.
+    pub fn of_characters(
+        characters: Vec<Arc<Character>>,
+        slots: usize,
+        seed: u64,
+        load: Load,
+    ) -> Result<Self, String> {
+        if !matches!(load, Load::Plain | Load::Changing { .. }) {
+            return Err(format!("given characters are not measured under load {load}"));
+        }
+        let without = characters.iter().find(|character| character.clips.is_empty());
+        if let Some(character) = without {
+            return Err(format!("{} has no clips", character.name));
+        }
+        Ok(Self { load, characters, member_count: 0, slot_count: slots, seed })
+    }
+
     /// Copies the scene with another number of members.
     #[must_use]
     pub fn with_members(&self, members: usize) -> Self {
         Self { member_count: members, ..self.clone() }
+    }
+
+    /// Returns the number of members.
+    #[must_use]
+    pub const fn member_count(&self) -> usize {
+        self.member_count
+    }
+
+    /// Returns the number of slots of each member, those of layers above 0 included.
+    #[must_use]
+    pub const fn slot_count(&self) -> usize {
+        self.slot_count
+    }
+
+    /// Returns the number of members and the names of their characters.
+    #[must_use]
+    pub fn crowd(&self) -> String {
+        let names: Vec<_> = self.characters.iter().map(|one| one.name.as_str()).collect();
+        format!("{} members ({})", self.member_count, names.join(", "))
     }
 
     /// Returns the index of a member's character.

@@ -188,7 +188,7 @@ impl<'a> Session<'a> {
                     tables: Some(tables),
                     bytes_per_member: None,
                     error_m: check(sample(scene), 1)
-                        .worst_error_m(|member| Ok(baked.palette(member).to_vec()))?,
+                        .worst_error_m(|member| Ok::<_, Error>(baked.palette(member).to_vec()))?,
                     allowed_m: None,
                 })
             }

@@ -6,7 +6,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::{
-    __m128, _MM_HINT_T0, _mm_loadu_ps, _mm_prefetch, _mm_sfence, _mm_stream_ps,
+    __m128, _MM_HINT_T1, _mm_loadu_ps, _mm_prefetch, _mm_sfence, _mm_stream_ps,
 };
 
 /// Floats or words in a line.
@@ -19,7 +19,7 @@ pub(crate) fn fetch_lines(words: &[u32]) {
     // Words that do not begin a line reach into one line more.
     for word in words.iter().step_by(LINE).chain(words.last()) {
         // SAFETY: asking for a line changes nothing that a program can see.
-        unsafe { _mm_prefetch::<_MM_HINT_T0>(std::ptr::from_ref(word).cast()) };
+        unsafe { _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(word).cast()) };
     }
     #[cfg(not(target_arch = "x86_64"))]
     let _ = words;

@@ -80,7 +80,7 @@ pub(crate) enum Encoding {
 }
 
 /// Two rows, and their weights.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 pub(crate) struct Rows {
     pub(crate) from: u32,
     pub(crate) to: u32,

@@ -13,6 +13,7 @@ use populace_device::{SampledState, far_row, row_before};
 use populace_model::math::quat;
 
 use crate::change::{Change, PoseWidth};
+use crate::encoding::Rows;
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;
 use crate::rows::Joints;
@@ -57,7 +58,7 @@ fn sampled_poses<R: SampleWidth<Stored: PoseWidth>>(
     let mut poses = [*rest; 3];
     let wanted = if additive { 3 } else { 2 };
     for (pose, at) in poses.iter_mut().zip(&rows).take(wanted) {
-        *pose = sample_joint::<R>(joints, bound, at, rest).normalized(rest);
+        *pose = sample_joint::<R>(joints, bound, &Rows::of(at), rest).normalized(rest);
     }
     let [at, far, start] = poses;
     SampledPoses { at, far, reference: if additive { start } else { at } }

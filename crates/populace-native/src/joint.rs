@@ -10,6 +10,7 @@ use populace_device::layout::{
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
+use crate::encoding::Rows;
 use crate::frame::FrameInputs;
 use crate::inertialize::OfLayer;
 use crate::local::{Local, add_layer, change, each3, quotient};
@@ -147,17 +148,18 @@ impl Posing<'_> {
         let mut sum =
             Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
         for playing in self.playing {
-            if playing.at.weight <= 0.0 || playing.layer != layer {
+            if playing.weight <= 0.0 || playing.layer != layer {
                 continue;
             }
             let bound = &tables.bound_clips().as_slice()[playing.bound_clip as usize];
-            let sample = sample_joint::<R>(joints, bound, &playing.at, rest);
-            let (weight, local) = (R::splat(playing.at.weight), &mut sum.local);
+            let sample = sample_joint::<R>(joints, bound, &playing.rows, rest);
+            let (weight, local) = (R::splat(playing.weight), &mut sum.local);
             sum.at_rest &= sample.at_rest;
             let (value, k) = if additive {
                 let first = tables.clips().as_slice()[bound.rows as usize].row_first;
                 let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                let start = sample_joint::<R>(joints, bound, &start, rest).normalized(rest);
+                let start =
+                    sample_joint::<R>(joints, bound, &Rows::of(&start), rest).normalized(rest);
                 let turned = quotient(&sample.normalized(rest), &start, quat::identity());
                 (change(&turned), weight)
             } else {
@@ -167,7 +169,7 @@ impl Posing<'_> {
             local.t = each3(|i| local.t[i] + value.t[i] * weight);
             local.r = quat::add(local.r, quat::scale(value.r, k));
             local.s = each3(|i| local.s[i] + value.s[i] * weight);
-            sum.total += playing.at.weight;
+            sum.total += playing.weight;
         }
         sum
     }

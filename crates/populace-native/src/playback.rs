@@ -4,6 +4,7 @@ use populace_device::layout::{Layer, Slot, SlotSample};
 use populace_device::{MAX_SLOTS, Tables};
 
 use crate::cache::fetch_lines;
+use crate::encoding::Rows;
 use crate::frame::FrameInputs;
 use crate::machines::slot_now;
 use crate::members::{member_layers, member_slots};
@@ -12,9 +13,17 @@ use crate::slot::sample_of;
 /// A slot as it plays now.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Playing {
-    pub(crate) at: SlotSample,
+    pub(crate) rows: Rows,
+    pub(crate) weight: f32,
     pub(crate) bound_clip: u32,
     pub(crate) layer: u32,
+}
+
+impl Playing {
+    #[inline(always)]
+    pub(crate) fn new(at: &SlotSample, bound_clip: u32, layer: u32) -> Self {
+        Self { rows: Rows::of(at), weight: at.weight, bound_clip, layer }
+    }
 }
 
 /// Slots to search for those that inertialize at a tick.
@@ -54,7 +63,7 @@ impl<'a> Play<'a> {
             let slot = slot_now(tables, &history.running, slot, frame.tick);
             let (at, after_start) = sample_of(tables, &slot, frame.tick);
             if at.weight > 0.0 {
-                playing[count] = Playing { at, bound_clip: slot.bound_clip, layer: slot.layer() };
+                playing[count] = Playing::new(&at, slot.bound_clip, slot.layer());
                 secs[count] = after_start;
                 count += 1;
             }
@@ -65,10 +74,10 @@ impl<'a> Play<'a> {
 
     /// Asks for the rows that the slots mix.
     pub(crate) fn fetch_rows(&self, tables: &Tables) {
-        for Playing { at, bound_clip, .. } in self.playing() {
+        for Playing { rows, bound_clip, .. } in self.playing() {
             let clip = tables.bound_clips().as_slice()[*bound_clip as usize].rows as usize;
             let stride = tables.clips().as_slice()[clip].row_stride as usize;
-            for row in [at.row0, at.row1] {
+            for row in [rows.from, rows.to] {
                 fetch_lines(&tables.rows().as_slice()[row as usize..][..stride]);
             }
         }

@@ -34,7 +34,7 @@ pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut Jo
         let mut playing = [Playing::default(); MAX_SLOTS];
         for ((playing, slot), at) in playing.iter_mut().zip(slots).zip(samples) {
             let bound_clip = slot_now(tables, &history.running, slot, frame.tick).bound_clip;
-            *playing = Playing { at: *at, bound_clip, layer: slot.layer() };
+            *playing = Playing::new(at, bound_clip, slot.layer());
         }
         let mut posing = Posing {
             inputs,

@@ -1,7 +1,7 @@
 //! Local transforms sampled from a clip. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_device::layout::{BoundClip, REST_SCALE, REST_TRANSLATION, SlotSample};
+use populace_device::layout::{BoundClip, REST_SCALE, REST_TRANSLATION};
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
@@ -48,7 +48,7 @@ impl<R: Real> Sample<R> {
 pub(crate) fn sample_joint<R: SampleWidth<Stored: PoseWidth>>(
     joints: &Joints,
     bound: &BoundClip,
-    at: &SlotSample,
+    at: &Rows,
     rest: &Local<R>,
 ) -> Sample<R> {
     let columns = R::columns(joints, bound);
@@ -71,7 +71,7 @@ pub(crate) fn sample_joint<R: SampleWidth<Stored: PoseWidth>>(
 struct AnyColumns<'a> {
     joints: &'a Joints<'a>,
     bound: &'a BoundClip,
-    at: &'a SlotSample,
+    at: &'a Rows,
 }
 
 impl Change for AnyColumns<'_> {
@@ -88,25 +88,25 @@ fn sample_columns<R: RowWidth, const COMMON: bool>(
     joints: &Joints,
     columns: &R::Columns<'_>,
     bound: &BoundClip,
-    at: &SlotSample,
+    at: &Rows,
     rest: &Local<R>,
 ) -> Local<R> {
     let padded = joints.body.padded_count as usize;
-    let (range, at) = (joints.planes(bound.range_first), Rows::of(at));
+    let range = joints.planes(bound.range_first);
     let mut r = load_quat::<R>(range, padded);
     if !columns.planes(Property::Rotation).are_still() {
         let part = load_part::<R>(&range[4 * padded..]);
-        r = sample_rotation::<R, COMMON>(columns, &at, [part; 4], r);
+        r = sample_rotation::<R, COMMON>(columns, at, [part; 4], r);
     }
     let mut local = Local { r, ..*rest };
     let flags = joints.bound_block(bound).flags;
     if flags & REST_TRANSLATION == 0 {
         let range = &range[5 * padded..];
-        local.t = sample_vector::<R, COMMON>(columns, Property::Translation, &at, range, padded);
+        local.t = sample_vector::<R, COMMON>(columns, Property::Translation, at, range, padded);
     }
     if flags & REST_SCALE == 0 {
         let range = &range[9 * padded..];
-        local.s = sample_vector::<R, COMMON>(columns, Property::Scale, &at, range, padded);
+        local.s = sample_vector::<R, COMMON>(columns, Property::Scale, at, range, padded);
     }
     local
 }

@@ -39,7 +39,7 @@ INLINE void fetch_lines(__global const void *from, uint words)
 {
 #if defined(CALLS) && __has_builtin(__builtin_prefetch)
     for (uint word = 0; word < words; word += 16)
-        __builtin_prefetch((__global const uint *)from + word);
+        __builtin_prefetch((__global const uint *)from + word, 0, 2);
     // Words that do not begin a line reach into one line more.
     if (words > 0) __builtin_prefetch((__global const uint *)from + words - 1);
 #endif

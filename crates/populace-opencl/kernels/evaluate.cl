@@ -22,6 +22,7 @@ __kernel void evaluate(
     const uint index = (uint)get_global_id(0);
     if (index >= slot_count) return;
     const Machines machines = { machine_states, running };
+    float secs;
     samples[index] = sample_of(slot_now(slots[index], tick, machines), tick, bound_clips, clips,
-                               row_times, buckets);
+                               row_times, buckets, &secs);
 }

@@ -1,23 +1,15 @@
 // fused.cl - Helpers of both fused schedules. Twin of populace-native/src/fused.rs: same
 // arithmetic, same order of operations.
 
-// Returns the time of a slot after the start of its clip; NAN for live clips and without weight.
-INLINE float secs_after_start(Slot slot, SlotSample at, ulong tick, const ClipTables *tables)
-{
-    if (at.weight <= 0.0f || slot_mode(slot) == SLOT_LIVE) return NAN;
-    const ClipRows clip = tables->clips[tables->bound_clips[slot.bound_clip].rows];
-    return slot_time(slot, tick, clip) - clip.start_secs;
-}
-
 // Returns what a slot plays now. The weight is 0 if it plays nothing.
 INLINE Playing play(Slot given, Machines machines, ulong tick, const ClipTables *tables,
                     __global const float *row_times, __global const uint *buckets)
 {
     const Slot slot = slot_now(given, tick, machines);
+    float secs;
     const SlotSample at =
-        sample_of(slot, tick, tables->bound_clips, tables->clips, row_times, buckets);
-    const Playing playing = { at, slot.bound_clip, slot_layer(slot),
-                              secs_after_start(slot, at, tick, tables) };
+        sample_of(slot, tick, tables->bound_clips, tables->clips, row_times, buckets, &secs);
+    const Playing playing = { at, slot.bound_clip, slot_layer(slot), secs, halves_of(at.between) };
     return playing;
 }
 

@@ -83,12 +83,12 @@ enum { SAMPLE_REFERENCE, SAMPLE_AT, SAMPLE_FAR, SAMPLES_OF_CLIP };
 INLINE Local inertialization_sample(const ClipTables *tables, SampledState state, uint sample,
                                     bool additive, Body body, uint joint, Local rest)
 {
-    const BoundClip bound = tables->bound_clips[state.bound_clip];
-    const ClipRows clip = tables->clips[bound.rows];
+    const ClipRows clip = tables->clips[tables->bound_clips[state.bound_clip].rows];
     SlotSample place = place_of(clip, state.row);
     if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
     if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);
-    return normalized(sample_joint(tables, bound, body, joint, place, rest), rest);
+    return normalized(sample_joint(tables, state.bound_clip, body, joint, rows_of(place), rest),
+                      rest);
 }
 
 // Returns the part that is left of a clip's differences from its reference.

@@ -54,18 +54,19 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
-        const BoundClip bound = tables->bound_clips[playing.bound_clip];
         const float weight = playing.at.weight;
-        const Sample sample = sample_joint(tables, bound, body, joint, playing.at, rest);
+        const Sample sample =
+            sample_joint(tables, playing.bound_clip, body, joint, rows_in(playing), rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
             k = unit_of(trs.r, rest.r) * weight;
         } else {
-            const uint first = tables->clips[bound.rows].row_first;
+            const uint clip = tables->bound_clips[playing.bound_clip].rows;
+            const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference =
-                normalized(sample_joint(tables, bound, body, joint, start, rest), rest);
+            const Local reference = normalized(
+                sample_joint(tables, playing.bound_clip, body, joint, rows_of(start), rest), rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }

@@ -39,7 +39,8 @@ typedef struct {
 INLINE Playing playing_at(Playback playback, uint s)
 {
     const Slot slot = playback.slots[s];
-    Playing playing = { playback.samples[s], slot.bound_clip, slot_layer(slot), NAN };
+    const SlotSample at = playback.samples[s];
+    Playing playing = { at, slot.bound_clip, slot_layer(slot), NAN, halves_of(at.between) };
     if (slot_mode(slot) == SLOT_MACHINE && playing.at.weight > 0.0f)
         playing.bound_clip = machine_clip(slot.bound_clip, playback.machines);
     return playing;

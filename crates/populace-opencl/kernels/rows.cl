@@ -20,6 +20,8 @@ typedef struct {
     SlotSample at;
     uint bound_clip, layer;
     float secs;
+    // The weights of both rows; see Rows.
+    uint halves;
 } Playing;
 
 // Properties of a row.
@@ -49,9 +51,9 @@ typedef struct {
     uint lane;
 } Columns;
 
-INLINE Columns columns_of(const ClipTables *tables, BoundClip bound, uint joint)
+INLINE Columns columns_of(const ClipTables *tables, uint block_first, uint joint)
 {
-    const Columns columns = { tables->bound_blocks[bound.block_first + joint / JOINT_BLOCK],
+    const Columns columns = { tables->bound_blocks[block_first + joint / JOINT_BLOCK],
                               joint % JOINT_BLOCK };
     return columns;
 }
@@ -97,11 +99,24 @@ typedef struct {
     uint halves;
 } Rows;
 
-INLINE Rows rows_of(SlotSample at)
+// Returns the weights of two rows in ROW_PARTS, for 16-bit numbers.
+INLINE uint halves_of(float between)
 {
     // Places that callers give may lie past the last row.
-    const uint second = min(convert_uint_sat(at.between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
-    const Rows rows = { at.row0, at.row1, at.between, ((uint)ROW_PARTS - second) | second << 16 };
+    const uint second = min(convert_uint_sat(between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
+    return ((uint)ROW_PARTS - second) | second << 16;
+}
+
+INLINE Rows rows_of(SlotSample at)
+{
+    const Rows rows = { at.row0, at.row1, at.between, halves_of(at.between) };
+    return rows;
+}
+
+// Returns the rows that a slot plays.
+INLINE Rows rows_in(Playing playing)
+{
+    const Rows rows = { playing.at.row0, playing.at.row1, playing.at.between, playing.halves };
     return rows;
 }
 
@@ -250,11 +265,9 @@ INLINE Local normalized(Sample sample, Local rest)
 }
 
 // Samples a clip between two rows. *trs comes in at rest.
-INLINE void sample_columns(const ClipTables *tables, Columns columns, BoundClip bound, Body body,
-                           uint joint, SlotSample at, Local *trs)
+INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored range, Rows rows,
+                           Local *trs)
 {
-    const Stored range = stored_at(tables, bound.range_first + joint, body);
-    const Rows rows = rows_of(at);
     trs->r = stored_quat(range, 0);
     if (columns.block.rotation_first != NONE)
         trs->r = quat_add(quat_scale(rotation_parts(tables, columns, rows), stored_part(range, 4)),
@@ -284,32 +297,36 @@ INLINE Columns as_common(Columns columns)
     return columns;
 }
 
-// Samples any columns. The slow path.
-APART void sample_any(const ClipTables *tables, Columns columns, BoundClip bound, Body body,
-                      uint joint, SlotSample at, Local *trs)
+// Samples any columns. The slow path. It finds the columns again, since passing them would keep them
+// in memory on all paths.
+APART void sample_any(const ClipTables *tables, uint bound, uint joint, Stored range, Rows rows,
+                      Local *trs)
 {
-    sample_columns(tables, columns, bound, body, joint, at, trs);
+    const Columns columns = columns_of(tables, tables->bound_clips[bound].block_first, joint);
+    sample_columns(tables, columns, range, rows, trs);
 }
 
 #endif
 
-// Returns local transforms between two rows.
-INLINE Sample sample_joint(const ClipTables *tables, BoundClip bound, Body body, uint joint,
-                           SlotSample at, Local rest)
+// Returns local transforms between two rows. `bound` is an index into bound_clips.
+INLINE Sample sample_joint(const ClipTables *tables, uint bound, Body body, uint joint, Rows rows,
+                           Local rest)
 {
-    const Columns columns = columns_of(tables, bound, joint);
+    __global const BoundClip *clip = tables->bound_clips + bound;
+    const Columns columns = columns_of(tables, clip->block_first, joint);
+    const Stored range = stored_at(tables, clip->range_first + joint, body);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
 #if LANES > 1
     // The slow path has a copy, so that the pointer to it does not keep the sample in memory.
     if (!are_common(columns)) {
         Local any = rest;
-        sample_any(tables, columns, bound, body, joint, at, &any);
+        sample_any(tables, bound, joint, range, rows, &any);
         sample.trs = any;
         return sample;
     }
-    sample_columns(tables, as_common(columns), bound, body, joint, at, &sample.trs);
+    sample_columns(tables, as_common(columns), range, rows, &sample.trs);
 #else
-    sample_columns(tables, columns, bound, body, joint, at, &sample.trs);
+    sample_columns(tables, columns, range, rows, &sample.trs);
 #endif
     return sample;
 }

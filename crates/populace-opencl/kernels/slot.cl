@@ -145,11 +145,14 @@ INLINE uint find_live_row(ClipRows clip, Slot slot, ulong tick, uint *next, floa
     return ring_place(clip, (uint)behind);
 }
 
+// Returns the rows and the weight of a slot. *secs is the time after the start of its clip; NAN for
+// live clips and without weight.
 INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bound_clips,
                             __global const ClipRows *clips, __global const float *row_times,
-                            __global const uint *buckets)
+                            __global const uint *buckets, float *secs)
 {
     SlotSample sample = { 0, 0, 0.0f, 0.0f };
+    *secs = NAN;
     const float weight = slot.bound_clip == NONE ? 0.0f : slot_weight(slot, tick);
     if (weight > 0.0f) {
         const ClipRows clip = clips[bound_clips[slot.bound_clip].rows];
@@ -158,7 +161,9 @@ INLINE SlotSample sample_of(Slot slot, ulong tick, __global const BoundClip *bou
         if (slot_mode(slot) == SLOT_LIVE) {
             row = find_live_row(clip, slot, tick, &next, &between);
         } else {
-            row = find_row(clip, row_times, buckets, slot_time(slot, tick, clip), &between);
+            const float time = slot_time(slot, tick, clip);
+            *secs = time - clip.start_secs;
+            row = find_row(clip, row_times, buckets, time, &between);
             next = between > 0.0f ? row + 1 : row;
         }
         sample.row0 = clip.row_first + row * clip.row_stride;

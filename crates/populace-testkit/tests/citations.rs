@@ -173,6 +173,8 @@ const OTHER_NAMES: &[(&str, &str, &str, &str)] = &[
     ("joint", "changes_of", "populace-native/src/joint.rs", "is_changed"),
     ("joint", "are_changes", "populace-native/src/joint.rs", "is_changed"),
     ("rows", "rows_of", "populace-native/src/encoding.rs", "of"),
+    ("rows", "halves_of", "populace-native/src/encoding.rs", "of"),
+    ("rows", "rows_in", "populace-native/src/playback.rs", "new"),
     ("lanes", "mix_low", "populace-native/src/registers.rs", "mix_low"),
     ("lanes", "mix_high", "populace-native/src/registers.rs", "mix_high"),
     ("lanes", "mix_pairs", "populace-native/src/registers.rs", "mix_pairs"),
@@ -260,7 +262,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
         ],
         "one foot of a member, natively",
     ),
-    ("fused", &["store_trs", "secs_after_start"], "a buffer and lanes of the device"),
+    ("fused", &["store_trs"], "a buffer and lanes of the device"),
     (
         "fused_grouped",
         &[

@@ -10,10 +10,10 @@ use crate::input::InputArgs;
 
 #[derive(Args, Debug)]
 pub(crate) struct BenchArgs {
-    /// Characters whose foot skate is measured, with their own clips and with those of the built-in
-    /// people; `@people` or one of them by name, such as `@child`; files without meshes give clips
-    /// to all others [default: @people]
-    #[arg(value_name = "FILE", requires = "skate")]
+    /// Characters to measure, with their own clips: files, `@people`, or one of these by name, such
+    /// as `@child` [default: random skeletons and clips]. With --skate, also with the clips of
+    /// `@people` and of files without meshes [default: @people]
+    #[arg(value_name = "FILE", conflicts_with_all = ["joints", "retarget", "load", "from"])]
     pub(crate) files: Vec<PathBuf>,
     /// Measure foot skate instead of times: how fast planted soles move over the ground, on a
     /// standard course, with and without planting
@@ -85,10 +85,10 @@ pub(crate) struct BenchArgs {
     /// each frame
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) changing: Option<f32>,
-    /// Also let another program evaluate as many members, frame by frame in turn, and print how the
-    /// times compare: one built by crates/populace-bench/against/build.sh from ozz-animation. Needs
-    /// --joints, with as many as its skeleton has
-    #[arg(long, value_name = "PROGRAM", requires = "joints")]
+    /// Also let another program evaluate the same members and clips, frame by frame in turn, and
+    /// print how times and errors compare: one built by crates/populace-bench/against/build.sh from
+    /// ozz-animation
+    #[arg(long, value_name = "PROGRAM")]
     pub(crate) against: Option<PathBuf>,
     /// Also write a chart of nanoseconds per joint over members as an SVG
     #[arg(long, value_name = "FILE")]

@@ -5,6 +5,7 @@ mod skate;
 
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use populace::{Crowd, Devices, Schedule, Split};
 use populace_bench::{
@@ -19,6 +20,7 @@ use crate::failure::Failure;
 use crate::output::{self, check_inputs, check_kind, check_writable};
 use crate::progress::Progress;
 use crate::report;
+use crate::roles;
 use against::{Against, Rival};
 
 /// The largest document that is read.
@@ -79,12 +81,30 @@ fn read_text(file: &Path) -> Result<String, String> {
     Ok(text)
 }
 
-/// Measures crowds, and what the program of `--against` takes for as many members.
+/// Returns a scene without members for each load: of given characters, or of random ones.
+fn scenes(args: &BenchArgs) -> Result<Vec<Scene>, Failure> {
+    let (slots, seed) = (args.slots as usize, args.seed);
+    let loads = loads(args).into_iter();
+    if args.files.is_empty() {
+        let settings = SceneSettings { joints: args.joints, slots, seed };
+        return Ok(loads.map(|load| Scene::new(settings, load)).collect::<Result<_, _>>()?);
+    }
+    let (mut characters, mut loader) = (Vec::new(), roles::Loader::new(&args.input));
+    for file in &args.files {
+        match roles::built_in_name(file) {
+            Some(name) => characters.extend(roles::people(name)?),
+            None => characters.push(Arc::new(loader.load(file)?)),
+        }
+    }
+    loads
+        .map(|load| Scene::of_characters(characters.clone(), slots, seed, load))
+        .collect::<Result<_, _>>()
+        .map_err(|reason| Failure::Input(anyhow::anyhow!(reason)))
+}
+
+/// Measures crowds, and what the program of `--against` takes for them.
 fn measure_all(args: &BenchArgs) -> Result<(Vec<Measurement>, Vec<Rival>), Failure> {
-    let settings =
-        SceneSettings { joints: args.joints, slots: args.slots as usize, seed: args.seed };
-    let scenes = loads(args).into_iter().map(|load| Scene::new(settings, load));
-    let scenes = scenes.collect::<Result<Vec<_>, _>>()?;
+    let scenes = scenes(args)?;
     let setups = setups(args)?;
     let defaults = [Method::Crowd(Schedule::Staged), Method::Crowd(Schedule::Fused), Method::Baked];
     let methods = if args.schedule.is_empty() { &defaults[..] } else { &args.schedule };
@@ -98,10 +118,11 @@ fn measure_all(args: &BenchArgs) -> Result<(Vec<Measurement>, Vec<Rival>), Failu
                 "baked is measured on the native device only; add --device native",
             ));
         }
-        report::message!("{members} members; subjects to measure: {}", subjects.len());
-        let start =
-            |program| Against::start(program, [members, args.slots], args.joints.unwrap_or(0));
-        report.against = args.against.as_deref().map(start).transpose()?;
+        let crowd = scenes.first().map_or(String::new(), Scene::crowd);
+        report::message!("{crowd}; subjects to measure: {}", subjects.len());
+        let rival = args.against.as_deref().zip(scenes.first());
+        let rival = rival.map(|(program, plain)| Against::start(program, plain));
+        report.against = rival.transpose()?;
         runs.extend(measure(subjects, args.frames, &mut report)?);
         rivals.extend(report.against.take().map(Against::finish).transpose()?);
     }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use crate::post::Folder;
+use crate::post::{Folder, post};
 use crate::{json_of, populace, refused};
 
 const NATIVE: [&str; 5] = ["bench", "--frames", "2", "--device", "native"];
@@ -274,7 +274,7 @@ fn rival(folder: &Folder, name: &str, script: &str) -> String {
 fn another_program_takes_turns_and_times_are_compared() {
     let folder = Folder::new();
     let args = |program: &str| -> Vec<String> {
-        let more = ["--schedule", "fused", "--members", "20,40", "--slots", "3", "--joints", "20"];
+        let more = ["--schedule", "fused", "--members", "20,40", "--slots", "3", "--joints", "2"];
         let all = [&NATIVE[..], &more, &["--against", program]].concat();
         all.into_iter().map(str::to_owned).collect()
     };
@@ -283,10 +283,16 @@ fn another_program_takes_turns_and_times_are_compared() {
         let args: Vec<&str> = args.iter().map(String::as_str).chain(more.iter().copied()).collect();
         json_of(&args)
     };
-    // Frames to warm up take longer, and are not counted: three of five.
-    let counts = "echo joints 20; echo \"$1 $2\" >> \"$0.told\"; n=0
-        while read -r _; do n=$((n + 1)); if [ $n -gt 3 ]; then echo 0.$n; else echo 100; fi; done";
-    let program = rival(&folder, "counts", counts);
+    // The scene ends with a line for each member. Frames to warm up take longer, and are not
+    // counted: three of five. All joints stay at the origin.
+    let scene = r#"until [ "$line" = "20 3" ] || [ "$line" = "40 3" ]; do read -r line; done
+        echo "$line" >> "$0.told"; n=${line% *}
+        while [ $n -gt 0 ]; do read -r line; n=$((n - 1)); done; echo ready
+        "#;
+    let counts = r#"while read -r line; do n=$((n + 1))
+        if [ "$line" ]; then echo 1 0 0 0 0 1 0 0 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1 0
+        elif [ $n -gt 3 ]; then echo 0.$n; else echo 100; fi; done"#;
+    let program = rival(&folder, "counts", &(scene.to_owned() + counts));
     let document = run(&program, &["--json"]);
     let told = std::fs::read_to_string(folder.path("counts.told")).expect("what it was told");
     assert_eq!(told, "20 3\n40 3\n");
@@ -302,16 +308,41 @@ fn another_program_takes_turns_and_times_are_compared() {
         );
         let ratio = own["ms_median"].as_f64().expect("a time") / 0.5;
         assert!((one["ratio_median"].as_f64().expect("a ratio") - ratio).abs() < 1e-9);
+        assert!(one["error_m"].as_f64().expect("an error") > 0.1, "{one}");
     }
 
     let refuses = |name: &str, script: &str, code: i32, words: &[&str]| {
         let args = args(&rival(&folder, name, script));
         refused(&args.iter().map(String::as_str).collect::<Vec<_>>(), code, words);
     };
-    refuses("other", "echo joints 67; cat > /dev/null", 2, &["67 joints", "--joints 67"]);
     refuses("talks", "echo hello; cat > /dev/null", 1, &["talks", "hello"]);
-    refuses("ends", "echo joints 20; read -r _; echo 1", 4, &["ended early"]);
+    refuses("deaf", "exec < /dev/null; sleep 1", 1, &["deaf", "ended early"]);
+    refuses("ends", &(scene.to_owned() + "read -r _; echo 1"), 4, &["ended early"]);
+    let short = scene.to_owned()
+        + r#"while read -r line; do if [ "$line" ]; then echo 1 2 3 4; else echo 1; fi; done"#;
+    refuses("short", &short, 4, &["member", "4 numbers"]);
     let nothing = folder.text("nothing");
-    refused(&["bench", "--joints", "20", "--against", &nothing], 1, &["nothing"]);
-    refused(&["bench", "--against", &nothing], 2, &["--joints"]);
+    refused(&["bench", "--against", &nothing], 1, &["nothing"]);
+}
+
+#[test]
+fn given_characters_are_measured_with_their_own_clips() {
+    let folder = Folder::new();
+    let more = ["--schedule", "fused", "--members", "30", "--changing", "10"];
+    // A post has two joints.
+    let runs = runs_of(&[&NATIVE[..], &[&folder.text("post.gltf")], &more].concat());
+    for load in ["plain", "changing 10 %"] {
+        let fields = [("load", json!(load)), ("stage", json!("all")), ("schedule", json!("fused"))];
+        assert_eq!(only(&runs, &fields)["joints"], json!(60), "{load}");
+    }
+
+    let mut still = post();
+    still.as_object_mut().expect("an object").remove("animations");
+    let bare = folder.text("bare.gltf");
+    std::fs::write(&bare, still.to_string()).expect("written");
+    refused(&["bench", &bare], 1, &["bare", "no clips"]);
+    refused(&["bench", &folder.text("nobody.glb")], 1, &["nobody.glb"]);
+    refused(&["bench", "@child", "--joints", "5"], 2, &["--joints"]);
+    refused(&["bench", "@child", "--load", "full"], 2, &["--load"]);
+    refused(&["bench", "@child", "--retarget"], 2, &["--retarget"]);
 }

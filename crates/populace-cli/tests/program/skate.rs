@@ -51,5 +51,4 @@ fn bench_skate_refuses_what_it_cannot_walk_or_does_not_use() {
     refused(&["bench", "--skate", &post], 1, &["post.gltf", "no humanoid names"]);
     refused(&["bench", "--skate", "@nobody"], 2, &["@nobody", "@child"]);
     refused(&["bench", "--skate", "--members", "5"], 2, &["--members"]);
-    refused(&["bench", &post], 2, &["--skate"]);
 }

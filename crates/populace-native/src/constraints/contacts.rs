@@ -44,7 +44,7 @@ impl<'a> Stepping<'a> {
         let duration_secs = tables.clips().as_slice()[bound.rows as usize].duration_secs;
         let first = bound.contact_first as usize;
         let contacts = &tables.contacts().as_slice()[first..first + bound.contact_count as usize];
-        Some(Self { weight: playing.at.weight, secs, duration_secs, contacts })
+        Some(Self { weight: playing.weight, secs, duration_secs, contacts })
     }
 
     /// Adds the clip to the mixes of a foot of members that play it, with their weights and times.

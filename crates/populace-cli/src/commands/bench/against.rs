@@ -1,19 +1,20 @@
-//! `populace bench --against`: another program evaluates a crowd of the same size, in turn.
+//! `populace bench --against`: another program evaluates the same crowd, in turn.
 
-use std::io::{BufRead, BufReader, Lines, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, Lines, Write};
 use std::num::NonZero;
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context, anyhow};
-use populace_bench::Measurement;
+use populace::model::Affine;
+use populace_bench::{Measurement, Scene};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
 
 const HEAD: &str = "
-| members | device | schedule | load | against, ms, median | ms, least | ratio of medians | least |
-|--:|---|---|---|--:|--:|--:|--:|
+| members | device | schedule | load | against, ms, median | ms, least | worst error, mm | ratio of medians | least |
+|--:|---|---|---|--:|--:|--:|--:|--:|
 ";
 
 /// The other program while it runs: it evaluates a frame for each line that it is sent.
@@ -22,8 +23,9 @@ pub(super) struct Against {
     /// `None` once it is told to end.
     input: Option<ChildStdin>,
     output: Lines<BufReader<ChildStdout>>,
-    members: usize,
-    slots: usize,
+    scene: Scene,
+    /// Frames since the start.
+    frames: u32,
     /// Milliseconds of the measured frames.
     times: anyhow::Result<Vec<f64>>,
 }
@@ -34,20 +36,17 @@ pub(super) struct Rival {
     slots: usize,
     ms_median: f64,
     ms_min: f64,
+    error_m: f64,
 }
 
 impl Against {
-    /// Starts the program for a crowd whose members have a number of joints.
-    pub(super) fn start(
-        program: &Path,
-        [members, slots]: [u32; 2],
-        joints: u32,
-    ) -> Result<Self, Failure> {
+    /// Starts the program for the crowd of a scene, which it reads from its input.
+    pub(super) fn start(program: &Path, scene: &Scene) -> Result<Self, Failure> {
         let wrong = |e: anyhow::Error| Failure::Input(e.context(program.display().to_string()));
         let path = program.canonicalize().map_err(|e| wrong(e.into()))?;
         let threads = std::thread::available_parallelism().map_or(1, NonZero::get);
         let mut child = Command::new(path)
-            .args([members.to_string(), slots.to_string(), threads.to_string()])
+            .arg(threads.to_string())
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
@@ -58,29 +57,33 @@ impl Against {
             child,
             input,
             output: BufReader::new(output).lines(),
-            members: members as usize,
-            slots: slots as usize,
+            scene: scene.clone(),
+            frames: 0,
             times: Ok(Vec::new()),
         };
-        let said = started.line().map_err(wrong)?;
-        let own = said.strip_prefix("joints ").and_then(|count| count.parse::<u32>().ok());
-        match own {
-            None => Err(wrong(anyhow!("it began with {said:?} and not with \"joints N\""))),
-            Some(own) if own != joints => Err(Failure::usage(format!(
-                "{} evaluates members of {own} joints; add --joints {own}",
-                program.display()
-            ))),
-            Some(_) => Ok(started),
+        let said = started.send(|input| scene.write_text(input)).map_err(wrong)?;
+        if said == "ready" {
+            Ok(started)
+        } else {
+            Err(wrong(anyhow!("it answered the scene with {said:?} and not with \"ready\"")))
         }
     }
 
-    fn line(&mut self) -> anyhow::Result<String> {
+    /// Writes to the program, and returns the line that it answers.
+    fn send(
+        &mut self,
+        write: impl FnOnce(&mut BufWriter<&mut ChildStdin>) -> io::Result<()>,
+    ) -> anyhow::Result<String> {
+        let mut input = BufWriter::new(self.input.as_mut().context("it was told to end")?);
+        write(&mut input).and_then(|()| input.flush()).context("it ended early")?;
+        drop(input);
         Ok(self.output.next().context("it ended early")??)
     }
 
     /// Lets the program evaluate a frame.
     pub(super) fn frame(&mut self, is_measured: bool) {
         let took = self.timed();
+        self.frames += 1;
         match (took, &mut self.times) {
             (Ok(ms), Ok(times)) if is_measured => times.push(ms),
             (Err(error), times @ Ok(_)) => *times = Err(error),
@@ -89,23 +92,37 @@ impl Against {
     }
 
     fn timed(&mut self) -> anyhow::Result<f64> {
-        let input = self.input.as_mut().context("it was told to end")?;
-        input.write_all(b"\n").and_then(|()| input.flush()).context("it ended early")?;
-        let said = self.line()?;
+        let said = self.send(|input| writeln!(input))?;
         let ms = said.parse::<f64>().ok().filter(|ms| ms.is_finite() && *ms > 0.0);
         ms.with_context(|| format!("it said {said:?} and not the milliseconds of a frame"))
     }
 
-    /// Ends the program, and returns what it took.
+    /// Ends the program, and returns what it took and how far its last frame is wrong.
     pub(super) fn finish(mut self) -> Result<Rival, Failure> {
-        let times = std::mem::replace(&mut self.times, Ok(Vec::new()));
-        let mut times = times.map_err(|e| Failure::Run(e.context("the program of --against")))?;
+        let failed = |e: anyhow::Error| Failure::Run(e.context("the program of --against"));
+        let mut times = std::mem::replace(&mut self.times, Ok(Vec::new())).map_err(failed)?;
         times.sort_by(f64::total_cmp);
         let at = |nth: usize| times.get(nth).copied();
         let both = at(times.len() / 2).zip(at(0));
-        let (ms_median, ms_min) =
-            both.ok_or_else(|| Failure::Run(anyhow!("--against measured no frame")))?;
-        Ok(Rival { members: self.members, slots: self.slots, ms_median, ms_min })
+        let (ms_median, ms_min) = both.ok_or_else(|| failed(anyhow!("it made no frame")))?;
+        let (scene, frames) = (self.scene.clone(), self.frames);
+        let error_m = scene.error_of(frames, |member| self.palette(member)).map_err(failed)?;
+        let [members, slots] = [scene.member_count(), scene.slot_count()];
+        Ok(Rival { members, slots, ms_median, ms_min, error_m })
+    }
+
+    fn palette(&mut self, member: usize) -> anyhow::Result<Vec<Affine>> {
+        let said = self.send(|input| writeln!(input, "{member}"))?;
+        let numbers: Result<Vec<f32>, _> = said.split_whitespace().map(str::parse).collect();
+        let numbers = numbers.with_context(|| format!("its palette of member {member}"))?;
+        let (rows, rest) = numbers.as_chunks::<4>();
+        let (matrices, more) = rows.as_chunks::<3>();
+        anyhow::ensure!(
+            rest.is_empty() && more.is_empty(),
+            "its palette of member {member} has {} numbers, which are no 3x4 matrices",
+            numbers.len()
+        );
+        Ok(matrices.iter().map(|&rows| Affine { rows }).collect())
     }
 }
 
@@ -132,12 +149,13 @@ fn pairs<'a>(
 /// Formats a Markdown table of the ratios.
 pub(super) fn table(runs: &[Measurement], rivals: &[Rival]) -> String {
     pairs(runs, rivals).fold(HEAD.to_owned(), |text, (run, rival)| {
-        let Rival { members, ms_median, ms_min, .. } = rival;
+        let Rival { members, ms_median, ms_min, error_m, .. } = rival;
         let (device, schedule, load) = (&run.device, &run.schedule, &run.load);
         let [median, least] = [run.ms_median / ms_median, run.ms_min / ms_min];
         text + &format!(
             "| {members} | {device} | {schedule} | {load} | {ms_median:.2} | {ms_min:.2} \
-             | {median:.3} | {least:.3} |\n"
+             | {:.3} | {median:.3} | {least:.3} |\n",
+            error_m * 1e3
         )
     })
 }
@@ -153,6 +171,7 @@ pub(super) fn as_json(runs: &[Measurement], rivals: &[Rival]) -> Value {
             "load": run.load,
             "ms_median": rival.ms_median,
             "ms_min": rival.ms_min,
+            "error_m": rival.error_m,
             "ratio_median": run.ms_median / rival.ms_median,
             "ratio_min": run.ms_min / rival.ms_min,
         })
