@@ -13,7 +13,8 @@ use serde_json::{Value, json};
 use crate::failure::Failure;
 
 const HEAD: &str = "
-| members | device | schedule | load | against, ms, median | ms, least | worst error, mm | ratio of medians | least |
+| members | device | schedule | load | against, ms, median | ms, least | worst error, mm \
+| ratio of medians | least |
 |--:|---|---|---|--:|--:|--:|--:|--:|
 ";
 
