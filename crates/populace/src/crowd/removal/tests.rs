@@ -16,12 +16,28 @@ use crate::{
 
 /// A chain of joints that a clip "nod" bends.
 fn chain(joints: usize) -> Character {
-    let joint = |n: usize| JointSource {
-        name: format!("joint{n}"),
-        parent: n.checked_sub(1),
-        rest: Trs { translation: [0.0, 0.1, 0.0], ..Trs::IDENTITY },
-    };
-    let skeleton = Skeleton::new(&(0..joints).map(joint).collect::<Vec<_>>()).unwrap();
+    character(chain_skeleton(joints, false))
+}
+
+/// A chain of joints. A `forked` one has another joint beside the second, so that all that follow
+/// have other numbers.
+fn chain_skeleton(joints: usize, forked: bool) -> Skeleton {
+    let rest = Trs { translation: [0.0, 0.1, 0.0], ..Trs::IDENTITY };
+    let joint = |name: String, parent| JointSource { name, parent, rest };
+    let mut chain = vec![joint("joint0".into(), None)];
+    if forked {
+        chain.push(joint("fork".into(), Some(0)));
+    }
+    for n in 1..joints {
+        let parent = if n == 1 { 0 } else { chain.len() - 1 };
+        chain.push(joint(format!("joint{n}"), Some(parent)));
+    }
+    Skeleton::new(&chain).unwrap()
+}
+
+/// A character whose clip "nod" bends its last joint.
+fn character(skeleton: Skeleton) -> Character {
+    let joints = skeleton.joint_count();
     let clips = vec![nod("nod", &skeleton, joints)];
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let (palette, name) = (skeleton.joints().map(entry).collect(), format!("chain of {joints}"));
@@ -72,10 +88,17 @@ fn cycle(crowd: &mut Crowd, joints: usize) {
     let late = character.add_clip(&nod("late", &skeleton, 3 * joints)).unwrap();
     let mask = character.add_mask(&Mask::subtree(&skeleton, JointIndex(0))).unwrap();
     let live = character.add_live_clip("live", &LiveSettings::default()).unwrap();
+    // Clips of other joints are converted, and live clips as poses arrive.
+    let forked = chain_skeleton(joints, true);
+    let borrowed = character.add_clip(&nod("borrowed", &forked, joints)).unwrap();
+    let follower = crowd.add_character(self::character(forked)).unwrap();
+    let following = spawn(crowd, follower);
+    crowd.member_mut(following).unwrap().play(live, ClipPlayback::live(0.0)).unwrap();
     let pose: Vec<Trs> = skeleton.joints().map(|joint| *skeleton.rest(joint)).collect();
     crowd.clip_mut(live).unwrap().append(0.0, &pose).unwrap();
     crowd.clip_mut(late).unwrap().add_event_marker("half", 0.05).unwrap();
-    let space = crowd.add_blend_space(BlendSpace::line(&[(own, 0.0), (late, 1.0)]).unwrap());
+    let points = [(own, 0.0), (late, 1.0), (borrowed, 2.0)];
+    let space = crowd.add_blend_space(BlendSpace::line(&points).unwrap());
     let space = space.unwrap();
     let machine = StateMachine::new().state("nods", own, StatePlayback::looping());
     let machine = crowd.add_machine(&machine).unwrap();
@@ -91,15 +114,25 @@ fn cycle(crowd: &mut Crowd, joints: usize) {
         let error = crowd.remove(in_use).unwrap_err();
         assert!(matches!(error, Error::InUse { .. }), "{in_use:?}: {error}");
     }
+    crowd.clip_mut(live).unwrap().append(0.1, &pose).unwrap();
     crowd.despawn(member).unwrap();
+    crowd.despawn(following).unwrap();
+    if joints.is_multiple_of(3) {
+        crowd.remove(follower).unwrap();
+        crowd.clip_mut(live).unwrap().append(0.2, &pose).unwrap();
+    }
     crowd.remove(mask).unwrap();
     crowd.remove(space).unwrap();
     crowd.remove(machine).unwrap();
     crowd.remove(live).unwrap();
     if joints.is_multiple_of(2) {
         crowd.remove(late).unwrap();
+        crowd.remove(borrowed).unwrap();
     }
     crowd.remove(id).unwrap();
+    if !joints.is_multiple_of(3) {
+        crowd.remove(follower).unwrap();
+    }
     crowd.update(0.1).unwrap();
     for gone in
         [AssetId::from(id), own.into(), late.into(), mask.into(), space.into(), machine.into()]
@@ -130,7 +163,7 @@ mod slow {
         }
         assert_eq!((elements(&crowd), crowd.device_info().memory_bytes), (before, memory));
         let state = &crowd.state;
-        assert!(state.base.assets.clips.len() <= 5 && state.base.assets.characters.len() <= 2);
+        assert!(state.base.assets.clips.len() <= 7 && state.base.assets.characters.len() <= 3);
         assert!(state.base.assets.bound_clips.len() == 1 && state.base.assets.replaced.is_empty());
         crowd.member_mut(member).unwrap().palette().unwrap();
     }
@@ -140,39 +173,48 @@ mod slow {
 fn palettes_are_those_of_a_crowd_that_removed_nothing() {
     let mut rng = Rng::new(5);
     let mut churned = crowd();
-    let mut present: Vec<(CharacterId, MemberId, usize)> = Vec::new();
+    let mut present: Vec<(CharacterId, [MemberId; 2], usize)> = Vec::new();
+    // Its rows are the first of all, where a clip that is gone would write.
+    let (_, stays) = nodder(&mut churned, 20);
+    // Each character also follows a live clip of other joints, which is converted for it.
+    let source = churned.add_character(character(chain_skeleton(40, true))).unwrap();
+    let settings = LiveSettings::default();
+    let live = churned.character_mut(source).unwrap().add_live_clip("live", &settings).unwrap();
+    let swept = Trs { translation: [0.3, 0.2, 0.1], ..Trs::IDENTITY };
     for step in 0..400 {
+        churned.clip_mut(live).unwrap().append(0.01 * f64::from(step), &[swept; 41]).unwrap();
         if present.len() < 6 && rng.below(2) == 0 {
-            let joints = 1 + rng.below(40);
-            let id = churned.add_character(chain(joints)).unwrap();
-            let clip = churned.clip(id, "nod").unwrap();
-            let member = spawn(&mut churned, id);
-            churned
-                .member_mut(member)
-                .unwrap()
-                .play(clip, ClipPlayback::held_at_secs(0.1))
-                .unwrap();
-            present.push((id, member, joints));
+            let joints = 13 + rng.below(30);
+            let (id, member) = nodder(&mut churned, joints);
+            let follower = spawn(&mut churned, id);
+            churned.member_mut(follower).unwrap().play(live, ClipPlayback::live(0.0)).unwrap();
+            present.push((id, [member, follower], joints));
         } else if !present.is_empty() {
-            let (id, member, _) = present.swap_remove(rng.below(present.len()));
-            churned.despawn(member).unwrap();
+            let (id, members, _) = present.swap_remove(rng.below(present.len()));
+            members.map(|member| churned.despawn(member).unwrap());
             churned.remove(id).unwrap();
         }
         if step % 20 == 0 {
             churned.update(0.01).unwrap();
-            for (_, member, joints) in &present {
+            let all = present.iter().map(|(_, [member, _], joints)| (*member, *joints));
+            for (member, joints) in all.chain([(stays, 20)]) {
                 let mut fresh = crowd();
-                let id = fresh.add_character(chain(*joints)).unwrap();
-                let clip = fresh.clip(id, "nod").unwrap();
-                let alone = spawn(&mut fresh, id);
-                let mut view = fresh.member_mut(alone).unwrap();
-                view.play(clip, ClipPlayback::held_at_secs(0.1)).unwrap();
+                let (_, alone) = nodder(&mut fresh, joints);
                 fresh.update(0.01).unwrap();
                 let expected = fresh.member_mut(alone).unwrap().palette().unwrap();
-                assert_eq!(churned.member_mut(*member).unwrap().palette().unwrap(), expected);
+                assert_eq!(churned.member_mut(member).unwrap().palette().unwrap(), expected);
             }
         }
     }
+}
+
+/// Adds a chain of joints, and a member that nods.
+fn nodder(crowd: &mut Crowd, joints: usize) -> (CharacterId, MemberId) {
+    let id = crowd.add_character(chain(joints)).unwrap();
+    let clip = crowd.clip(id, "nod").unwrap();
+    let member = spawn(crowd, id);
+    crowd.member_mut(member).unwrap().play(clip, ClipPlayback::held_at_secs(0.1)).unwrap();
+    (id, member)
 }
 
 #[test]
