@@ -2,10 +2,10 @@
 //
 // Usage: ozz_frames THREADS. Standard input begins with a scene, as Scene::write_text in
 // crates/populace-bench/src/text.rs describes it. Skeletons and clips are built from it by
-// ozz-animation's own tools with their default settings, then "ready" is printed. Each empty line
-// that follows is answered by the milliseconds of one frame, 1/60 s after the last: every member
-// samples its clips, blends them, goes down the hierarchy, and writes a palette of 3x4 matrices. A
-// line with the index of a member is answered by its palette.
+// ozz-animation's own builder and optimizer with the default settings of its importers, then "ready"
+// is printed. Each empty line that follows is answered by the milliseconds of one frame, 1/60 s after
+// the last: every member samples its clips, blends them, goes down the hierarchy, and writes a
+// palette of 3x4 matrices. A line with the index of a member is answered by its palette.
 #include <algorithm>
 #include <barrier>
 #include <chrono>

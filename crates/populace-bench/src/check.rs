@@ -12,6 +12,7 @@ use populace_testkit::oracle::{OracleBody, evaluate};
 
 use crate::changes::{ChangingSlots, SlotState};
 use crate::constraints;
+use crate::errors::larger;
 use crate::scene::{Load, Scene};
 use crate::spec::FRAME_TICKS;
 
@@ -58,14 +59,14 @@ impl OracleCheck<'_> {
             if scene.load.is_constrained() {
                 let models = models_from_palette(character, &found);
                 let target = scene.target(member);
-                worst = worst
-                    .max(constraints::worst_error_m(character, &models, &wanted, target, probe));
+                let error = constraints::worst_error_m(character, &models, &wanted, target, probe);
+                worst = larger(worst, error);
                 continue;
             }
             for ((found, wanted), entry) in
                 found.iter().zip(&wanted.palette).zip(&character.palette)
             {
-                worst = worst.max(distance(found, wanted, &entry.joint_from_bind, probe));
+                worst = larger(worst, distance(found, wanted, &entry.joint_from_bind, probe));
             }
         }
         Ok(worst)
@@ -94,7 +95,8 @@ impl OracleCheck<'_> {
 
 impl Scene {
     /// Returns the largest error in metres of palettes that another program computed, after a
-    /// number of frames of 1/60 s. It is measured as that of a crowd is, at the same members.
+    /// number of frames of 1/60 s. The same members are compared as for a measured crowd. The error
+    /// is infinite if a palette has another size or a number is not finite.
     ///
     /// # Errors
     ///
@@ -154,7 +156,7 @@ fn distance(found: &Affine, wanted: &[f64; 12], joint_from_bind: &Affine, probe:
         };
         DVec3::new(of(0), of(1), of(2)).length()
     };
-    probes.into_iter().map(error).fold(0.0, f64::max)
+    probes.into_iter().map(error).fold(0.0, larger)
 }
 
 fn wide(m: &Affine) -> DAffine3 {
@@ -214,6 +216,14 @@ mod tests {
             let error = error_m(&scene, &mut after_frames(&scene), |member| member);
             assert!(error > 0.0 && error < allowed_m(&scene), "{load}, {slots} slots: {error} m");
         }
+    }
+
+    #[test]
+    fn numbers_that_are_none_are_infinite_errors() {
+        let plain = scene(Load::Plain, 1);
+        let rows = [[f32::NAN; 4]; 3];
+        let error = plain.error_of(FRAMES, |_| Ok::<_, Error>(vec![Affine { rows }; 20]));
+        assert!(error.unwrap().is_infinite());
     }
 
     #[test]

@@ -9,6 +9,7 @@ use populace::{
 };
 use populace_testkit::oracle::{OracleLayer, OraclePose};
 
+use crate::errors::larger;
 use crate::rigs::{LEGS, TRUNK};
 
 /// The largest height of a foot above rest at which it is fully planted, in leg lengths, less a
@@ -108,14 +109,14 @@ pub(crate) fn worst_error_m(
         let relative = |models: &[DAffine3]| models[parent].inverse() * models[source];
         let (is, was) = (relative(found), relative(&clips.model_from_joint));
         for point in [DVec3::ZERO, DVec3::X * probe, DVec3::Y * probe, DVec3::Z * probe] {
-            worst = worst.max(is.transform_point3(point).distance(was.transform_point3(point)));
+            worst = larger(worst, is.transform_point3(point).distance(was.transform_point3(point)));
         }
     }
     let head = found[TRUNK[3]];
     let wanted = (DVec3::from_array(target.map(f64::from)) - head.translation).normalize();
     // The rest rotation of the head is the identity, so it faces its own +Z.
     let facing = head.transform_vector3(DVec3::Z).normalize();
-    worst = worst.max(facing.distance(wanted) * probe);
+    worst = larger(worst, facing.distance(wanted) * probe);
     for [hip, knee, ankle] in LEGS {
         let position = |joint: usize| {
             skeleton.rest_model(skeleton.joint_from_source(joint)).origin().map(f64::from)
@@ -123,7 +124,7 @@ pub(crate) fn worst_error_m(
         let [hip, knee, rest] = [hip, knee, ankle].map(|joint| DVec3::from_array(position(joint)));
         let length = hip.distance(knee) + knee.distance(rest);
         if clips.model_from_joint[ankle].translation.y - rest.y < PLANTED_HEIGHT * length {
-            worst = worst.max((found[ankle].translation.y - rest.y).abs());
+            worst = larger(worst, (found[ankle].translation.y - rest.y).abs());
         }
     }
     worst

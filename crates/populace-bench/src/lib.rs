@@ -23,6 +23,7 @@ mod chart;
 mod check;
 mod constraints;
 mod document;
+mod errors;
 mod machine;
 mod measurements;
 mod memory;

@@ -1,12 +1,13 @@
-//! Benchmark scenes: several skeletons, 32 clips, random phases and weights, animated scales and
-//! arbitrary inverse bind matrices.
+//! Benchmark scenes: random skeletons and clips, with animated scales and arbitrary inverse bind
+//! matrices, or given characters; with random phases and weights.
 
 use std::fmt;
 use std::sync::Arc;
 
 use populace::character::Character;
 use populace::{
-    ClipId, ClipPlayback, Crowd, Device, Devices, Error, MemberId, Placement, Schedule, Split,
+    ClipId, ClipPlayback, Crowd, Device, Devices, Error, MAX_SLOTS, MemberId, Placement, Schedule,
+    Split,
 };
 use populace_testkit::Rng;
 
@@ -159,7 +160,8 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Says which character has no clips, or which load was asked for.
+    /// Says which character has no clips, which load was asked for, or that there is no character
+    /// or no slot, or more than eight slots.
     pub fn of_characters(
         characters: Vec<Arc<Character>>,
         slots: usize,
@@ -168,6 +170,10 @@ impl Scene {
     ) -> Result<Self, String> {
         if !matches!(load, Load::Plain | Load::Changing { .. }) {
             return Err(format!("given characters are not measured under load {load}"));
+        }
+        if characters.is_empty() || !(1..=MAX_SLOTS).contains(&slots) {
+            let count = characters.len();
+            return Err(format!("{count} characters with {slots} slots cannot be measured"));
         }
         let without = characters.iter().find(|character| character.clips.is_empty());
         if let Some(character) = without {

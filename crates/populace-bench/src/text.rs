@@ -12,6 +12,8 @@ use crate::scene::Scene;
 
 /// Keys per second that stand for steps and splines.
 const KEYS_PER_SEC: f32 = 60.0;
+/// Longest clip whose steps and splines are sampled.
+const LONGEST_SECS: f32 = 3600.0;
 
 impl Scene {
     /// Writes the scene as numbers and white space, with times in seconds and lengths in metres:
@@ -27,14 +29,21 @@ impl Scene {
     /// member    = (clip phase weight)*                       (of each slot)
     /// ```
     ///
-    /// Tracks have at least one key, are interpolated linearly, and hold their first and last value
-    /// outside their keys. Steps and splines are sampled 60 times a second. Member `m` has
-    /// character `m` modulo `characters`. A clip starts at `phase` times its duration and repeats;
-    /// weights are shares of their sum.
+    /// Tracks have at least one key, and hold their first and last value outside their keys.
+    /// Between keys, rotations go along the shorter arc at constant speed (slerp), and the rest
+    /// linearly. Steps and splines are sampled 60 times a second.
+    ///
+    /// Member `m` has character `m` modulo `characters`. A clip starts at `phase` times its
+    /// duration and repeats; one of duration 0 stands still. Weights are shares of their sum. Each
+    /// rotation is brought into the hemisphere of the joint's rest rotation before the sum, and the
+    /// sum to length 1. A matrix of a palette is `model_from_joint * joint_from_bind`.
+    ///
+    /// Layers, constraints, crossfades and clips of other skeletons are not written: another
+    /// program evaluates plain crowds alone.
     ///
     /// # Errors
     ///
-    /// Those of `out`.
+    /// Those of `out`, and an error for a clip with steps or splines that is longer than an hour.
     pub fn write_text(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{}", self.characters.len())?;
         for character in &self.characters {
@@ -102,10 +111,15 @@ fn write_track(out: &mut impl Write, clip: &Clip, track: &Track) -> io::Result<(
         }
         return Ok(());
     }
-    let times: Vec<f32> = (0_u16..)
-        .map(|key| f32::from(key) / KEYS_PER_SEC)
-        .take_while(|time| *time < clip.duration_secs())
-        .chain([clip.duration_secs()])
+    let duration = clip.duration_secs();
+    if duration > LONGEST_SECS {
+        let name = clip.name();
+        return Err(io::Error::other(format!("the clip {name:?} is longer than an hour")));
+    }
+    let times: Vec<f32> = (0_u32..)
+        .map(|key| single(f64::from(key)) / KEYS_PER_SEC)
+        .take_while(|time| *time < duration)
+        .chain([duration])
         .collect();
     write!(out, "{}", times.len())?;
     for time in times {

@@ -12,7 +12,8 @@ use std::arch::x86_64::{
 /// Floats or words in a line.
 const LINE: usize = 16;
 
-/// Asks for memory, so that it is in the caches when it is read.
+/// Asks for memory, so that it is in the second-level cache when it is read. Rows of sixteen members
+/// do not fit into the first.
 #[inline(always)]
 pub(crate) fn fetch_lines(words: &[u32]) {
     #[cfg(target_arch = "x86_64")]

@@ -33,7 +33,8 @@ typedef struct {
     __global const uint *parents;
 } Company;
 
-// Asks for memory, in lines of the cache of 16 words, so that it is in the caches when it is read.
+// Asks for memory, in lines of the cache of 16 words, so that it is in the second-level cache when it
+// is read. Rows of sixteen members do not fit into the first.
 // Compilers for GPUs may have the function, but only for pointers without an address space.
 INLINE void fetch_lines(__global const void *from, uint words)
 {
@@ -41,7 +42,7 @@ INLINE void fetch_lines(__global const void *from, uint words)
     for (uint word = 0; word < words; word += 16)
         __builtin_prefetch((__global const uint *)from + word, 0, 2);
     // Words that do not begin a line reach into one line more.
-    if (words > 0) __builtin_prefetch((__global const uint *)from + words - 1);
+    if (words > 0) __builtin_prefetch((__global const uint *)from + words - 1, 0, 2);
 #endif
 }
 

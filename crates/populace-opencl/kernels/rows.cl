@@ -15,7 +15,8 @@ typedef struct {
     __global const float *poses, *masks;
 } ClipTables;
 
-// What a slot plays now, and its time after the start of the clip; NAN for live clips.
+// A slot as it plays now. `secs` is the time after the start of the clip; NAN for live clips, without
+// weight, and in the staged schedule.
 typedef struct {
     SlotSample at;
     uint bound_clip, layer;

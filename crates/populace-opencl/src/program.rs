@@ -28,7 +28,7 @@ pub(crate) struct GroupShape {
     pub(crate) batch: usize,
 }
 
-/// Elements of local memory for each slot, enough for a `Playing` of 28 bytes.
+/// Elements of local memory for each slot, as many as a `Playing` of 32 bytes takes.
 const PLAYING_ELEMENTS: usize = 2;
 /// Extra elements in each array of rows in local memory. Bodies are padded to 16, so the first rows
 /// of the three arrays are three times 16 bytes apart, modulo 128: the eight rows of the palette

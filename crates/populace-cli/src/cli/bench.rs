@@ -85,9 +85,9 @@ pub(crate) struct BenchArgs {
     /// each frame
     #[arg(long, value_name = "PERCENT", value_parser = percent)]
     pub(crate) changing: Option<f32>,
-    /// Also let another program evaluate the same members and clips, frame by frame in turn, and
-    /// print how times and errors compare: one built by crates/populace-bench/against/build.sh from
-    /// ozz-animation
+    /// Also let another program evaluate the plain crowd, with the same clips, frame by frame in
+    /// turn, and print how times and errors compare: one built by
+    /// crates/populace-bench/against/build.sh from ozz-animation
     #[arg(long, value_name = "PROGRAM")]
     pub(crate) against: Option<PathBuf>,
     /// Also write a chart of nanoseconds per joint over members as an SVG

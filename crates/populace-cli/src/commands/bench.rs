@@ -32,7 +32,8 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     }
     if let Some(chart) = &args.chart {
         check_kind(chart, "svg")?;
-        check_inputs(std::iter::once(chart.clone()), args.from.as_slice())?;
+        let inputs: Vec<_> = args.from.iter().chain(&args.files).cloned().collect();
+        check_inputs(std::iter::once(chart.clone()), &inputs)?;
         check_writable(chart)?;
     }
     let (document, rivals) = match &args.from {
@@ -124,7 +125,7 @@ fn measure_all(args: &BenchArgs) -> Result<(Vec<Measurement>, Vec<Rival>), Failu
         let rival = rival.map(|(program, plain)| Against::start(program, plain));
         report.against = rival.transpose()?;
         runs.extend(measure(subjects, args.frames, &mut report)?);
-        rivals.extend(report.against.take().map(Against::finish).transpose()?);
+        rivals.extend(report.against.take().map(Against::finish).transpose()?.flatten());
     }
     if runs.is_empty() {
         return Err(Failure::Run(anyhow::anyhow!(

@@ -7,7 +7,7 @@ use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
 use anyhow::{Context, anyhow};
 use populace::model::Affine;
-use populace_bench::{Measurement, Scene};
+use populace_bench::{Load, Measurement, Method, Scene};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -18,7 +18,8 @@ const HEAD: &str = "
 |--:|---|---|---|--:|--:|--:|--:|--:|
 ";
 
-/// The other program while it runs: it evaluates a frame for each line that it is sent.
+/// The other program while it runs: it evaluates a frame for each empty line, and answers the index
+/// of a member with its palette.
 pub(super) struct Against {
     child: Child,
     /// `None` once it is told to end.
@@ -77,7 +78,6 @@ impl Against {
     ) -> anyhow::Result<String> {
         let mut input = BufWriter::new(self.input.as_mut().context("it was told to end")?);
         write(&mut input).and_then(|()| input.flush()).context("it ended early")?;
-        drop(input);
         Ok(self.output.next().context("it ended early")??)
     }
 
@@ -98,18 +98,25 @@ impl Against {
         ms.with_context(|| format!("it said {said:?} and not the milliseconds of a frame"))
     }
 
-    /// Ends the program, and returns what it took and how far its last frame is wrong.
-    pub(super) fn finish(mut self) -> Result<Rival, Failure> {
+    /// Ends the program, and returns what it took and how far its last frame is wrong; `None` if no
+    /// crowd was measured beside it.
+    pub(super) fn finish(mut self) -> Result<Option<Rival>, Failure> {
         let failed = |e: anyhow::Error| Failure::Run(e.context("the program of --against"));
         let mut times = std::mem::replace(&mut self.times, Ok(Vec::new())).map_err(failed)?;
         times.sort_by(f64::total_cmp);
         let at = |nth: usize| times.get(nth).copied();
-        let both = at(times.len() / 2).zip(at(0));
-        let (ms_median, ms_min) = both.ok_or_else(|| failed(anyhow!("it made no frame")))?;
+        let Some((ms_median, ms_min)) = at(times.len() / 2).zip(at(0)) else {
+            return Ok(None);
+        };
         let (scene, frames) = (self.scene.clone(), self.frames);
         let error_m = scene.error_of(frames, |member| self.palette(member)).map_err(failed)?;
+        if !error_m.is_finite() {
+            let wrong = "its palettes have another size than those of the crowd, or numbers that \
+                         are not finite";
+            return Err(failed(anyhow!(wrong)));
+        }
         let [members, slots] = [scene.member_count(), scene.slot_count()];
-        Ok(Rival { members, slots, ms_median, ms_min, error_m })
+        Ok(Some(Rival { members, slots, ms_median, ms_min, error_m }))
     }
 
     fn palette(&mut self, member: usize) -> anyhow::Result<Vec<Affine>> {
@@ -129,22 +136,25 @@ impl Against {
 
 impl Drop for Against {
     fn drop(&mut self) {
-        // It ends when its input does.
-        drop(self.input.take());
+        // It may wait for its output to be read, and has nothing more to say.
+        let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Returns whole frames of the same number of members, each with what the other program took.
+/// Returns whole frames of plain crowds, each with what the other program took for as many members.
 fn pairs<'a>(
     runs: &'a [Measurement],
     rivals: &'a [Rival],
 ) -> impl Iterator<Item = (&'a Measurement, &'a Rival)> {
-    let whole = |run: &&Measurement| run.stage == "all" && run.schedule != "floor";
+    let is_plain = |run: &&Measurement| run.load == Load::Plain.to_string();
+    let whole = |run: &&Measurement| {
+        run.stage == "all" && !["floor", Method::Baked.name()].contains(&run.schedule.as_str())
+    };
     let with_rival = |run: &'a Measurement| {
         Some((run, rivals.iter().find(|rival| rival.members == run.members)?))
     };
-    runs.iter().filter(whole).filter_map(with_rival)
+    runs.iter().filter(is_plain).filter(whole).filter_map(with_rival)
 }
 
 /// Formats a Markdown table of the ratios.

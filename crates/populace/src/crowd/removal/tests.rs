@@ -191,7 +191,7 @@ fn palettes_are_those_of_a_crowd_that_removed_nothing() {
             present.push((id, [member, follower], joints));
         } else if !present.is_empty() {
             let (id, members, _) = present.swap_remove(rng.below(present.len()));
-            members.map(|member| churned.despawn(member).unwrap());
+            members.into_iter().for_each(|member| churned.despawn(member).unwrap());
             churned.remove(id).unwrap();
         }
         if step % 20 == 0 {
