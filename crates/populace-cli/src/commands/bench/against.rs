@@ -22,8 +22,7 @@ const HEAD: &str = "
 /// of a member with its palette.
 pub(super) struct Against {
     child: Child,
-    /// `None` once it is told to end.
-    input: Option<ChildStdin>,
+    input: ChildStdin,
     output: Lines<BufReader<ChildStdout>>,
     scene: Scene,
     /// Frames since the start.
@@ -53,8 +52,8 @@ impl Against {
             .stdout(Stdio::piped())
             .spawn()
             .map_err(|e| wrong(e.into()))?;
-        let (input, output) = (child.stdin.take(), child.stdout.take());
-        let output = output.ok_or_else(|| wrong(anyhow!("it has no output")))?;
+        let pipes = child.stdin.take().zip(child.stdout.take());
+        let (input, output) = pipes.ok_or_else(|| wrong(anyhow!("it has no pipes")))?;
         let mut started = Self {
             child,
             input,
@@ -76,8 +75,11 @@ impl Against {
         &mut self,
         write: impl FnOnce(&mut BufWriter<&mut ChildStdin>) -> io::Result<()>,
     ) -> anyhow::Result<String> {
-        let mut input = BufWriter::new(self.input.as_mut().context("it was told to end")?);
-        write(&mut input).and_then(|()| input.flush()).context("it ended early")?;
+        let mut input = BufWriter::new(&mut self.input);
+        write(&mut input).and_then(|()| input.flush()).map_err(|error| match error.kind() {
+            io::ErrorKind::BrokenPipe => anyhow!("it ended early"),
+            _ => error.into(),
+        })?;
         Ok(self.output.next().context("it ended early")??)
     }
 
