@@ -177,7 +177,8 @@ impl Scene {
         }
         let without = characters.iter().find(|character| character.clips.is_empty());
         if let Some(character) = without {
-            return Err(format!("{} has no clips", character.name));
+            let name = &character.name;
+            return Err(format!("{name} has no clips of its own; give a file with clips"));
         }
         Ok(Self { load, characters, member_count: 0, slot_count: slots, seed })
     }

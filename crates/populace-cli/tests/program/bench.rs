@@ -340,7 +340,7 @@ fn given_characters_are_measured_with_their_own_clips() {
     still.as_object_mut().expect("an object").remove("animations");
     let bare = folder.text("bare.gltf");
     std::fs::write(&bare, still.to_string()).expect("written");
-    refused(&["bench", &bare], 1, &["bare", "no clips"]);
+    refused(&["bench", &bare], 1, &["bare", "no clips of its own"]);
     refused(&["bench", &folder.text("nobody.glb")], 1, &["nobody.glb"]);
     refused(&["bench", "@child", "--joints", "5"], 2, &["--joints"]);
     refused(&["bench", "@child", "--load", "full"], 2, &["--load"]);
