@@ -100,7 +100,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of `palette`, which returns a member's.
+    /// Errors of `palette`, which returns the palette of a member.
     pub fn error_of<E: From<Error>>(
         &self,
         frames: u32,

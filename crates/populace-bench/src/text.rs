@@ -43,7 +43,7 @@ impl Scene {
     ///
     /// # Errors
     ///
-    /// Those of `out`, and an error for a clip with steps or splines that is longer than an hour.
+    /// Errors of `out`. Refuses a clip longer than an hour if a track has steps or splines.
     pub fn write_text(&self, out: &mut impl Write) -> io::Result<()> {
         writeln!(out, "{}", self.characters.len())?;
         for character in &self.characters {
@@ -158,7 +158,7 @@ mod tests {
     use crate::check::allowed_m;
     use crate::scene::{Load, SceneSettings};
 
-    /// What another program knows of a crowd.
+    /// A crowd, read from the text of its scene.
     struct Told {
         characters: Vec<Character>,
         /// The clip of each slot, its phase and its weight.

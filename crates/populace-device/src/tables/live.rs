@@ -79,9 +79,9 @@ impl Tables {
         }
     }
 
-    /// Lets a bound clip follow a live clip. Converts the rows of its ring. Later rows are
-    /// converted as they arrive. `rows` is the index of the converted clip. Does nothing if the
-    /// clip `index` is not live.
+    /// Makes the bound clip `bound` follow the live clip `index`. Converts all rows of the live
+    /// clip's ring into the clip `rows`. [`set_live_row`](Self::set_live_row) converts later rows.
+    /// Does nothing if the clip `index` is not live.
     pub(super) fn follow_live(&mut self, index: u32, bound: u32, rows: u32, converted: &Converted) {
         let Some(live) = self.live_clips.get_mut(&index) else {
             return;
