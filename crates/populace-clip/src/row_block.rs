@@ -63,6 +63,13 @@ impl RowBlock {
         scale_lanes: 0,
     };
 
+    /// Returns whether a property is stored as floats.
+    #[must_use]
+    pub fn has_floats(&self) -> bool {
+        let lanes = self.rotation_lanes | self.translation_lanes | self.scale_lanes;
+        lanes & ROW_FLOATS != 0
+    }
+
     /// Returns the block with the planes of those properties alone for which `moves` is true.
     #[must_use]
     pub fn with_planes_of(mut self, moves: impl Fn(Property) -> bool) -> Self {

@@ -12,12 +12,14 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
                          const ClipTables *tables, __global const float *row_times,
                          __global const uint *buckets, Playing *playing)
 {
-    uint count = 0;
+    Playback playback = { playing, 0, inertialization_of(slots, slot_count, tick), false };
     for (uint s = 0; s < slot_count; s++) {
-        playing[count] = play(slots[s], machines, tick, tables, row_times, buckets);
-        if (playing[count].at.weight > 0.0f) count++;
+        const Playing slot = play(slots[s], machines, tick, tables, row_times, buckets);
+        if (slot.at.weight <= 0.0f) continue;
+        const uint rows = tables->bound_clips[slot.bound_clip].rows;
+        playback.has_floats = playback.has_floats || tables->clips[rows].has_floats;
+        playing[playback.count++] = slot;
     }
-    const Playback playback = { playing, count, inertialization_of(slots, slot_count, tick) };
     return playback;
 }
 
@@ -151,48 +153,95 @@ typedef struct {
     bool any_changes;
 } Posing;
 
-// Lays a layer over the poses of members that have it, in two passes.
+// Computes the own pose of a member's layer. Returns false if the layer shows nothing.
+INLINE bool show_layer_of(const Company *all, const Posing *posing, uint lane, uint l, uint first,
+                          bool halves, Local rest, Shown *shown)
+{
+    __global const Layer *layers = posing->layers + all->owners[lane] * LAYERS_PER_MEMBER;
+    return show_layer(posing->clips, all->plays[lane], layers[l], l, all->body, first, halves, rest,
+                      shown);
+}
+
+// Does the same with clips that store floats, which few members play. The common path must not pay
+// for the registers of this one.
+APART bool show_any_layer(const Company *all, const Posing *posing, uint lane, uint l, uint first,
+                          Shown *shown)
+{
+    const Local rest = rest_of(posing->clips, all->body, first);
+    return show_layer_of(all, posing, lane, l, first, false, rest, shown);
+}
+
+// Lays a layer over the poses of members that have it, in two passes. `terms` tell what is at rest in
+// each pose, before and after.
 INLINE void lay_over_all(const Company *all, const Posing *posing, uint l, uint first, Local rest,
-                         Posed posed)
+                         Terms *terms, Posed posed)
 {
     Shown shown[LANES];
     bool shows[LANES];
     for (uint lane = 0; lane < all->count; lane++) {
-        __global const Layer *layers = posing->layers + all->owners[lane] * LAYERS_PER_MEMBER;
-        shows[lane] = l < all->layer_counts[lane]
-                      && show_layer(posing->clips, all->plays[lane], layers[l], l, all->body, first,
-                                    rest, &shown[lane]);
+        if (l >= all->layer_counts[lane]) shows[lane] = false;
+        else if (all->plays[lane].has_floats)
+            shows[lane] = show_any_layer(all, posing, lane, l, first, &shown[lane]);
+        else shows[lane] = show_layer_of(all, posing, lane, l, first, true, rest, &shown[lane]);
     }
     for (uint lane = 0; lane < all->count; lane++) {
         if (!shows[lane]) continue;
-        const Local pose = laid_over(local_of(posed, lane), shown[lane].own, shown[lane].total,
-                                     shown[lane].how, rest);
-        put_local(posed, lane, pose, 0);
+        const uint kept = kept_beneath(shown[lane], terms[lane].at_rest);
+        put_local(posed, lane, laid_over(local_of(posed, lane), shown[lane], kept, rest), kept);
+        terms[lane].at_rest &= kept;
     }
 }
 
-// Applies what comes after the slots of layer 0, step by step to all members.
-APART void change_poses(const Company *all, const Posing *posing, uint first, const Local *at_rest,
+// Applies what comes after the slots of layer 0, step by step to all members. `terms` tell what is at
+// rest in each pose, before and after.
+APART void change_poses(const Company *all, const Posing *posing, uint first, Terms *terms,
                         Posed posed)
 {
-    const Local rest = *at_rest;
+    const Local rest = rest_of(posing->clips, all->body, first), stored = rest;
     uint layer_count = 1;
     for (uint lane = 0; lane < all->count; lane++) {
         layer_count = max(layer_count, all->layer_counts[lane]);
         if (!posing->changes[lane].inertializes) continue;
         Local pose = local_of(posed, lane);
         inertialize(posing->clips, all->plays[lane].inertialization, 0, false, all->body, first,
-                    at_rest, &pose);
+                    &stored, &pose);
         put_local(posed, lane, pose, 0);
+        terms[lane].at_rest = 0;
     }
-    for (uint l = 1; l < layer_count; l++) lay_over_all(all, posing, l, first, rest, posed);
+    for (uint l = 1; l < layer_count; l++) lay_over_all(all, posing, l, first, rest, terms, posed);
     for (uint lane = 0; lane < all->count; lane++) {
         if (!posing->changes[lane].adjusts) continue;
         Local pose = local_of(posed, lane);
         adjust(posing->adjustments, posing->adjustments.controls + all->controls[lane], first,
                &pose);
         put_local(posed, lane, pose, 0);
+        terms[lane].at_rest = 0;
     }
+}
+
+// Sums the slots of layer 0 of a member.
+INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first, bool halves,
+                       Local rest, Posed posed, Terms *terms)
+{
+    const Sum sum =
+        sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, halves, rest);
+    put_local(posed, lane, sum.trs, sum.terms.at_rest);
+    *terms = sum.terms;
+}
+
+// Does the same with clips that store floats; see show_any_layer().
+APART void sum_any_member(const Company *all, const Posing *posing, uint lane, uint first,
+                          Posed posed, Terms *terms)
+{
+    const Local rest = rest_of(posing->clips, all->body, first);
+    sum_member(all, posing, lane, first, false, rest, posed, terms);
+}
+
+INLINE uint at_rest_in_all(const Company *all, const Terms *terms)
+{
+    uint still = REST_TRANSLATION | REST_SCALE;
+    for (uint lane = 0; lane < all->count; lane++) still &= terms[lane].at_rest;
+    return still;
 }
 
 // Computes the local transforms of a block of joints in lanes of members, except properties that are
@@ -202,25 +251,20 @@ INLINE uint pose_block(const Company *all, const Posing *posing, uint first, Pos
                        __global float *planes)
 {
     const Local rest = rest_of(posing->clips, all->body, first);
-    float totals[LANES];
-    uint at_rest[LANES], still = REST_TRANSLATION | REST_SCALE;
+    Terms terms[LANES];
     for (uint lane = 0; lane < all->count; lane++) {
-        const Sum sum =
-            sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, rest);
-        put_local(posed, lane, sum.trs, sum.at_rest);
-        totals[lane] = sum.total;
-        at_rest[lane] = sum.at_rest;
-        still &= sum.at_rest;
+        if (all->plays[lane].has_floats)
+            sum_any_member(all, posing, lane, first, posed, &terms[lane]);
+        else sum_member(all, posing, lane, first, true, rest, posed, &terms[lane]);
     }
-    if (posing->any_changes || planes) still = 0;
+    const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, terms);
     for (uint lane = 0; lane < all->count; lane++) {
-        const Sum sum = { local_of(posed, lane), totals[lane], at_rest[lane] };
-        put_local(posed, lane, mean_or_rest(sum, LEAST_TOTAL, rest), still);
+        const Sum sum = { local_of(posed, lane), terms[lane] };
+        put_local(posed, lane, mean_or_rest(sum, LEAST_TOTAL, rest), left_out);
     }
-    // A copy, so that the pointer to it does not keep the rest pose in memory.
-    const Local stored = rest;
-    if (posing->any_changes) change_poses(all, posing, first, &stored, posed);
+    if (posing->any_changes) change_poses(all, posing, first, terms, posed);
     if (planes) store_trs(local_of(posed, 0), planes + first, all->body.padded_count);
+    const uint still = at_rest_in_all(all, terms);
     for (uint c = 0; c < COMPONENTS; c++) {
         if (is_still(still, c)) continue;
         for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
@@ -249,13 +293,10 @@ INLINE Local posed_joint(const Company *all, const Posing *posing, const Posed p
     return trs;
 }
 
-// Computes the members' local transforms, and without programs their model transforms.
-INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustments adjustments,
-                         const ConstraintTables *constraint_tables, __global const Layer *layers,
-                         Hierarchy joints, __global float *planes)
+// Returns the inputs of the members' poses.
+INLINE Posing posing_of(const Company *all, const ClipTables *tables, Adjustments adjustments,
+                        __global const Layer *layers)
 {
-    const bool is_led = all->controls[0] != NONE;
-    if (is_led) fetch_controls(all, constraint_tables);
     Posing posing = { tables, adjustments, layers };
     posing.any_changes = false;
     for (uint lane = 0; lane < all->count; lane++) {
@@ -263,21 +304,26 @@ INLINE void pose_members(const Company *all, const ClipTables *tables, Adjustmen
             changes_of(adjustments, all->controls[lane], all->plays[lane], all->layer_counts[lane]);
         posing.any_changes = posing.any_changes || are_changes(posing.changes[lane]);
     }
+    return posing;
+}
+
+INLINE bool are_led(const Company *all) { return all->controls[0] != NONE; }
+
+// Computes the local transforms of a block of joints, and without programs their model transforms.
+INLINE void place_block(const Company *all, const Posing *posing, uint first, Hierarchy joints,
+                        __global float *planes)
+{
     Posed posed;
-    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
-        const uint still = pose_block(all, &posing, first, posed, planes);
-        const uint end = min(first + JOINT_BLOCK, all->body.joint_count);
-        for (uint joint = first; joint < end; joint++) {
-            Matrix own;
-            components_of(posed_joint(all, &posing, posed, still, first, joint - first), own.m);
-            if (!is_led && all->parents[joint] != NONE) {
-                Matrix parent;
-                models_of(joints, all->parents[joint], &parent);
-                matrix_product(&parent, &own, &own);
-            }
-            keep_models(joints, joint, &own);
+    const uint still = pose_block(all, posing, first, posed, planes);
+    const uint end = min(first + JOINT_BLOCK, all->body.joint_count);
+    for (uint joint = first; joint < end; joint++) {
+        Matrix own;
+        components_of(posed_joint(all, posing, posed, still, first, joint - first), own.m);
+        if (!are_led(all) && all->parents[joint] != NONE) {
+            Matrix parent;
+            models_of(joints, all->parents[joint], &parent);
+            matrix_product(&parent, &own, &own);
         }
-        if (is_led && first == 0) fetch_steps(all, constraint_tables);
-        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, constraint_tables);
+        keep_models(joints, joint, &own);
     }
 }

@@ -82,32 +82,73 @@ APART void descend(const Company *all, const ConstraintTables *tables, Hierarchy
     for (; joint < all->body.joint_count; joint++) descend_to(all, joints, joint);
 }
 
-// Writes the members' palettes, with zeros for the padding of the last block.
-INLINE void write_palettes(const Company *all, __global const Entry *entries, Hierarchy joints,
-                           __global float *const *to)
+// Returns whether all joints of a block of entries are before `joint_end`.
+INLINE bool are_placed(__global const Entry *entries, uint count, uint joint_end)
 {
-    for (uint block = 0; block < all->body.entry_count; block += PALETTE_BLOCK) {
-        Matrix palettes[PALETTE_BLOCK];
-        for (uint e = 0; e < PALETTE_BLOCK; e++) {
-            if (block + e >= all->body.entry_count) {
-                for (uint i = 0; i < 12; i++) palettes[e].m[i] = 0.0f;
-                continue;
-            }
-            __global const Entry *entry = entries + block + e;
-            const float4 row0 = entry->row0, row1 = entry->row1, row2 = entry->row2;
-            const Matrix bind = { { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y, row1.z, row1.w,
-                                    row2.x, row2.y, row2.z, row2.w } };
-            Matrix models;
-            models_of(joints, entry->joint, &models);
-            matrix_product(&models, &bind, &palettes[e]);
+    bool placed = true;
+    for (uint e = 0; e < count; e++) placed = placed && entries[e].joint < joint_end;
+    return placed;
+}
+
+// Writes a block of the members' palettes, with zeros for padding.
+INLINE void write_block(const Company *all, __global const Entry *entries, Hierarchy joints,
+                        uint block, uint count, __global float *const *to)
+{
+    Matrix palettes[PALETTE_BLOCK];
+    for (uint e = 0; e < PALETTE_BLOCK; e++) {
+        if (e >= count) {
+            for (uint i = 0; i < 12; i++) palettes[e].m[i] = 0.0f;
+            continue;
         }
-        // Four matrices are three squares of sixteen numbers.
-        Real *squares = palettes->m;
-        for (uint square = 0; square < 3; square++) transpose(squares + 16 * square);
-        for (uint lane = 0; lane < all->count; lane++)
-            for (uint square = 0; square < 3; square++)
-                write_line(squares[16 * square + lane], to[lane] + 12 * block + 16 * square);
+        __global const Entry *entry = entries + block + e;
+        const float4 row0 = entry->row0, row1 = entry->row1, row2 = entry->row2;
+        const Matrix bind = { { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y, row1.z, row1.w,
+                                row2.x, row2.y, row2.z, row2.w } };
+        Matrix models;
+        models_of(joints, entry->joint, &models);
+        matrix_product(&models, &bind, &palettes[e]);
     }
+    // Four matrices are three squares of sixteen numbers.
+    Real *squares = palettes->m;
+    for (uint square = 0; square < 3; square++) transpose(squares + 16 * square);
+    for (uint lane = 0; lane < all->count; lane++)
+        for (uint square = 0; square < 3; square++)
+            write_line(squares[16 * square + lane], to[lane] + 12 * block + 16 * square);
+}
+
+// Writes the members' palettes from an entry on, up to the first block with a joint from `joint_end`
+// on. Returns the entry after the last one written.
+INLINE uint write_palettes(const Company *all, __global const Entry *entries, Hierarchy joints,
+                           uint from, uint joint_end, __global float *const *to)
+{
+    uint block = from;
+    for (; block < all->body.entry_count; block += PALETTE_BLOCK) {
+        const uint count = min(all->body.entry_count - block, (uint)PALETTE_BLOCK);
+        if (!are_placed(entries + block, count, joint_end)) break;
+        write_block(all, entries, joints, block, count, to);
+    }
+    return block;
+}
+
+// Writes the members' palettes. Without programs, those of a block of joints follow it while its
+// transforms are in the first-level cache.
+INLINE void write_members(const Company *all, const Posing *posing, const ConstraintTables *tables,
+                          __global const Entry *entries, Hierarchy joints,
+                          __global float *const *to)
+{
+    const bool is_led = are_led(all);
+    if (is_led) fetch_controls(all, tables);
+    uint written = 0;
+    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
+        place_block(all, posing, first, joints, 0);
+        if (!is_led)
+            written = write_palettes(all, entries, joints, written, first + JOINT_BLOCK, to);
+        if (is_led && first == 0) fetch_steps(all, tables);
+        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, tables);
+    }
+    if (!is_led) return;
+    descend(all, tables, joints);
+    write_palettes(all, entries, joints, 0, all->body.joint_count, to);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
@@ -161,9 +202,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         if (all.count == 0) break;
         all.body = bodies[posed];
         all.parents = parents + all.body.joint_first;
-        pose_members(&all, &clip_tables, adjustments, &constraint_tables, layers, joints, 0);
-        if (all.controls[0] != NONE) descend(&all, &constraint_tables, joints);
-        write_palettes(&all, entries + all.body.entry_first, joints, to);
+        const Posing posing = posing_of(&all, &clip_tables, adjustments, layers);
+        write_members(&all, &posing, &constraint_tables, entries + all.body.entry_first, joints,
+                      to);
     }
     free_desk(is_taken, desk);
 }
@@ -207,8 +248,10 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
          buckets);
     all.body = bodies[member.posed];
     all.parents = parents + all.body.joint_first;
-    pose_members(&all, &clip_tables, adjustments, &constraint_tables, layers, joints, planes);
-    if (member.control != NONE) descend(&all, &constraint_tables, joints);
+    const Posing posing = posing_of(&all, &clip_tables, adjustments, layers);
+    for (uint first = 0; first < all.body.joint_count; first += JOINT_BLOCK)
+        place_block(&all, &posing, first, joints, planes);
+    if (are_led(&all)) descend(&all, &constraint_tables, joints);
     for (uint joint = 0; joint < all.body.joint_count; joint++)
         vstore16(local_in(joints, joint, 0), joint, (__global float *)matrices);
 }

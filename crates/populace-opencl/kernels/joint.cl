@@ -4,22 +4,27 @@
 //
 // Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-// Weighted sum over a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all slots
-// are at rest.
+// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them leave
+// that property at rest.
 typedef struct {
-    Local trs;
     float total;
     uint at_rest;
+} Terms;
+
+// Weighted sum over a layer's slots.
+typedef struct {
+    Local trs;
+    Terms terms;
 } Sum;
 
 // Returns the mean. Properties that no slot moves are at rest to the bit.
 INLINE Local mean_of(Sum sum, Local rest)
 {
-    const float k = 1.0f / sum.total;
+    const float k = 1.0f / sum.terms.total;
     Local mean;
-    mean.t = sum.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
+    mean.t = sum.terms.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
     mean.r = quat_normalize_or(sum.trs.r, rest.r);
-    mean.s = sum.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
+    mean.s = sum.terms.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
     return mean;
 }
 
@@ -27,7 +32,7 @@ INLINE Local mean_of(Sum sum, Local rest)
 // weight, so that the rest pose never shines through.
 INLINE Local mean_or_rest(Sum sum, float least, Local rest)
 {
-    return sum.total > least ? mean_of(sum, rest) : rest;
+    return sum.terms.total > least ? mean_of(sum, rest) : rest;
 }
 
 // Mixes a layer above 0 over the pose beneath. A layer with a total weight below 1 leaves the
@@ -44,19 +49,19 @@ INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weigh
 }
 
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
-// the first row if the layer is additive.
+// the first row if the layer is additive. `halves` is a constant: whether the clips are known to
+// store no floats.
 INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
-                     Body body, uint joint, Local rest)
+                     Body body, uint joint, bool halves, Local rest)
 {
     Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
-                0.0f,
-                REST_TRANSLATION | REST_SCALE };
+                { 0.0f, REST_TRANSLATION | REST_SCALE } };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
         const float weight = playing.at.weight;
         const Sample sample =
-            sample_joint(tables, playing.bound_clip, body, joint, rows_in(playing), rest);
+            sample_joint(tables, playing.bound_clip, body, joint, rows_in(playing), halves, rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
@@ -66,15 +71,16 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
             const Local reference = normalized(
-                sample_joint(tables, playing.bound_clip, body, joint, rows_of(start), rest), rest);
+                sample_joint(tables, playing.bound_clip, body, joint, rows_of(start), halves, rest),
+                rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
         sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
         sum.trs.s = vec3_add(sum.trs.s, vec3_scale(trs.s, weight));
-        sum.total += weight;
-        sum.at_rest &= sample.at_rest;
+        sum.terms.total += weight;
+        sum.terms.at_rest &= sample.at_rest;
     }
     return sum;
 }
@@ -84,12 +90,12 @@ SELDOM void inertialize(const ClipTables *tables, Inertialization inertializatio
                         bool additive, Body body, uint joint, const Local *at_rest, Local *pose);
 
 // Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
-// additive. *total is their weight.
+// additive.
 INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, bool additive,
-                        Body body, uint joint, Local rest, float *total)
+                        Body body, uint joint, bool halves, Local rest, Terms *terms)
 {
-    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, rest);
-    *total = sum.total;
+    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, halves, rest);
+    *terms = sum.terms;
     if (additive) return sum.trs;
     return mean_or_rest(sum, l == 0 ? LEAST_TOTAL : LEAST_WEIGHT, rest);
 }
@@ -115,37 +121,49 @@ INLINE Laying laying_of(const ClipTables *tables, Layer layer, uint joint)
 // Returns whether a layer shows nothing. `total` is the weight of its slots.
 INLINE bool is_silent(Laying how, float total) { return !how.additive && total <= LEAST_WEIGHT; }
 
-// Lays the pose of a layer over the pose beneath.
-INLINE Local laid_over(Local beneath, Local own, float total, Laying how, Local rest)
-{
-    const Local above = how.additive ? add_layer(beneath, own, how.weight)
-                                     : mix_layer(beneath, own, total, how.weight, rest);
-    const Local trs = { vec3_choose(how.laid, above.t, beneath.t),
-                        quat_choose(how.laid, above.r, beneath.r),
-                        vec3_choose(how.laid, above.s, beneath.s) };
-    return trs;
-}
-
 // The own pose of a layer above 0, and how it is laid over the pose beneath.
 typedef struct {
     Laying how;
-    float total;
+    Terms terms;
     Local own;
 } Shown;
 
+// Returns the properties in which the pose beneath a layer stays as it is: those that are at rest in
+// both, or that an additive layer does not change.
+INLINE uint kept_beneath(Shown shown, uint at_rest)
+{
+    return shown.how.additive ? shown.terms.at_rest : shown.terms.at_rest & at_rest;
+}
+
+// Lays the pose of a layer over the pose beneath. `kept` are properties that stay as they are: they
+// may be left out, since computing them gives the same numbers.
+INLINE Local laid_over(Local beneath, Shown shown, uint kept, Local rest)
+{
+    const Laying how = shown.how;
+    const Local above = how.additive
+                            ? add_layer(beneath, shown.own, how.weight)
+                            : mix_layer(beneath, shown.own, shown.terms.total, how.weight, rest);
+    Local trs = beneath;
+    trs.r = quat_choose(how.laid, above.r, beneath.r);
+    if (!(kept & REST_TRANSLATION)) trs.t = vec3_choose(how.laid, above.t, beneath.t);
+    if (!(kept & REST_SCALE)) trs.s = vec3_choose(how.laid, above.s, beneath.s);
+    return trs;
+}
+
 // Computes a layer's own pose. Returns false if the layer shows nothing.
 INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, Body body,
-                       uint joint, Local rest, Shown *shown)
+                       uint joint, bool halves, Local rest, Shown *shown)
 {
     shown->how = laying_of(tables, layer, joint);
     const bool additive = shown->how.additive;
     if (!ANY(shown->how.laid)) return false;
-    Local own = layer_pose(tables, playback, l, additive, body, joint, rest, &shown->total);
-    if (is_silent(shown->how, shown->total)) return false;
+    Local own = layer_pose(tables, playback, l, additive, body, joint, halves, rest, &shown->terms);
+    if (is_silent(shown->how, shown->terms.total)) return false;
     if (playback.inertialization.count > 0) {
         Local posed = own, at_rest = rest;
         inertialize(tables, playback.inertialization, l, additive, body, joint, &at_rest, &posed);
         own = posed;
+        shown->terms.at_rest = 0;
     }
     shown->own = own;
     return true;
@@ -159,8 +177,8 @@ INLINE Local lay_over(const ClipTables *tables, Playback playback, __global cons
 {
     for (uint l = 1; l < layer_count; l++) {
         Shown shown;
-        if (show_layer(tables, playback, layers[l], l, body, joint, rest, &shown))
-            beneath = laid_over(beneath, shown.own, shown.total, shown.how, rest);
+        if (show_layer(tables, playback, layers[l], l, body, joint, false, rest, &shown))
+            beneath = laid_over(beneath, shown, 0, rest);
     }
     return beneath;
 }
@@ -261,8 +279,8 @@ INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint 
                         Body body, uint joint)
 {
     const Local rest = rest_of(tables, body, joint);
-    float total;
-    const Local trs = layer_pose(tables, playback, 0, false, body, joint, rest, &total);
+    Terms terms;
+    const Local trs = layer_pose(tables, playback, 0, false, body, joint, false, rest, &terms);
     const PoseChanges changes = changes_of(adjustments, control, playback, layer_count);
     if (!are_changes(changes)) return trs;
     return change_pose(trs, changes, tables, adjustments, control, playback, layers, layer_count,

@@ -22,6 +22,10 @@ typedef struct {
     FUSED const Playing *all;
     uint count;
     Inertialization inertialization;
+#if LANES > 1
+    // Whether any of their clips stores floats.
+    bool has_floats;
+#endif
 } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s) { return playback.all[s]; }

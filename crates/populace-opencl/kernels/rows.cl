@@ -279,18 +279,8 @@ INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored ran
         trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
 }
 
-#if LANES > 1
-
-// Returns whether all columns are stored as halves, as nearly all are.
-INLINE bool are_common(Columns columns)
-{
-    const uint lanes =
-        columns.block.rotation_lanes | columns.block.translation_lanes | columns.block.scale_lanes;
-    return !(lanes & ROW_FLOATS);
-}
-
-// Tells the compiler that columns are common.
-INLINE Columns as_common(Columns columns)
+// Tells the compiler that columns are stored as halves.
+INLINE Columns as_halves(Columns columns)
 {
     columns.block.rotation_lanes &= ~ROW_FLOATS;
     columns.block.translation_lanes &= ~ROW_FLOATS;
@@ -298,36 +288,15 @@ INLINE Columns as_common(Columns columns)
     return columns;
 }
 
-// Samples any columns. The slow path. It finds the columns again, since passing them would keep them
-// in memory on all paths.
-APART void sample_any(const ClipTables *tables, uint bound, uint joint, Stored range, Rows rows,
-                      Local *trs)
-{
-    const Columns columns = columns_of(tables, tables->bound_clips[bound].block_first, joint);
-    sample_columns(tables, columns, range, rows, trs);
-}
-
-#endif
-
-// Returns local transforms between two rows. `bound` is an index into bound_clips.
+// Returns local transforms between two rows. `bound` is an index into bound_clips. `halves` is a
+// constant: whether the clip is known to store no floats.
 INLINE Sample sample_joint(const ClipTables *tables, uint bound, Body body, uint joint, Rows rows,
-                           Local rest)
+                           bool halves, Local rest)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
     const Columns columns = columns_of(tables, clip->block_first, joint);
     const Stored range = stored_at(tables, clip->range_first + joint, body);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
-#if LANES > 1
-    // The slow path has a copy, so that the pointer to it does not keep the sample in memory.
-    if (!are_common(columns)) {
-        Local any = rest;
-        sample_any(tables, bound, joint, range, rows, &any);
-        sample.trs = any;
-        return sample;
-    }
-    sample_columns(tables, as_common(columns), range, rows, &sample.trs);
-#else
-    sample_columns(tables, columns, range, rows, &sample.trs);
-#endif
+    sample_columns(tables, halves ? as_halves(columns) : columns, range, rows, &sample.trs);
     return sample;
 }

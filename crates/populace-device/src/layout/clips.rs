@@ -51,8 +51,8 @@ device_struct! {
         pub motion_count: u32,
         /// Root-motion rows per second.
         pub motion_rows_per_sec: f32,
-        /// Zero.
-        pub unused: u32,
+        /// 1 if a block of columns stores a property as floats, else 0.
+        pub has_floats: u32,
     }
 }
 

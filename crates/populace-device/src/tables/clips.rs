@@ -1,6 +1,6 @@
 //! Clips and their rows.
 
-use populace_clip::{Clip, RootMotion};
+use populace_clip::{Clip, RootMotion, RowBlock};
 use populace_model::convert::u32_from;
 
 use super::runs::{Asset, Runs};
@@ -64,6 +64,7 @@ impl Tables {
             start_secs: clip.start_secs(),
             duration_secs: clip.duration_secs(),
             rows_per_sec: clip.rows_per_sec(),
+            has_floats: u32::from(clip.row_blocks().iter().any(RowBlock::has_floats)),
             ..live::new_ring(clip)
         })
     }

@@ -100,8 +100,8 @@ impl Tables {
             let row = follower.row_of(&live.clip.pose_of(words));
             write_row(all, &to, nth as usize, &row);
         }
-        let ClipRows { row_first, row_stride, .. } = to;
-        all.clips.set(rows as usize, ClipRows { row_first, row_stride, ..from });
+        let ClipRows { row_first, row_stride, has_floats, .. } = to;
+        all.clips.set(rows as usize, ClipRows { row_first, row_stride, has_floats, ..from });
         live.followers.push(follower);
     }
 

@@ -10,15 +10,16 @@ use populace_testkit::conformance::*;
 
 use super::*;
 
-/// Fails unless `check` notices that `right`, which the text holds once, reads `wrong`.
-fn caught(right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
-    let source = Form::Staged.source("");
+/// Fails unless `check` notices that `right`, which the text of the form holds once, reads `wrong`.
+fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
+    let source = form.source("");
     assert_eq!(source.matches(right).count(), 1, "the kernels' text holds this once: {right}");
     // A device of its own, since devices keep their programs.
     let device = OpenClDevice::open(0).unwrap();
     let program = device.build(&source.replacen(right, wrong, 1)).unwrap();
-    device.programs.lock().unwrap().insert((Form::Staged, String::new()), program);
-    let mut backend = OpenClBackend::new(&device, Schedule::Staged).unwrap();
+    device.programs.lock().unwrap().insert((form, String::new()), program);
+    let schedule = if form == Form::Staged { Schedule::Staged } else { Schedule::Fused };
+    let mut backend = OpenClBackend::new(&device, schedule).unwrap();
     let result = catch_unwind(AssertUnwindSafe(|| check(&mut backend)));
     let cause = result.expect_err("the check must notice the fault");
     let said = cause.downcast_ref::<String>().map_or("", String::as_str);
@@ -26,18 +27,19 @@ fn caught(right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
 }
 
 macro_rules! faults {
-    ($($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
+    ($form:ident: $($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
         $($(
             #[ignore = "a build of the kernels for each fault; make test-long runs all"]
             #[test]
             fn $name() {
-                caught($right, $wrong, $check);
+                caught(Form::$form, $right, $wrong, $check);
             }
         )*)*
     };
 }
 
 faults! {
+    Staged:
     check_clock {
         loops_ignore_their_phase:
             "((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate" =>
@@ -57,14 +59,14 @@ faults! {
             "((int)(from << 16) >> 16) * (int)(weights & 0xffffu)";
     }
     check_blends {
-        means_are_not_divided: "const float k = 1.0f / sum.total;" => "const float k = 1.0f;";
+        means_are_not_divided: "const float k = 1.0f / sum.terms.total;" => "const float k = 1.0f;";
         translations_are_not_weighted:
             "vec3_scale(trs.t, weight)" => "trs.t";
         scales_are_not_weighted: "vec3_scale(trs.s, weight)" => "trs.s";
     }
     check_small_totals {
         small_totals_are_divided:
-            "sum.total > least ? mean_of(sum, rest) : rest" => "mean_of(sum, rest)";
+            "sum.terms.total > least ? mean_of(sum, rest) : rest" => "mean_of(sum, rest)";
     }
     check_override_layers {
         masks_do_not_count:
@@ -278,5 +280,21 @@ faults! {
             "vec(a.w, rows[1].w, rows[2].w)";
         watched_joints_have_no_scale: "const float sine = s->control->sine * place.w, cosine" =>
             "const float sine = s->control->sine, cosine";
+    }
+}
+
+faults! {
+    Wide:
+    check_override_layers {
+        palettes_do_not_wait: "entries[e].joint < joint_end" => "true";
+        layers_at_rest_do_not_cover:
+            "shown.terms.at_rest & at_rest;" => "shown.terms.at_rest;";
+    }
+    check_additive_layers {
+        additions_do_not_move: "terms[lane].at_rest &= kept;" => "";
+    }
+    check_live_clips {
+        floats_are_read_as_halves:
+            "playback.has_floats || tables->clips[rows].has_floats" => "false";
     }
 }
