@@ -18,8 +18,8 @@ pub enum Schedule {
     /// All stages in one kernel, in the variant that suits the kind of device.
     #[default]
     Fused,
-    /// All stages in one kernel, for CPUs: one work-item per run of members, sixteen joints at a
-    /// time.
+    /// All stages in one kernel, for CPUs: one work-item per run of members, which stand side by
+    /// side in the lanes of vectors.
     FusedWide,
     /// All stages in one kernel, for GPUs: one work-group per member, one work-item per joint.
     FusedGrouped,

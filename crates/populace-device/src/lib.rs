@@ -13,6 +13,7 @@ mod error;
 mod fault;
 mod instance;
 mod interop;
+mod lanes;
 pub mod layout;
 mod look;
 mod place;
@@ -34,6 +35,7 @@ pub use interop::{
     EglHandles, GlContext, MappedPage, PAGE_SETS, PaletteSource, PaletteTarget, PaletteTransport,
     ReleasedPalettes, SharedPage, TargetMark, driver_start,
 };
+pub use lanes::lanes_allowed;
 pub use look::MemberLook;
 pub use place::Place;
 pub use playback::{

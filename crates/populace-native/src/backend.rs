@@ -5,11 +5,11 @@ use std::time::Instant;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{
     Backend, BackendError, Frame, GlContext, PaletteSource, PaletteTarget, PaletteTransport,
-    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage,
+    ReleasedPalettes, Schedule, Stage, StageBuffer, Tables, TargetMark, UserStage, lanes_allowed,
 };
 
 use crate::buffers::StageBuffers;
-use crate::errors::failed;
+use crate::errors::{DEVICE, failed};
 use crate::evaluate::evaluate;
 use crate::floor::write_floor;
 use crate::frame::FrameInputs;
@@ -159,23 +159,13 @@ impl NativeBackend {
     }
 }
 
-/// Environment variable for the most lanes that registers may have.
-const LANES: &str = "POPULACE_LANES";
-
-/// Returns the widest registers of this machine that the environment variable allows.
+/// Returns the widest registers of this machine that `POPULACE_LANES` allows.
 fn machine() -> Result<Machine, BackendError> {
-    let Some(lanes) = std::env::var_os(LANES).filter(|value| !value.is_empty()) else {
-        return Ok(Machine::detect());
-    };
-    match lanes.to_str() {
-        Some("4") => Ok(Machine::at_most(RegisterLanes::Four)),
-        Some("8") => Ok(Machine::at_most(RegisterLanes::Eight)),
-        Some("16") => Ok(Machine::at_most(RegisterLanes::Sixteen)),
-        _ => {
-            let given = lanes.display();
-            Err(failed("choose registers", format!("{LANES} is {given}; write 4, 8 or 16")))
-        }
-    }
+    Ok(Machine::at_most(match lanes_allowed(DEVICE)? {
+        4 => RegisterLanes::Four,
+        8 => RegisterLanes::Eight,
+        _ => RegisterLanes::Sixteen,
+    }))
 }
 
 /// Returns whether all schedules store a buffer.

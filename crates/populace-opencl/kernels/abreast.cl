@@ -1,5 +1,5 @@
 // abreast.cl - Members side by side, each in a lane of its own: what they play, and their local
-// transforms. Slots of layer 0 are sampled and summed for sixteen joints of a member at a time, in
+// transforms. Slots of layer 0 are sampled and summed for LANES joints of a member at a time, in
 // passes over all members that are short enough for a processor to have several members in flight.
 // The poses are transposed into lanes of members.
 //
@@ -36,7 +36,7 @@ typedef struct {
 } Company;
 
 // Asks for memory, in lines of the cache of 16 words, so that it is in the second-level cache when it
-// is read. Rows of sixteen members do not fit into the first.
+// is read. Rows of all members do not fit into the first.
 // Compilers for GPUs may have the function, but only for pointers without an address space.
 INLINE void fetch_lines(__global const void *from, uint words)
 {
@@ -106,8 +106,8 @@ INLINE void fetch_constraints(const Company *all, const ConstraintTables *tables
         }
 }
 
-// Sums over the slots of layer 0, and then poses: each component of sixteen joints of each member.
-typedef float16 Posed[COMPONENTS][LANES];
+// Sums over the slots of layer 0, and then poses: each component of LANES joints of each member.
+typedef Real Posed[COMPONENTS][LANES];
 
 // Returns whether a component is one of those that are left out.
 INLINE bool is_still(uint still, uint component)
@@ -115,8 +115,8 @@ INLINE bool is_still(uint still, uint component)
     return (component < 3 && still & REST_TRANSLATION) || (component >= 7 && still & REST_SCALE);
 }
 
-// Returns the local transforms of sixteen joints of a member, or after transposition of a joint of
-// sixteen members.
+// Returns the local transforms of neighbouring joints of a member, or after transposition of a joint
+// of all members.
 INLINE Local local_of(const Posed posed, uint at)
 {
     const Local trs = { { posed[0][at], posed[1][at], posed[2][at] },
@@ -315,7 +315,7 @@ INLINE void place_block(const Company *all, const Posing *posing, uint first, Hi
 {
     Posed posed;
     const uint still = pose_block(all, posing, first, posed, planes);
-    const uint end = min(first + JOINT_BLOCK, all->body.joint_count);
+    const uint end = min(first + LANES, all->body.joint_count);
     for (uint joint = first; joint < end; joint++) {
         Matrix own;
         components_of(posed_joint(all, posing, posed, still, first, joint - first), own.m);

@@ -1,5 +1,5 @@
 // fused_wide.cl - Fused schedule for CPUs: a work-item computes whole frames of members of one body,
-// sixteen at a time, side by side. Local transforms come from abreast.cl. Constraint programs and
+// LANES at a time, side by side. Local transforms come from abreast.cl. Constraint programs and
 // palettes have members in lanes too. What is between clip and palette stays in the core's caches.
 //
 // NDRange  (runs of members of one page, those of a kind side by side), work-groups of one; one
@@ -23,6 +23,16 @@ INLINE void write_line(float16 line, __global float *to)
     }
 #endif
     vstore16(line, 0, to);
+}
+
+// Returns sixteen numbers of the member in a lane, after transposition.
+INLINE float16 line_of(const Real *numbers, uint lane)
+{
+#if LANES == 8
+    return (float16)(numbers[lane], numbers[8 + lane]);
+#else
+    return numbers[lane];
+#endif
 }
 
 // Takes a free desk, which holds the matrices of the members in the lanes of a work-item. Few desks,
@@ -108,12 +118,12 @@ INLINE void write_block(const Company *all, __global const Entry *entries, Hiera
         models_of(joints, entry->joint, &models);
         matrix_product(&models, &bind, &palettes[e]);
     }
-    // Four matrices are three squares of sixteen numbers.
-    Real *squares = palettes->m;
-    for (uint square = 0; square < 3; square++) transpose(squares + 16 * square);
+    // Four matrices are 48 numbers, or three lines of the cache.
+    Real *numbers = palettes->m;
+    for (uint i = 0; i < 48; i += LANES) transpose(numbers + i);
     for (uint lane = 0; lane < all->count; lane++)
-        for (uint square = 0; square < 3; square++)
-            write_line(squares[16 * square + lane], to[lane] + 12 * block + 16 * square);
+        for (uint i = 0; i < 48; i += 16)
+            write_line(line_of(numbers + i, lane), to[lane] + 12 * block + i);
 }
 
 // Writes the members' palettes from an entry on, up to the first block with a joint from `joint_end`
@@ -139,12 +149,11 @@ INLINE void write_members(const Company *all, const Posing *posing, const Constr
     const bool is_led = are_led(all);
     if (is_led) fetch_controls(all, tables);
     uint written = 0;
-    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
+    for (uint first = 0; first < all->body.joint_count; first += LANES) {
         place_block(all, posing, first, joints, 0);
-        if (!is_led)
-            written = write_palettes(all, entries, joints, written, first + JOINT_BLOCK, to);
+        if (!is_led) written = write_palettes(all, entries, joints, written, first + LANES, to);
         if (is_led && first == 0) fetch_steps(all, tables);
-        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, tables);
+        if (is_led && first == LANES) fetch_constraints(all, tables);
     }
     if (!is_led) return;
     descend(all, tables, joints);
@@ -249,7 +258,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     all.body = bodies[member.posed];
     all.parents = parents + all.body.joint_first;
     const Posing posing = posing_of(&all, &clip_tables, adjustments, layers);
-    for (uint first = 0; first < all.body.joint_count; first += JOINT_BLOCK)
+    for (uint first = 0; first < all.body.joint_count; first += LANES)
         place_block(&all, &posing, first, joints, planes);
     if (are_led(&all)) descend(&all, &constraint_tables, joints);
     for (uint joint = 0; joint < all.body.joint_count; joint++)

@@ -1,4 +1,4 @@
-// joint.cl - Pose stage of one joint, or of sixteen neighbouring ones (Lister & Day 2012, section
+// joint.cl - Pose stage of one joint, or of neighbouring ones in lanes (Lister & Day 2012, section
 // 3, fig. 1): mixes a member's slots layer by layer, then applies proportions, overrides in local
 // space and users' stages.
 //

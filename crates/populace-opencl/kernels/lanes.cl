@@ -1,10 +1,11 @@
-// lanes.cl - What one work-item computes at once: one joint of a member, or as vectors sixteen
-// neighbouring joints of a member or one joint of sixteen members. Twin of populace-native/src/lanes.rs.
+// lanes.cl - What one work-item computes at once: one joint of a member, or as vectors of LANES, 8 or
+// 16, neighbouring joints of a member or one joint of several members. Twin of
+// populace-native/src/lanes.rs.
 //
-// The following files are written once for `Real` and compiled for either LANES. Comparisons yield
+// The following files are written once for `Real` and compiled for any LANES. Comparisons yield
 // a `Choice` for `? :`, component by component if there are several lanes.
 
-// Functions pass whole vectors of sixteen. Functions that every joint runs must be inlined; rarely
+// Functions pass whole vectors. Functions that every joint runs must be inlined; rarely
 // used ones must not take registers from them. With one lane everything is inlined, since a GPU
 // would pass arguments through memory.
 #define INLINE static inline __attribute__((always_inline))
@@ -36,6 +37,19 @@ typedef int Choice;
 #else
 #define APART __attribute__((noinline))
 #define SELDOM static __attribute__((noinline))
+#if LANES == 8
+typedef float8 Real;
+typedef uint8 Words;
+typedef int8 Choice;
+#define CONVERT_REAL convert_float8
+#define CONVERT_WORDS convert_uint8
+#define AS_REAL as_float8
+#define AS_INTS as_int8
+#define AS_WORDS as_uint8
+#define ONLY(lane) ((int8)(0, 1, 2, 3, 4, 5, 6, 7) == (int8)((int)(lane)))
+#define LOAD(pointer) vload8(0, pointer)
+#define STORE(value, pointer) vstore8(value, 0, pointer)
+#else
 typedef float16 Real;
 typedef uint16 Words;
 typedef int16 Choice;
@@ -46,23 +60,57 @@ typedef int16 Choice;
 #define AS_WORDS as_uint16
 #define ONLY(lane)                                                                                 \
     ((int16)(0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15) == (int16)((int)(lane)))
+#define LOAD(pointer) vload16(0, pointer)
+#define STORE(value, pointer) vstore16(value, 0, pointer)
+#endif
 #define ANY(choice) any(choice)
 #define LANE(value, lane) (((const float *)&(value))[lane])
 #define PUT(value, lane, one) (((float *)&(value))[lane] = (one))
 #define PUT_WORD(value, lane, one) (((uint *)&(value))[lane] = (one))
-#define LOAD(pointer) vload16(0, pointer)
-#define STORE(value, pointer) vstore16(value, 0, pointer)
 
 #ifndef __has_builtin
 #define __has_builtin(name) 0
 #endif
 
-// Picks numbers of two vectors by index; those of `q` count from 16. shuffle2() is compiled to loads.
+// Picks numbers of two vectors by index; those of `q` count from LANES. shuffle2() is compiled to loads.
 #if __has_builtin(__builtin_shufflevector)
 #define PICK(p, q, ...) __builtin_shufflevector(p, q, __VA_ARGS__)
 #else
-#define PICK(p, q, ...) shuffle2(p, q, (uint16)(__VA_ARGS__))
+#define PICK(p, q, ...) shuffle2(p, q, (Words)(__VA_ARGS__))
 #endif
+
+#if LANES == 8
+
+// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each half.
+#define LOWER(p, q) PICK(p, q, 0, 8, 1, 9, 4, 12, 5, 13)
+#define UPPER(p, q) PICK(p, q, 2, 10, 3, 11, 6, 14, 7, 15)
+#define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 8, 9, 4, 5, 12, 13)
+#define UPPER_PAIRS(p, q) PICK(p, q, 2, 3, 10, 11, 6, 7, 14, 15)
+// Joins the lower or the upper half of each vector.
+#define LOWER_HALVES(p, q) PICK(p, q, 0, 1, 2, 3, 8, 9, 10, 11)
+#define UPPER_HALVES(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15)
+
+// Transposes an 8 x 8 matrix: squares of four within halves of rows, then the halves.
+INLINE void transpose(Real m[8])
+{
+    Real t[8];
+#pragma unroll
+    for (int i = 0; i < 8; i += 4) {
+        const Real a = LOWER(m[i], m[i + 1]), b = UPPER(m[i], m[i + 1]);
+        const Real c = LOWER(m[i + 2], m[i + 3]), d = UPPER(m[i + 2], m[i + 3]);
+        t[i] = LOWER_PAIRS(a, c);
+        t[i + 1] = UPPER_PAIRS(a, c);
+        t[i + 2] = LOWER_PAIRS(b, d);
+        t[i + 3] = UPPER_PAIRS(b, d);
+    }
+#pragma unroll
+    for (int i = 0; i < 4; i++) {
+        m[i] = LOWER_HALVES(t[i], t[i + 4]);
+        m[i + 4] = UPPER_HALVES(t[i], t[i + 4]);
+    }
+}
+
+#else
 
 // Interleaves numbers, or pairs of numbers, of the lower or the upper half of each quarter.
 #define LOWER(p, q) PICK(p, q, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29)
@@ -98,6 +146,7 @@ INLINE void transpose(float16 m[16])
     }
 }
 #endif
+#endif
 
 // Returns the weighted sum of the lower or of the upper halves of two words, which are signed.
 #if LANES == 1
@@ -118,7 +167,7 @@ INLINE Real mix_high(Words from, Words to, uint weights)
 
 // Returns the sum of the products of lower halves and of upper halves: one instruction, where
 // compilers have a name for it. They do not find it in the plain form.
-#if defined(__AVX512BW__) && defined(__clang__)
+#if LANES == 16 && defined(__AVX512BW__) && defined(__clang__)
 
 typedef short Halves __attribute__((__vector_size__(64)));
 
@@ -142,18 +191,22 @@ INLINE float8 mix_eight(uint8 pairs, uint8 weights)
                          int8));
 }
 
+#if LANES == 8
+INLINE Real mix_pairs(Words pairs, uint weights) { return mix_eight(pairs, weights); }
+#else
 INLINE Real mix_pairs(Words pairs, uint weights)
 {
     const uint8 both = weights;
     return (float16)(mix_eight(pairs.lo, both), mix_eight(pairs.hi, both));
 }
+#endif
 
 #else
 
 INLINE Real mix_pairs(Words pairs, uint weights)
 {
-    return convert_float16((as_int16(pairs << 16) >> 16) * (int)(weights & 0xffffu)
-                           + (as_int16(pairs) >> 16) * (int)(weights >> 16));
+    return CONVERT_REAL((AS_INTS(pairs << 16) >> 16) * (int)(weights & 0xffffu)
+                        + (AS_INTS(pairs) >> 16) * (int)(weights >> 16));
 }
 
 #endif
@@ -189,7 +242,7 @@ INLINE void put_numbers(Numbers *all, uint lane, __global const float *from)
 #if LANES == 1
     for (uint i = 0; i < 16; i++) all->n[i] = from[i];
 #else
-    all->n[lane] = vload16(0, from);
+    for (uint i = 0; i < 16; i += LANES) all->n[i + lane] = LOAD(from + i);
 #endif
 }
 
@@ -197,7 +250,7 @@ INLINE void put_numbers(Numbers *all, uint lane, __global const float *from)
 INLINE void turn_numbers(Numbers *all)
 {
 #if LANES > 1
-    transpose(all->n);
+    for (uint i = 0; i < 16; i += LANES) transpose(all->n + i);
 #endif
 }
 
@@ -207,7 +260,7 @@ INLINE float4 numbers_in(const Numbers *all, uint lane, uint first)
 #if LANES == 1
     return (float4)(all->n[first], all->n[first + 1], all->n[first + 2], all->n[first + 3]);
 #else
-    return vload4(0, (const float *)&all->n[lane] + first);
+    return vload4(0, (const float *)&all->n[first / LANES * LANES + lane] + first % LANES);
 #endif
 }
 

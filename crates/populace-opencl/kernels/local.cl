@@ -1,4 +1,4 @@
-// local.cl - Algebra of local transforms, of one joint or of sixteen. Twin of
+// local.cl - Algebra of local transforms, of one joint or of joints in lanes. Twin of
 // populace-native/src/local.rs: same arithmetic, same order of operations.
 
 // Translation, rotation and scale, relative to the parent joint.

@@ -1,4 +1,4 @@
-// rows.cl - Local transforms of one joint, or of sixteen neighbouring ones, from rows of a clip.
+// rows.cl - Local transforms of one joint, or of neighbouring ones in lanes, from rows of a clip.
 // Twin of populace-native/src/rows.rs, populace-native/src/block_columns.rs,
 // populace-native/src/encoding.rs and populace-native/src/sample.rs: same arithmetic, same order of
 // operations.
@@ -46,7 +46,7 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
     return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
-// Where the columns of sixteen neighbouring joints are stored. `lane` is that of a single joint.
+// Where the columns of a block of sixteen joints are stored, and the first joint in it.
 typedef struct {
     BoundBlock block;
     uint lane;
@@ -79,7 +79,7 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
                       uint plane)
 {
-    return vload16(0, tables->rows + plane_at(planes, row, plane));
+    return LOAD(tables->rows + plane_at(planes, row, plane) + columns.lane);
 }
 
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
@@ -87,7 +87,7 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 {
     __global const ushort *halves =
         (__global const ushort *)(tables->rows + plane_at(planes, row, plane));
-    return convert_uint16(vload16(0, halves));
+    return CONVERT_WORDS(LOAD(halves + columns.lane));
 }
 
 #endif
@@ -193,7 +193,7 @@ INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint propert
     return mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
-// Planes of a joint, or of sixteen, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
+// Planes of a joint, or of joints in lanes, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
 // of 64 bits in two registers.
 typedef struct {
     __global const float *poses;

@@ -17,7 +17,8 @@ use crate::launch::{Launch, WorkSize};
 use crate::machines::Machines;
 use crate::pages::Pages;
 use crate::program::Form;
-use crate::staged::{DispatchShape, Staged};
+use crate::shape::DispatchShape;
+use crate::staged::Staged;
 use crate::tables::DeviceTables;
 use crate::upload::{Copies, Uploader};
 use crate::user_stages::UserStages;
@@ -72,7 +73,7 @@ impl OpenClBackend {
     ///
     /// Returns an error if memory cannot be allocated or the device fails.
     pub fn new(device: &Arc<OpenClDevice>, schedule: Schedule) -> Result<Self, BackendError> {
-        Self::with_shape(device, schedule, DispatchShape::of(device.info.kind))
+        Self::with_shape(device, schedule, DispatchShape::of(device)?)
     }
 
     fn with_shape(
@@ -83,8 +84,10 @@ impl OpenClBackend {
         let on_cpu = device.info.kind == DeviceKind::Cpu;
         let plan = match schedule {
             Schedule::Staged => SchedulePlan::Staged(Box::new(Staged::new(device, shape)?)),
-            Schedule::Fused if on_cpu => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
-            Schedule::FusedWide => SchedulePlan::Fused(Box::new(Fused::wide(device)?)),
+            Schedule::Fused if on_cpu => {
+                SchedulePlan::Fused(Box::new(Fused::wide(device, shape.lanes)?))
+            }
+            Schedule::FusedWide => SchedulePlan::Fused(Box::new(Fused::wide(device, shape.lanes)?)),
             Schedule::Fused | Schedule::FusedGrouped => {
                 SchedulePlan::Fused(Box::new(Fused::grouped(device, shape.fused_group)?))
             }

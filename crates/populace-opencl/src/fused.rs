@@ -53,12 +53,13 @@ pub(crate) struct Fused {
 }
 
 impl Fused {
-    /// For CPUs: sixteen members of a body side by side.
-    pub(crate) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
-        let kernel = |name| device.kernel(Form::Wide, "", name);
+    /// For CPUs: as many members of a body side by side as there are `lanes`.
+    pub(crate) fn wide(device: &OpenClDevice, lanes: usize) -> Result<Self, BackendError> {
+        let form = Form::Wide { lanes };
+        let kernel = |name| device.kernel(form, "", name);
         let (whole, joints) = (kernel(WIDE[0])?, kernel(WIDE[1])?);
-        let stage_kernels = StageKernels { form: Form::Wide, names: WIDE };
-        Ok(Self::of(stage_kernels, whole, joints, None, Dispatch::wide(device)?))
+        let stage_kernels = StageKernels { form, names: WIDE };
+        Ok(Self::of(stage_kernels, whole, joints, None, Dispatch::wide(device, lanes)?))
     }
 
     /// For GPUs: work-groups of `wished` work-items, or of as many as the device allows.

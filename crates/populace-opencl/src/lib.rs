@@ -7,7 +7,7 @@
 //!
 //! - *staged*: the kernels Pose, Transform and Write-Back of Lister & Day 2012, section 3, with one
 //!   work-item for each joint, through global memory;
-//! - *fused*: one kernel from slots to palettes. Its *wide* form, for CPUs, computes sixteen
+//! - *fused*: one kernel from slots to palettes. Its *wide* form, for CPUs, computes eight or sixteen
 //!   members of a body side by side in one work-item. Its *grouped* form, for GPUs, computes up to
 //!   eight in one work-group, and those that only mix clips in a kernel of their own.
 //!
@@ -44,6 +44,7 @@ mod pages;
 mod palette_transport;
 mod pocl;
 mod program;
+mod shape;
 mod stage_buffers;
 mod staged;
 mod tables;

@@ -13,8 +13,8 @@ pub(crate) enum Form {
     Floor,
     /// One joint for each work-item, through global memory.
     Staged,
-    /// Sixteen members of a body side by side.
-    Wide,
+    /// Members of a body side by side, and as many joints of one: 8 or 16.
+    Wide { lanes: usize },
     /// One joint at a time, and work-groups that compute a few members of one body side by side.
     Grouped(GroupShape),
 }
@@ -62,7 +62,7 @@ impl Form {
         match self {
             Self::Common | Self::Floor => String::new(),
             Self::Staged => "#define LANES 1\n".into(),
-            Self::Wide => "#define LANES 16\n#define FUSED __private\n".into(),
+            Self::Wide { lanes } => format!("#define LANES {lanes}\n#define FUSED __private\n"),
             Self::Grouped(GroupShape { group, batch }) => format!(
                 "#define LANES 1\n#define FUSED __local\n\
                  #define GROUP {group}u\n#define BATCH {batch}u\n#define JOINTS {}u\n\
@@ -83,7 +83,7 @@ impl Form {
                 include_str!("../kernels/transform.cl"),
                 include_str!("../kernels/write_back.cl"),
             ],
-            Self::Wide => &[
+            Self::Wide { .. } => &[
                 include_str!("../kernels/fused.cl"),
                 include_str!("../kernels/abreast.cl"),
                 include_str!("../kernels/fused_wide.cl"),

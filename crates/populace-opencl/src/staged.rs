@@ -8,42 +8,17 @@ use opencl3::error_codes::ClError;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{BackendError, Frame, Stage};
 
+use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::context::FrameContext;
 use crate::handles::{Event, Kernel};
 use crate::history::WriteTarget;
 use crate::launch::{Launch, WorkSize};
 use crate::program::Form;
+use crate::shape::DispatchShape;
 use crate::stage_buffers::StageBuffers;
 use crate::tables::DeviceBlockTables;
 use crate::user_stages::StageKernels;
-use crate::{DeviceKind, OpenClDevice};
-
-/// Division of work on a kind of device.
-#[derive(Clone, Copy)]
-pub(crate) struct DispatchShape {
-    /// Work-items in a work-group.
-    pub(crate) group: usize,
-    /// Members whose levels are all transformed before those of the next members.
-    members: usize,
-    /// Work-items in a work-group of the fused grouped schedule.
-    pub(crate) fused_group: usize,
-}
-
-/// Work-groups are whole blocks of 16 joints, and a multiple of the 32 or 64 lanes that run
-/// together.
-pub(crate) const GPU_SHAPE: DispatchShape =
-    DispatchShape { group: 64, members: usize::MAX, fused_group: 128 };
-/// On a CPU a work-group is a loop on one core, and scheduling it costs more than a joint does, so
-/// large groups are faster. The joints of 512 members stay in the caches of a core from one level
-/// to the next.
-const CPU_SHAPE: DispatchShape = DispatchShape { group: 1024, members: 512, fused_group: 128 };
-
-impl DispatchShape {
-    pub(crate) fn of(kind: DeviceKind) -> Self {
-        if kind == DeviceKind::Cpu { CPU_SHAPE } else { GPU_SHAPE }
-    }
-}
 
 /// A level of the hierarchy.
 #[derive(Clone, Copy)]

@@ -3,6 +3,7 @@ use std::sync::{Arc, OnceLock};
 use populace_device::layout::device_structs;
 
 use super::*;
+use crate::shape::GPU_SHAPE;
 
 mod faults;
 mod fused;
@@ -159,13 +160,25 @@ mod conformance_fused_grouped {
     );
 }
 
+/// Returns a backend with as many members side by side.
+fn in_lanes(lanes: usize) -> OpenClBackend {
+    let shape = DispatchShape { lanes, ..GPU_SHAPE };
+    OpenClBackend::with_shape(&device(), Schedule::FusedWide, shape).expect("a backend")
+}
+
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn lanes_do_not_change_a_bit() {
+    populace_testkit::conformance::check_same_frames(&mut in_lanes(8), &mut in_lanes(16));
+}
+
 /// More shapes of groups, and a part of the device.
 #[cfg(not(skip_opencl))]
 mod slow {
     use super::*;
 
     fn small_groups() -> DispatchShape {
-        let mut shape = crate::staged::GPU_SHAPE;
+        let mut shape = crate::shape::GPU_SHAPE;
         (shape.group, shape.fused_group) = (16, 16);
         shape
     }
@@ -183,13 +196,23 @@ mod slow {
         );
     }
 
+    /// Lanes of AVX2, on any processor.
+    mod conformance_fused_in_eight_lanes {
+        populace_testkit::fused_conformance!(super::in_lanes(8), ignore = "make test-slow");
+    }
+
+    /// Lanes of AVX-512, on any processor.
+    mod conformance_fused_in_sixteen_lanes {
+        populace_testkit::fused_conformance!(super::in_lanes(16), ignore = "make test-slow");
+    }
+
     /// The settings for GPUs, on any device.
     mod conformance_with_gpu_shape {
         populace_testkit::backend_conformance!(
             super::OpenClBackend::with_shape(
                 &super::device(),
                 super::Schedule::Staged,
-                crate::staged::GPU_SHAPE
+                crate::shape::GPU_SHAPE
             )
             .expect("a backend"),
             ignore = "make test-slow"

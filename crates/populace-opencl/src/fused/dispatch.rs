@@ -1,7 +1,7 @@
 //! Work-items of the fused schedules: the members that each takes, and where it stores
 //! `model_from_joint`.
 
-use populace_device::layout::{Float4, JOINT_BLOCK};
+use populace_device::layout::Float4;
 use populace_device::{BackendError, Tables};
 
 use crate::OpenClDevice;
@@ -20,16 +20,14 @@ const GROUPS_PER_CORE: usize = 8;
 /// Longest run of the grouped form, in full batches. Longer ones leave cores idle at the end of a
 /// frame.
 const BATCHES_MOST: usize = 6;
-/// Members side by side in the lanes of a work-item of the wide form.
-const LANES: usize = JOINT_BLOCK as usize;
-/// `Float4`s of a joint's matrices in lanes of members.
-const MATRICES: usize = 12 * LANES / 4;
 pub(super) enum Dispatch {
     /// `fused_wide.cl`: each of several work-items for each core takes a run of members, and a desk
     /// in global memory for the matrices of those in its lanes.
     Wide {
         /// A desk for each.
         cores: usize,
+        /// Members side by side in a work-item.
+        lanes: usize,
         /// For each desk 1 while a work-item has it.
         is_taken: Buffer<u32>,
         desks: Buffer<Float4>,
@@ -49,13 +47,14 @@ pub(super) enum Dispatch {
 }
 
 impl Dispatch {
-    pub(super) fn wide(device: &OpenClDevice) -> Result<Self, BackendError> {
+    pub(super) fn wide(device: &OpenClDevice, lanes: usize) -> Result<Self, BackendError> {
         let cores = device.info.compute_units as usize;
         let mut is_taken = Buffer::new(device, cores, "a flag for each desk")?;
         let queue = device.queue()?;
         let cleared = is_taken.clear(&queue, 0..cores).and_then(|()| waits::for_queue(&queue));
         cleared.map_err(|e| device.failed("clear the flags of desks", &e))?;
-        Ok(Self::Wide { cores, is_taken, desks: Buffer::new(device, 0, "an empty buffer")? })
+        let desks = Buffer::new(device, 0, "an empty buffer")?;
+        Ok(Self::Wide { cores, lanes, is_taken, desks })
     }
 
     /// For a kernel that was built for work-groups of this shape.
@@ -81,8 +80,8 @@ impl Dispatch {
             return Ok(());
         }
         match self {
-            Self::Wide { cores, desks, .. } => {
-                let needed = desks_for(*cores, tables);
+            Self::Wide { cores, lanes, desks, .. } => {
+                let needed = desks_for(*cores, *lanes, tables);
                 *desks = Buffer::new(device, needed, "matrices of members in progress")?;
             }
             Self::Grouped { padded, room, other_bytes, .. } => {
@@ -108,7 +107,9 @@ impl Dispatch {
     /// Returns whether the memory suffices for the tables, as it does after an update.
     pub(super) fn holds(&self, tables: &Tables) -> bool {
         match self {
-            Self::Wide { cores, desks, .. } => desks_for(*cores, tables) <= desks.len(),
+            Self::Wide { cores, lanes, desks, .. } => {
+                desks_for(*cores, *lanes, tables) <= desks.len()
+            }
             Self::Grouped { padded, room, .. } => *room > 0 && tables.padded_most() <= *padded,
         }
     }
@@ -139,8 +140,8 @@ impl Dispatch {
         plain: bool,
     ) -> (Launch<'a>, WorkSize) {
         match self {
-            Self::Wide { cores, is_taken, desks } => {
-                let run = members.div_ceil(cores * ITEMS_PER_CORE).next_multiple_of(LANES);
+            Self::Wide { cores, lanes, is_taken, desks } => {
+                let run = members.div_ceil(cores * ITEMS_PER_CORE).next_multiple_of(*lanes);
                 let launch = launch
                     .count("member_count", members)
                     .count("run", run)
@@ -182,8 +183,9 @@ fn local_memory(launch: Launch<'_>, elements: usize) -> Launch<'_> {
     launch.count("room", elements).local::<Float4>("memory", elements)
 }
 
-fn desks_for(cores: usize, tables: &Tables) -> usize {
-    cores * tables.padded_most() * MATRICES
+/// Returns the `Float4`s of matrices, of twelve numbers, of each joint in lanes of members.
+fn desks_for(cores: usize, lanes: usize, tables: &Tables) -> usize {
+    cores * tables.padded_most() * (12 * lanes / 4)
 }
 
 fn joints_most(tables: &Tables) -> usize {

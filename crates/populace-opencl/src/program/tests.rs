@@ -7,7 +7,7 @@ use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::handles::Kernel;
 use crate::launch::{Launch, WorkSize};
-use crate::staged::GPU_SHAPE;
+use crate::shape::GPU_SHAPE;
 
 /// Environment variable with the folder that receives the text of each program for GPUs.
 const TEXTS: &str = "POPULACE_KERNEL_TEXTS";
@@ -75,7 +75,7 @@ fn scale_ratio_to_no_number_is_one() {
     };
     let body: String = RATIOS.iter().map(one).collect();
     let wanted: Vec<u32> = RATIOS.iter().flat_map(|(_, wanted)| [wanted.to_bits(); 2]).collect();
-    for form in [Form::Staged, Form::Wide] {
+    for form in [Form::Staged, Form::Wide { lanes: 8 }, Form::Wide { lanes: 16 }] {
         let source = format!(
             "{}\n__kernel void probe(__global uint *out) {{\n\
              Local from = {{ {{ 0.0f, 0.0f, 0.0f }}, {{ 0.0f, 0.0f, 0.0f, 1.0f }},\n\

@@ -18,8 +18,12 @@ fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
     let device = OpenClDevice::open(0).unwrap();
     let program = device.build(&source.replacen(right, wrong, 1)).unwrap();
     device.programs.lock().unwrap().insert((form, String::new()), program);
-    let schedule = if form == Form::Staged { Schedule::Staged } else { Schedule::Fused };
-    let mut backend = OpenClBackend::new(&device, schedule).unwrap();
+    let (schedule, lanes) = match form {
+        Form::Wide { lanes } => (Schedule::FusedWide, lanes),
+        _ => (Schedule::Staged, GPU_SHAPE.lanes),
+    };
+    let shape = DispatchShape { lanes, ..DispatchShape::of(&device).unwrap() };
+    let mut backend = OpenClBackend::with_shape(&device, schedule, shape).unwrap();
     let result = catch_unwind(AssertUnwindSafe(|| check(&mut backend)));
     let cause = result.expect_err("the check must notice the fault");
     let said = cause.downcast_ref::<String>().map_or("", String::as_str);
@@ -27,19 +31,19 @@ fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
 }
 
 macro_rules! faults {
-    ($form:ident: $($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
+    ($form:expr; $($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
         $($(
             #[ignore = "a build of the kernels for each fault; make test-long runs all"]
             #[test]
             fn $name() {
-                caught(Form::$form, $right, $wrong, $check);
+                caught($form, $right, $wrong, $check);
             }
         )*)*
     };
 }
 
 faults! {
-    Staged:
+    Form::Staged;
     check_clock {
         loops_ignore_their_phase:
             "((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate" =>
@@ -284,7 +288,7 @@ faults! {
 }
 
 faults! {
-    Wide:
+    Form::Wide { lanes: 8 };
     check_override_layers {
         palettes_do_not_wait: "entries[e].joint < joint_end" => "true";
         layers_at_rest_do_not_cover:

@@ -204,7 +204,7 @@ INLINE Vec3 vec3_at(__global const float *in, uint k)
 }
 ";
 
-/// Returns the probe's text for one or sixteen lanes.
+/// Returns the probe's text for one, eight or sixteen lanes.
 fn probe(lanes: usize) -> String {
     let mut text = format!(
         "#pragma OPENCL FP_CONTRACT OFF\n#define LANES {lanes}\n{}",
@@ -318,7 +318,8 @@ fn leaf_functions_give_equal_bits_for_one_joint() {
 
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
-fn leaf_functions_give_equal_bits_in_sixteen_lanes() {
+fn leaf_functions_give_equal_bits_in_lanes() {
+    compare_in_lanes(8);
     compare_in_lanes(16);
 }
 
