@@ -25,6 +25,8 @@ test-slow:
 		--test prepare --test stages
 	cargo test $(LIBRARIES) --no-fail-fast --lib --test conformance --test script \
 		-- --ignored slow::
+	POPULACE_LANES=8 cargo test -p populace --no-fail-fast --test agreement --test controls \
+		--test script
 	cargo test -p populace-cli -p populace-viewer --no-fail-fast --lib --test cast \
 		--test interop --test program --test python --test reference --test retarget \
 		--test sequences --test window

@@ -36,7 +36,7 @@ typedef struct {
 } Company;
 
 // Asks for memory, in lines of the cache of 16 words, so that it is in the second-level cache when it
-// is read. Rows of all members do not fit into the first.
+// is read. Rows of sixteen members do not fit into the first.
 // Compilers for GPUs may have the function, but only for pointers without an address space.
 INLINE void fetch_lines(__global const void *from, uint words)
 {
@@ -155,15 +155,15 @@ typedef struct {
 
 // Computes the own pose of a member's layer. Returns false if the layer shows nothing.
 INLINE bool show_layer_of(const Company *all, const Posing *posing, uint lane, uint l, uint first,
-                          bool halves, Local rest, Shown *shown)
+                          bool no_floats, Local rest, Shown *shown)
 {
     __global const Layer *layers = posing->layers + all->owners[lane] * LAYERS_PER_MEMBER;
-    return show_layer(posing->clips, all->plays[lane], layers[l], l, all->body, first, halves, rest,
-                      shown);
+    return show_layer(posing->clips, all->plays[lane], layers[l], l, all->body, first, no_floats,
+                      rest, shown);
 }
 
-// Does the same with clips that store floats, which few members play. The common path must not pay
-// for the registers of this one.
+// Does the same for a member with a clip that stores floats, which few members play. Its other clips
+// go this way too. The common path must not pay for the registers of this one.
 APART bool show_any_layer(const Company *all, const Posing *posing, uint lane, uint l, uint first,
                           Shown *shown)
 {
@@ -220,16 +220,16 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, Te
 }
 
 // Sums the slots of layer 0 of a member.
-INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first, bool halves,
-                       Local rest, Posed posed, Terms *terms)
+INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
+                       bool no_floats, Local rest, Posed posed, Terms *terms)
 {
     const Sum sum =
-        sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, halves, rest);
+        sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, no_floats, rest);
     put_local(posed, lane, sum.trs, sum.terms.at_rest);
     *terms = sum.terms;
 }
 
-// Does the same with clips that store floats; see show_any_layer().
+// Does the same for a member with a clip that stores floats; see show_any_layer().
 APART void sum_any_member(const Company *all, const Posing *posing, uint lane, uint first,
                           Posed posed, Terms *terms)
 {

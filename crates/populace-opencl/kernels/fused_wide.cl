@@ -140,8 +140,8 @@ INLINE uint write_palettes(const Company *all, __global const Entry *entries, Hi
     return block;
 }
 
-// Writes the members' palettes. Without programs, those of a block of joints follow it while its
-// transforms are in the first-level cache.
+// Writes the members' palettes. Without programs, they are written after each LANES joints, while
+// their transforms are in the first-level cache.
 INLINE void write_members(const Company *all, const Posing *posing, const ConstraintTables *tables,
                           __global const Entry *entries, Hierarchy joints,
                           __global float *const *to)

@@ -49,10 +49,10 @@ INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weigh
 }
 
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
-// the first row if the layer is additive. `halves` is a constant: whether the clips are known to
-// store no floats.
+// the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
+// store none.
 INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
-                     Body body, uint joint, bool halves, Local rest)
+                     Body body, uint joint, bool no_floats, Local rest)
 {
     Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
                 { 0.0f, REST_TRANSLATION | REST_SCALE } };
@@ -60,8 +60,8 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
         const float weight = playing.at.weight;
-        const Sample sample =
-            sample_joint(tables, playing.bound_clip, body, joint, rows_in(playing), halves, rest);
+        const Sample sample = sample_joint(tables, playing.bound_clip, body, joint,
+                                           rows_in(playing), no_floats, rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
@@ -70,9 +70,9 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_ind
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(
-                sample_joint(tables, playing.bound_clip, body, joint, rows_of(start), halves, rest),
-                rest);
+            const Local reference = normalized(sample_joint(tables, playing.bound_clip, body, joint,
+                                                            rows_of(start), no_floats, rest),
+                                               rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
@@ -92,9 +92,9 @@ SELDOM void inertialize(const ClipTables *tables, Inertialization inertializatio
 // Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
 // additive.
 INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, bool additive,
-                        Body body, uint joint, bool halves, Local rest, Terms *terms)
+                        Body body, uint joint, bool no_floats, Local rest, Terms *terms)
 {
-    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, halves, rest);
+    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, no_floats, rest);
     *terms = sum.terms;
     if (additive) return sum.trs;
     return mean_or_rest(sum, l == 0 ? LEAST_TOTAL : LEAST_WEIGHT, rest);
@@ -152,12 +152,13 @@ INLINE Local laid_over(Local beneath, Shown shown, uint kept, Local rest)
 
 // Computes a layer's own pose. Returns false if the layer shows nothing.
 INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, Body body,
-                       uint joint, bool halves, Local rest, Shown *shown)
+                       uint joint, bool no_floats, Local rest, Shown *shown)
 {
     shown->how = laying_of(tables, layer, joint);
     const bool additive = shown->how.additive;
     if (!ANY(shown->how.laid)) return false;
-    Local own = layer_pose(tables, playback, l, additive, body, joint, halves, rest, &shown->terms);
+    Local own =
+        layer_pose(tables, playback, l, additive, body, joint, no_floats, rest, &shown->terms);
     if (is_silent(shown->how, shown->terms.total)) return false;
     if (playback.inertialization.count > 0) {
         Local posed = own, at_rest = rest;

@@ -81,7 +81,7 @@ typedef int16 Choice;
 
 #if LANES == 8
 
-// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each half.
+// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each four numbers.
 #define LOWER(p, q) PICK(p, q, 0, 8, 1, 9, 4, 12, 5, 13)
 #define UPPER(p, q) PICK(p, q, 2, 10, 3, 11, 6, 14, 7, 15)
 #define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 8, 9, 4, 5, 12, 13)
@@ -123,9 +123,9 @@ INLINE void transpose(Real m[8])
 
 // Transposes a 16 x 16 matrix: squares of four within quarters of rows, then the quarters. Processors
 // shuffle within quarters in one step.
-INLINE void transpose(float16 m[16])
+INLINE void transpose(Real m[16])
 {
-    float16 t[16];
+    Real t[16];
 #pragma unroll
     for (int i = 0; i < 16; i += 4) {
         const float16 a = LOWER(m[i], m[i + 1]), b = UPPER(m[i], m[i + 1]);

@@ -23,7 +23,7 @@ typedef struct {
     uint count;
     Inertialization inertialization;
 #if LANES > 1
-    // Whether any of their clips stores floats.
+    // True if a clip that plays stores floats.
     bool has_floats;
 #endif
 } Playback;

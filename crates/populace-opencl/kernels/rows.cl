@@ -46,7 +46,8 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
     return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
-// Where the columns of a block of sixteen joints are stored, and the first joint in it.
+// Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
+// that is sampled within the block.
 typedef struct {
     BoundBlock block;
     uint lane;
@@ -288,15 +289,15 @@ INLINE Columns as_halves(Columns columns)
     return columns;
 }
 
-// Returns local transforms between two rows. `bound` is an index into bound_clips. `halves` is a
-// constant: whether the clip is known to store no floats.
+// Returns local transforms between two rows. `bound` is an index into bound_clips. `no_floats` is
+// a constant: true if the clip is known to store none.
 INLINE Sample sample_joint(const ClipTables *tables, uint bound, Body body, uint joint, Rows rows,
-                           bool halves, Local rest)
+                           bool no_floats, Local rest)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
     const Columns columns = columns_of(tables, clip->block_first, joint);
     const Stored range = stored_at(tables, clip->range_first + joint, body);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
-    sample_columns(tables, halves ? as_halves(columns) : columns, range, rows, &sample.trs);
+    sample_columns(tables, no_floats ? as_halves(columns) : columns, range, rows, &sample.trs);
     return sample;
 }

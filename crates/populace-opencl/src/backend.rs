@@ -67,11 +67,13 @@ const FLOORS: [(&str, usize); 3] = [("floor_float4", 1), ("floor_matrix", 3), ("
 
 impl OpenClBackend {
     /// Creates a backend for one crowd on a device. [`Schedule::Fused`] picks the form that suits
-    /// the device's kind.
+    /// the device's kind. On CPUs, the environment variable `POPULACE_LANES` (4, 8 or 16) is the
+    /// most members side by side in the wide form; 4 counts as 8. Results are the same.
     ///
     /// # Errors
     ///
-    /// Returns an error if memory cannot be allocated or the device fails.
+    /// [`BackendError::Failed`] if memory cannot be allocated, the device fails, or
+    /// `POPULACE_LANES` has another value.
     pub fn new(device: &Arc<OpenClDevice>, schedule: Schedule) -> Result<Self, BackendError> {
         Self::with_shape(device, schedule, DispatchShape::of(device)?)
     }

@@ -13,7 +13,7 @@ pub(crate) enum Form {
     Floor,
     /// One joint for each work-item, through global memory.
     Staged,
-    /// Members of a body side by side, and as many joints of one: 8 or 16.
+    /// Members of a body side by side, and joints of one while clips are mixed: 8 or 16 of each.
     Wide { lanes: usize },
     /// One joint at a time, and work-groups that compute a few members of one body side by side.
     Grouped(GroupShape),

@@ -38,9 +38,11 @@ impl DispatchShape {
         if device.info.kind != DeviceKind::Cpu {
             return Ok(GPU_SHAPE);
         }
-        // Sixteen lanes take two registers each with AVX2, and those have no room for a sum.
-        let register = device.device.native_vector_width_float().unwrap_or(8);
-        let lanes = if register.min(lanes_allowed(&device.info.name)?) >= 16 { 16 } else { 8 };
+        // With AVX2 sixteen lanes take two registers for each component, and its sixteen registers
+        // do not hold a sum.
+        let native_lanes = device.device.native_vector_width_float().unwrap_or(8);
+        let most = lanes_allowed(&device.info.name)?.min(native_lanes);
+        let lanes = if most >= 16 { 16 } else { 8 };
         Ok(Self { lanes, ..CPU_SHAPE })
     }
 }

@@ -160,7 +160,7 @@ mod conformance_fused_grouped {
     );
 }
 
-/// Returns a backend with as many members side by side.
+/// Returns a backend with `lanes` members side by side.
 fn in_lanes(lanes: usize) -> OpenClBackend {
     let shape = DispatchShape { lanes, ..GPU_SHAPE };
     OpenClBackend::with_shape(&device(), Schedule::FusedWide, shape).expect("a backend")
@@ -178,7 +178,7 @@ mod slow {
     use super::*;
 
     fn small_groups() -> DispatchShape {
-        let mut shape = crate::shape::GPU_SHAPE;
+        let mut shape = GPU_SHAPE;
         (shape.group, shape.fused_group) = (16, 16);
         shape
     }
@@ -212,7 +212,7 @@ mod slow {
             super::OpenClBackend::with_shape(
                 &super::device(),
                 super::Schedule::Staged,
-                crate::shape::GPU_SHAPE
+                super::GPU_SHAPE
             )
             .expect("a backend"),
             ignore = "make test-slow"

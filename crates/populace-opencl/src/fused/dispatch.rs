@@ -20,6 +20,8 @@ const GROUPS_PER_CORE: usize = 8;
 /// Longest run of the grouped form, in full batches. Longer ones leave cores idle at the end of a
 /// frame.
 const BATCHES_MOST: usize = 6;
+
+/// Division of a frame among work-items, and their scratch memory.
 pub(super) enum Dispatch {
     /// `fused_wide.cl`: each of several work-items for each core takes a run of members, and a desk
     /// in global memory for the matrices of those in its lanes.
@@ -183,7 +185,7 @@ fn local_memory(launch: Launch<'_>, elements: usize) -> Launch<'_> {
     launch.count("room", elements).local::<Float4>("memory", elements)
 }
 
-/// Returns the `Float4`s of matrices, of twelve numbers, of each joint in lanes of members.
+/// Returns the `Float4`s of all desks: twelve numbers for each joint and lane.
 fn desks_for(cores: usize, lanes: usize, tables: &Tables) -> usize {
     cores * tables.padded_most() * (12 * lanes / 4)
 }

@@ -1,7 +1,7 @@
 //! Single faults in the kernels' text, each of which a named check of the conformance suite must
 //! catch. A check that passes with its fault does not exercise what it claims to.
 //!
-//! Each fault costs a build of the staged program, so all are ignored by default:
+//! Each fault costs a build of a program, so all are ignored by default:
 //! `cargo test -p populace-opencl --lib faults -- --ignored`.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -297,8 +297,22 @@ faults! {
     check_additive_layers {
         additions_do_not_move: "terms[lane].at_rest &= kept;" => "";
     }
+    check_inertialization {
+        inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
+        inertialized_poses_stay_at_rest:
+            "put_local(posed, lane, pose, 0);\n        terms[lane].at_rest = 0;\n    }\n    for" =>
+            "put_local(posed, lane, pose, 0);\n    }\n    for";
+    }
+    check_overrides {
+        overrides_stay_at_rest:
+            "put_local(posed, lane, pose, 0);\n        terms[lane].at_rest = 0;\n    }\n}" =>
+            "put_local(posed, lane, pose, 0);\n    }\n}";
+    }
     check_live_clips {
         floats_are_read_as_halves:
             "playback.has_floats || tables->clips[rows].has_floats" => "false";
+        layers_read_floats_as_halves:
+            "return show_layer_of(all, posing, lane, l, first, false, rest, shown);" =>
+            "return show_layer_of(all, posing, lane, l, first, true, rest, shown);";
     }
 }
