@@ -79,9 +79,9 @@ typedef int16 Choice;
 #define PICK(p, q, ...) shuffle2(p, q, (Words)(__VA_ARGS__))
 #endif
 
+// Each of these works within quarters of sixteen numbers, or halves of eight: interleaves numbers, or
+// pairs of numbers, of the lower or the upper half of each four.
 #if LANES == 8
-
-// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each four numbers.
 #define LOWER(p, q) PICK(p, q, 0, 8, 1, 9, 4, 12, 5, 13)
 #define UPPER(p, q) PICK(p, q, 2, 10, 3, 11, 6, 14, 7, 15)
 #define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 8, 9, 4, 5, 12, 13)
@@ -89,13 +89,23 @@ typedef int16 Choice;
 // Joins the lower or the upper half of each vector.
 #define LOWER_HALVES(p, q) PICK(p, q, 0, 1, 2, 3, 8, 9, 10, 11)
 #define UPPER_HALVES(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15)
+#else
+#define LOWER(p, q) PICK(p, q, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29)
+#define UPPER(p, q) PICK(p, q, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31)
+#define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29)
+#define UPPER_PAIRS(p, q) PICK(p, q, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31)
+// Joins every second quarter of each vector.
+#define EVEN_QUARTERS(p, q) PICK(p, q, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27)
+#define ODD_QUARTERS(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31)
+#endif
 
-// Transposes an 8 x 8 matrix: squares of four within halves of rows, then the halves.
-INLINE void transpose(Real m[8])
+// Transposes a square matrix: squares of four within quarters or halves of rows, then those.
+// Processors shuffle within four numbers in one step.
+INLINE void transpose(Real m[LANES])
 {
-    Real t[8];
+    Real t[LANES];
 #pragma unroll
-    for (int i = 0; i < 8; i += 4) {
+    for (int i = 0; i < LANES; i += 4) {
         const Real a = LOWER(m[i], m[i + 1]), b = UPPER(m[i], m[i + 1]);
         const Real c = LOWER(m[i + 2], m[i + 3]), d = UPPER(m[i + 2], m[i + 3]);
         t[i] = LOWER_PAIRS(a, c);
@@ -105,47 +115,19 @@ INLINE void transpose(Real m[8])
     }
 #pragma unroll
     for (int i = 0; i < 4; i++) {
+#if LANES == 8
         m[i] = LOWER_HALVES(t[i], t[i + 4]);
         m[i + 4] = UPPER_HALVES(t[i], t[i + 4]);
-    }
-}
-
 #else
-
-// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each quarter.
-#define LOWER(p, q) PICK(p, q, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29)
-#define UPPER(p, q) PICK(p, q, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31)
-#define LOWER_PAIRS(p, q) PICK(p, q, 0, 1, 16, 17, 4, 5, 20, 21, 8, 9, 24, 25, 12, 13, 28, 29)
-#define UPPER_PAIRS(p, q) PICK(p, q, 2, 3, 18, 19, 6, 7, 22, 23, 10, 11, 26, 27, 14, 15, 30, 31)
-// Joins every second quarter of each vector.
-#define EVEN_QUARTERS(p, q) PICK(p, q, 0, 1, 2, 3, 8, 9, 10, 11, 16, 17, 18, 19, 24, 25, 26, 27)
-#define ODD_QUARTERS(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31)
-
-// Transposes a 16 x 16 matrix: squares of four within quarters of rows, then the quarters. Processors
-// shuffle within quarters in one step.
-INLINE void transpose(Real m[16])
-{
-    Real t[16];
-#pragma unroll
-    for (int i = 0; i < 16; i += 4) {
-        const float16 a = LOWER(m[i], m[i + 1]), b = UPPER(m[i], m[i + 1]);
-        const float16 c = LOWER(m[i + 2], m[i + 3]), d = UPPER(m[i + 2], m[i + 3]);
-        t[i] = LOWER_PAIRS(a, c);
-        t[i + 1] = UPPER_PAIRS(a, c);
-        t[i + 2] = LOWER_PAIRS(b, d);
-        t[i + 3] = UPPER_PAIRS(b, d);
-    }
-#pragma unroll
-    for (int i = 0; i < 4; i++) {
-        const float16 a = EVEN_QUARTERS(t[i], t[i + 4]), b = ODD_QUARTERS(t[i], t[i + 4]);
-        const float16 c = EVEN_QUARTERS(t[i + 8], t[i + 12]), d = ODD_QUARTERS(t[i + 8], t[i + 12]);
+        const Real a = EVEN_QUARTERS(t[i], t[i + 4]), b = ODD_QUARTERS(t[i], t[i + 4]);
+        const Real c = EVEN_QUARTERS(t[i + 8], t[i + 12]), d = ODD_QUARTERS(t[i + 8], t[i + 12]);
         m[i] = EVEN_QUARTERS(a, c);
         m[i + 4] = EVEN_QUARTERS(b, d);
         m[i + 8] = ODD_QUARTERS(a, c);
         m[i + 12] = ODD_QUARTERS(b, d);
+#endif
     }
 }
-#endif
 #endif
 
 // Returns the weighted sum of the lower or of the upper halves of two words, which are signed.
