@@ -244,7 +244,7 @@ INLINE uint at_rest_in_all(const Company *all, const Terms *terms)
     return still;
 }
 
-// Computes the local transforms of a block of joints in lanes of members, except properties that are
+// Computes the local transforms of LANES joints in lanes of members, except properties that are
 // at rest in all of them, which it returns. If `planes` is not 0, it receives the transforms of the
 // first member, as ten planes in the layout of stored poses.
 INLINE uint pose_block(const Company *all, const Posing *posing, uint first, Posed posed,
@@ -309,7 +309,7 @@ INLINE Posing posing_of(const Company *all, const ClipTables *tables, Adjustment
 
 INLINE bool are_led(const Company *all) { return all->controls[0] != NONE; }
 
-// Computes the local transforms of a block of joints, and without programs their model transforms.
+// Computes the local transforms of LANES joints, and without programs their model transforms.
 INLINE void place_block(const Company *all, const Posing *posing, uint first, Hierarchy joints,
                         __global float *planes)
 {

@@ -4,8 +4,8 @@
 //
 // Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them leave
-// that property at rest.
+// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them
+// leave that property at rest.
 typedef struct {
     float total;
     uint at_rest;
@@ -128,8 +128,8 @@ typedef struct {
     Local own;
 } Shown;
 
-// Returns the properties in which the pose beneath a layer stays as it is: those that are at rest in
-// both, or that an additive layer does not change.
+// Returns the properties in which the pose beneath a layer stays as it is. They are at rest in both
+// poses, or an additive layer does not change them.
 INLINE uint kept_beneath(Shown shown, uint at_rest)
 {
     return shown.how.additive ? shown.terms.at_rest : shown.terms.at_rest & at_rest;

@@ -72,15 +72,15 @@ typedef int16 Choice;
 #define __has_builtin(name) 0
 #endif
 
-// Picks numbers of two vectors by index; those of `q` count from LANES. shuffle2() is compiled to loads.
+// Picks numbers of two vectors by index; those of `q` count from LANES. shuffle2() is compiled to
+// loads.
 #if __has_builtin(__builtin_shufflevector)
 #define PICK(p, q, ...) __builtin_shufflevector(p, q, __VA_ARGS__)
 #else
 #define PICK(p, q, ...) shuffle2(p, q, (Words)(__VA_ARGS__))
 #endif
 
-// Each of these works within quarters of sixteen numbers, or halves of eight: interleaves numbers, or
-// pairs of numbers, of the lower or the upper half of each four.
+// Interleaves numbers, or pairs of numbers, of the lower or the upper half of each four numbers.
 #if LANES == 8
 #define LOWER(p, q) PICK(p, q, 0, 8, 1, 9, 4, 12, 5, 13)
 #define UPPER(p, q) PICK(p, q, 2, 10, 3, 11, 6, 14, 7, 15)
@@ -99,8 +99,8 @@ typedef int16 Choice;
 #define ODD_QUARTERS(p, q) PICK(p, q, 4, 5, 6, 7, 12, 13, 14, 15, 20, 21, 22, 23, 28, 29, 30, 31)
 #endif
 
-// Transposes a square matrix: squares of four within quarters or halves of rows, then those.
-// Processors shuffle within four numbers in one step.
+// Transposes a square matrix: first squares of four, then where the squares stand. Processors shuffle
+// within four numbers in one step.
 INLINE void transpose(Real m[LANES])
 {
     Real t[LANES];

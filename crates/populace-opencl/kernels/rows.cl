@@ -194,8 +194,8 @@ INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint propert
     return mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
-// Planes of a joint, or of joints in lanes, in a table of poses. Offsets are 32 bits wide, since GPUs hold one
-// of 64 bits in two registers.
+// Planes of a joint, or of joints in lanes, in a table of poses. Offsets are 32 bits wide, since GPUs
+// hold one of 64 bits in two registers.
 typedef struct {
     __global const float *poses;
     uint first, padded;
