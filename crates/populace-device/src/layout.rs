@@ -254,6 +254,22 @@ device_consts! {
     pub const CONDITION_AFTER: u32 = 2;
     /// Sum of the weights of two rows of 16-bit numbers, which are whole numbers.
     pub const ROW_PARTS: f32 = 32767.0;
+    /// Planes of a stored pose: rotation `x y z w`, translation `x y z`, scale `x y z`. Blocks of
+    /// [`JOINT_BLOCK`] joints follow one another. In a block the planes do, joints fastest.
+    pub const POSE_PLANES: u32 = 10;
+    /// Planes of a bound clip's ranges, in blocks as those of [`POSE_PLANES`].
+    ///
+    /// | Planes | Content |
+    /// |---|---|
+    /// | 0 to 3, 4 | rotation: offsets `x y z w`, part |
+    /// | 5 to 7, 8 | translation: offsets `x y z`, part |
+    /// | 9 to 11, 12 | scale: offsets `x y z`, part |
+    ///
+    /// A part is a step divided by [`ROW_PARTS`]. A component is `offset + part * n`, where `n` is
+    /// the sum of the numbers that are stored in two rows, each times its weight in [`ROW_PARTS`].
+    /// With a part of 0 the value is constant: the clip's constant, or the body's rest if the clip
+    /// does not drive the joint.
+    pub const RANGE_PLANES: u32 = 13;
     /// Weights that sum to less count as none: the inverse of the sum would overflow.
     pub const LEAST_WEIGHT: f32 = 1e-20;
     /// A member is at rest if the weights of layer 0 do not sum to more.
@@ -331,20 +347,6 @@ pub use clips::*;
 pub use members::*;
 pub use playing::*;
 
-/// Planes of a stored pose, each of `padded_count` floats, joints fastest: rotation `x y z w`,
-/// translation `x y z`, scale `x y z`.
-pub const POSE_PLANES: usize = 10;
-/// Planes of a bound clip's ranges, each of `padded_count` floats, joints fastest.
-///
-/// | Planes | Content |
-/// |---|---|
-/// | 0 to 3, 4 | rotation: offsets `x y z w`, step |
-/// | 5 to 7, 8 | translation: offsets `x y z`, step |
-/// | 9 to 11, 12 | scale: offsets `x y z`, step |
-///
-/// A component is `offset + step * n` for the number `n` stored in a row. With a step of 0 the
-/// value is constant: the clip's constant, or the body's rest if the clip does not drive the joint.
-pub const RANGE_PLANES: usize = 13;
 /// Layout of a shared struct in Rust, for comparison with a device.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StructLayout {

@@ -26,7 +26,7 @@ use std::collections::{BinaryHeap, HashMap};
 use crate::Error;
 use crate::layout::{
     Body, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
+    PAGE_ENTRIES, PALETTE_BLOCK,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -352,23 +352,34 @@ pub struct Epochs {
 }
 
 /// Returns the planes of a pose, padded to whole blocks of joints.
+/// Joints of a block.
+const BLOCK: usize = JOINT_BLOCK as usize;
+
 fn planes_of(pose: &[Trs]) -> Vec<f32> {
-    let mut planes = vec![0.0; POSE_PLANES * padded(pose.len())];
-    for (plane, values) in planes.chunks_mut(padded(pose.len())).enumerate() {
-        for (value, trs) in values.iter_mut().zip(pose) {
-            let component = match plane {
-                0..4 => trs.rotation[plane],
-                4..7 => trs.translation[plane - 4],
-                _ => trs.scale[plane - 7],
-            };
-            *value = component + 0.0; // zeros become positive, as in constant ranges
+    in_blocks(pose.iter().map(|trs| {
+        let ([qx, qy, qz, qw], [tx, ty, tz], [sx, sy, sz]) =
+            (trs.rotation, trs.translation, trs.scale);
+        // Zeros become positive, as in constant ranges.
+        [qx, qy, qz, qw, tx, ty, tz, sx, sy, sz].map(|component| component + 0.0)
+    }))
+}
+
+/// Stores the numbers of each joint in planes, block by block. Padding is 0.
+fn in_blocks<const PLANES: usize>(
+    joints: impl ExactSizeIterator<Item = [f32; PLANES]>,
+) -> Vec<f32> {
+    let mut planes = vec![0.0; PLANES * padded(joints.len())];
+    for (joint, numbers) in joints.enumerate() {
+        let block = &mut planes[joint / BLOCK * BLOCK * PLANES..];
+        for (plane, number) in block.as_chunks_mut::<BLOCK>().0.iter_mut().zip(numbers) {
+            plane[joint % BLOCK] = number;
         }
     }
     planes
 }
 
 fn padded(joint_count: usize) -> usize {
-    joint_count.next_multiple_of(JOINT_BLOCK as usize)
+    joint_count.next_multiple_of(BLOCK)
 }
 
 fn device_entry(entry: &PaletteEntry) -> Entry {

@@ -11,7 +11,7 @@
 //! palettes, with zeros for the padding of the last block.
 
 use populace_device::layout::{
-    Body, Entry, Float4, NONE, PALETTE_BLOCK, REST_SCALE, REST_TRANSLATION,
+    Body, Entry, Float4, NONE, PALETTE_BLOCK, POSE_PLANES, REST_SCALE, REST_TRANSLATION,
 };
 use populace_model::Affine;
 
@@ -162,8 +162,8 @@ fn place_block<R: Members>(
         }
     }
     let (body, first) = (joints.body, joints.first);
-    let (rest, padded) = (joints.planes(body.rest_first), body.padded_count as usize);
-    let (posed, mut models) = (Posed { locals, still, rest, padded }, SideBySide(models));
+    let rest = joints.stored(body.rest_first, POSE_PLANES);
+    let (posed, mut models) = (Posed { locals, still, rest }, SideBySide(models));
     for joint in first..models.0.len().min(first + LANES) {
         let parent = parents.map_or(NONE, |parents| parents[joint]);
         models.place::<R>(&posed, joint - first, joint, parent);

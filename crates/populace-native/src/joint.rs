@@ -5,7 +5,8 @@
 //! local space, bone-length scales and user stages. Writes nothing but the pose that it returns.
 
 use populace_device::layout::{
-    Control, LEAST_TOTAL, LEAST_WEIGHT, Layer, NONE, REST_SCALE, REST_TRANSLATION, SlotSample,
+    Control, LEAST_TOTAL, LEAST_WEIGHT, Layer, NONE, POSE_PLANES, REST_SCALE, REST_TRANSLATION,
+    SlotSample,
 };
 use populace_model::math::{Real, quat};
 
@@ -24,13 +25,8 @@ use crate::widths::SampleWidth;
 /// Loads rest poses.
 #[inline(always)]
 pub(crate) fn rest_of<R: SampleWidth>(joints: &Joints) -> Local<R> {
-    let padded = joints.body.padded_count as usize;
-    let rest = joints.planes(joints.body.rest_first);
-    Local {
-        r: load_quat::<R>(rest, padded),
-        t: load_vec3(&rest[4 * padded..], padded),
-        s: load_vec3(&rest[7 * padded..], padded),
-    }
+    let rest = joints.stored(joints.body.rest_first, POSE_PLANES);
+    Local { r: load_quat::<R>(rest, 0), t: load_vec3(rest, 4), s: load_vec3(rest, 7) }
 }
 
 /// Weighted sum over a layer's slots.

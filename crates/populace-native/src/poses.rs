@@ -112,9 +112,8 @@ pub(crate) struct Posed<'a> {
     pub(crate) locals: &'a [Lanes],
     /// Components that are left out are at rest.
     pub(crate) still: u32,
-    /// Rest poses, in planes of `padded` joints, from the first joint of the block on.
+    /// Planes of the block's rest poses.
     pub(crate) rest: &'a [f32],
-    pub(crate) padded: usize,
 }
 
 impl Posed<'_> {
@@ -126,7 +125,7 @@ impl Posed<'_> {
             *part = if is_still(self.still, component) {
                 // Planes of rotations come first.
                 let plane = if component < 3 { component + 4 } else { component };
-                R::splat(self.rest[plane * self.padded + at])
+                R::splat(self.rest[plane * LANES + at])
             } else {
                 R::load(&self.locals[component * LANES + at].0[first..])
             };

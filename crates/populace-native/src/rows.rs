@@ -1,12 +1,12 @@
 //! Components of local transforms from a clip's rows, for one joint or for sixteen neighbouring
 //! ones. Twin of `kernels/rows.cl`.
 //!
-//! A component is `offset + step / ROW_PARTS * n`, where `n` is the sum of both rows' numbers, each
-//! times its weight in [`ROW_PARTS`]. Joints that the clip does not drive, or that do not move in it,
-//! have a step of 0, so the arithmetic is the same for all.
+//! A component is `offset + part * n`, where `n` is the sum of both rows' numbers, each times its
+//! weight in [`ROW_PARTS`]. Joints that the clip does not drive, or that do not move in it, have a
+//! part of 0, so the arithmetic is the same for all.
 
 use populace_device::Tables;
-use populace_device::layout::{Body, BoundBlock, BoundClip, ROW_PARTS, RowBlock};
+use populace_device::layout::{Body, BoundBlock, BoundClip, RowBlock};
 use populace_model::Property;
 
 use crate::encoding::{Planes, Rows};
@@ -30,10 +30,11 @@ impl<'a> Joints<'a> {
         &self.tables.bound_blocks().as_slice()[bound.block_first as usize + self.first / LANES]
     }
 
-    /// Returns stored floats from the first joint's on.
+    /// Returns stored floats from the first joint's on. Planes are [`LANES`] floats apart.
     #[inline(always)]
-    pub(crate) fn planes(&self, poses_first: u32) -> &'a [f32] {
-        &self.tables.poses().as_slice()[poses_first as usize + self.first..]
+    pub(crate) fn stored(&self, poses_first: u32, planes: u32) -> &'a [f32] {
+        let block = self.first / LANES * LANES * planes as usize;
+        &self.tables.poses().as_slice()[poses_first as usize + block + self.first % LANES..]
     }
 }
 
@@ -118,58 +119,60 @@ impl Columns<f32> for JointColumn<'_> {
 // The functions below are no closures: a closure would not be compiled for the same processor as
 // its caller.
 
-/// Loads steps, and divides them into [`ROW_PARTS`].
+/// Loads a number of each joint from a plane.
 #[inline(always)]
-pub(crate) fn load_part<R: Load>(plane: &[f32]) -> R {
-    R::load(plane) * R::splat(1.0 / ROW_PARTS)
+pub(crate) fn load_plane<R: Load>(stored: &[f32], plane: usize) -> R {
+    R::load(&stored[plane * LANES..])
 }
 
-/// Loads a quaternion from four planes of `padded` floats.
+/// Loads a quaternion from four planes.
 #[inline(always)]
-pub(crate) fn load_quat<R: Load>(planes: &[f32], padded: usize) -> [R; 4] {
+pub(crate) fn load_quat<R: Load>(stored: &[f32], plane: usize) -> [R; 4] {
     [
-        R::load(planes),
-        R::load(&planes[padded..]),
-        R::load(&planes[2 * padded..]),
-        R::load(&planes[3 * padded..]),
+        load_plane(stored, plane),
+        load_plane(stored, plane + 1),
+        load_plane(stored, plane + 2),
+        load_plane(stored, plane + 3),
     ]
 }
 
-/// Loads a vector from three planes of `padded` floats.
+/// Loads a vector from three planes.
 #[inline(always)]
-pub(crate) fn load_vec3<R: Load>(planes: &[f32], padded: usize) -> [R; 3] {
-    [R::load(planes), R::load(&planes[padded..]), R::load(&planes[2 * padded..])]
+pub(crate) fn load_vec3<R: Load>(stored: &[f32], plane: usize) -> [R; 3] {
+    [load_plane(stored, plane), load_plane(stored, plane + 1), load_plane(stored, plane + 2)]
 }
 
-/// Samples rotations between two rows. `parts` is each component's step
-/// divided by [`ROW_PARTS`].
+/// Samples rotations between two rows.
 #[inline(always)]
 pub(crate) fn sample_rotation<R: RowWidth, const COMMON: bool>(
     columns: &R::Columns<'_>,
     at: &Rows,
-    parts: [R; 4],
-    offset: [R; 4],
+    range: &[f32],
 ) -> [R; 4] {
-    let ([px, py, pz, pw], [x, y, z, w]) = (parts, offset);
+    let [x, y, z, w] = load_quat::<R>(range, 0);
+    if columns.planes(Property::Rotation).are_still() {
+        return [x, y, z, w];
+    }
+    let part = load_plane::<R>(range, 4);
     let [nx, ny, nz, nw] = columns.rotation::<COMMON>(at);
-    [nx * px + x, ny * py + y, nz * pz + z, nw * pw + w]
+    [nx * part + x, ny * part + y, nz * part + z, nw * part + w]
 }
 
-/// Samples translations or scales between two rows. `range` begins with three planes of offsets,
-/// followed by a plane of steps.
+/// Samples translations or scales between two rows. `plane` is the first of their offset; after it
+/// comes their part.
 #[inline(always)]
 pub(crate) fn sample_vector<R: RowWidth, const COMMON: bool>(
     columns: &R::Columns<'_>,
     property: Property,
     at: &Rows,
     range: &[f32],
-    padded: usize,
+    plane: usize,
 ) -> [R; 3] {
-    let [x, y, z] = load_vec3::<R>(range, padded);
+    let [x, y, z] = load_vec3::<R>(range, plane);
     if columns.planes(property).are_still() {
         return [x, y, z];
     }
-    let part = load_part::<R>(&range[3 * padded..]);
+    let part = load_plane::<R>(range, plane + 3);
     let [nx, ny, nz] = columns.vector::<COMMON>(property, at);
     [nx * part + x, ny * part + y, nz * part + z]
 }

@@ -1,16 +1,14 @@
 //! Local transforms sampled from a clip. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_device::layout::{BoundClip, REST_SCALE, REST_TRANSLATION};
+use populace_device::layout::{BoundClip, RANGE_PLANES, REST_SCALE, REST_TRANSLATION};
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
 use crate::encoding::Rows;
 use crate::local::Local;
-use crate::rows::{
-    Columns, Joints, RowWidth, load_part, load_quat, sample_rotation, sample_vector,
-};
+use crate::rows::{Columns, Joints, RowWidth, sample_rotation, sample_vector};
 use crate::widths::SampleWidth;
 
 /// Sample of a clip.
@@ -91,22 +89,14 @@ fn sample_columns<R: RowWidth, const COMMON: bool>(
     at: &Rows,
     rest: &Local<R>,
 ) -> Local<R> {
-    let padded = joints.body.padded_count as usize;
-    let range = joints.planes(bound.range_first);
-    let mut r = load_quat::<R>(range, padded);
-    if !columns.planes(Property::Rotation).are_still() {
-        let part = load_part::<R>(&range[4 * padded..]);
-        r = sample_rotation::<R, COMMON>(columns, at, [part; 4], r);
-    }
-    let mut local = Local { r, ..*rest };
+    let range = joints.stored(bound.range_first, RANGE_PLANES);
+    let mut local = Local { r: sample_rotation::<R, COMMON>(columns, at, range), ..*rest };
     let flags = joints.bound_block(bound).flags;
     if flags & REST_TRANSLATION == 0 {
-        let range = &range[5 * padded..];
-        local.t = sample_vector::<R, COMMON>(columns, Property::Translation, at, range, padded);
+        local.t = sample_vector::<R, COMMON>(columns, Property::Translation, at, range, 5);
     }
     if flags & REST_SCALE == 0 {
-        let range = &range[9 * padded..];
-        local.s = sample_vector::<R, COMMON>(columns, Property::Scale, at, range, padded);
+        local.s = sample_vector::<R, COMMON>(columns, Property::Scale, at, range, 9);
     }
     local
 }

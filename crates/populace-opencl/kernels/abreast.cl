@@ -219,22 +219,29 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, Te
     }
 }
 
-// Sums the slots of layer 0 of a member.
+// Sums the slots of layer 0 of a member in one span or in SPANS.
 INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
-                       bool no_floats, Local rest, Posed posed, Terms *terms)
+                       bool no_floats, uint spans, Posed *posed, Terms *terms)
 {
-    const Sum sum =
-        sum_layer(posing->clips, all->plays[lane], 0, false, all->body, first, no_floats, rest);
-    put_local(posed, lane, sum.trs, sum.terms.at_rest);
-    *terms = sum.terms;
+    const ClipTables *tables = posing->clips;
+    const Playback playback = all->plays[lane];
+    if (spans == 1) {
+        const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, false);
+        put_local(posed[0], lane, sums.first, sums.terms.at_rest);
+        *terms = sums.terms;
+    } else {
+        const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, true);
+        put_local(posed[0], lane, sums.first, sums.terms.at_rest);
+        put_local(posed[SPANS - 1], lane, sums.second, sums.terms.at_rest);
+        *terms = sums.terms;
+    }
 }
 
 // Does the same for a member with a clip that stores floats; see show_any_layer().
 APART void sum_any_member(const Company *all, const Posing *posing, uint lane, uint first,
-                          Posed posed, Terms *terms)
+                          uint spans, Posed *posed, Terms *terms)
 {
-    const Local rest = rest_of(posing->clips, all->body, first);
-    sum_member(all, posing, lane, first, false, rest, posed, terms);
+    sum_member(all, posing, lane, first, false, spans, posed, terms);
 }
 
 INLINE uint at_rest_in_all(const Company *all, const Terms *terms)
@@ -244,23 +251,32 @@ INLINE uint at_rest_in_all(const Company *all, const Terms *terms)
     return still;
 }
 
-// Computes the local transforms of LANES joints in lanes of members, except properties that are
-// at rest in all of them, which it returns. If `planes` is not 0, it receives the transforms of the
-// first member, as ten planes in the layout of stored poses.
-INLINE uint pose_block(const Company *all, const Posing *posing, uint first, Posed posed,
-                       __global float *planes)
+// Sums the slots of layer 0 of all members, for a block of joints.
+INLINE void sum_block(const Company *all, const Posing *posing, uint first, uint spans,
+                      Posed *posed, Terms *terms)
+{
+    for (uint lane = 0; lane < all->count; lane++) {
+        if (all->plays[lane].has_floats)
+            sum_any_member(all, posing, lane, first, spans, posed, &terms[lane]);
+        else sum_member(all, posing, lane, first, true, spans, posed, &terms[lane]);
+    }
+}
+
+// Turns the sums of LANES joints into local transforms in lanes of members, except properties that
+// are at rest in all of them, which it returns. If `planes` is not 0, it receives the transforms of
+// the first member, as ten planes of the body's padded joints.
+INLINE uint pose_span(const Company *all, const Posing *posing, uint first, const Terms *sums,
+                      Posed posed, __global float *planes)
 {
     const Local rest = rest_of(posing->clips, all->body, first);
     Terms terms[LANES];
-    for (uint lane = 0; lane < all->count; lane++) {
-        if (all->plays[lane].has_floats)
-            sum_any_member(all, posing, lane, first, posed, &terms[lane]);
-        else sum_member(all, posing, lane, first, true, rest, posed, &terms[lane]);
-    }
+    for (uint lane = 0; lane < all->count; lane++) terms[lane] = sums[lane];
     const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, terms);
     for (uint lane = 0; lane < all->count; lane++) {
         const Sum sum = { local_of(posed, lane), terms[lane] };
-        put_local(posed, lane, mean_or_rest(sum, LEAST_TOTAL, rest), left_out);
+        // Each branch stores on its own, so that the other keeps no registers.
+        if (terms[lane].total > LEAST_TOTAL) put_local(posed, lane, mean_of(sum, rest), left_out);
+        else put_local(posed, lane, rest, left_out);
     }
     if (posing->any_changes) change_poses(all, posing, first, terms, posed);
     if (planes) store_trs(local_of(posed, 0), planes + first, all->body.padded_count);
@@ -277,18 +293,17 @@ INLINE uint pose_block(const Company *all, const Posing *posing, uint first, Pos
 INLINE Local posed_joint(const Company *all, const Posing *posing, const Posed posed, uint still,
                          uint first, uint at)
 {
-    const uint padded = all->body.padded_count;
-    __global const float *rest = posing->clips->poses + (all->body.rest_first + first + at);
+    const Stored rest = stored_at(posing->clips, all->body.rest_first, POSE_PLANES, first + at);
     Local trs = local_of(posed, at);
     if (still & REST_TRANSLATION) {
-        trs.t.x = rest[4 * padded];
-        trs.t.y = rest[5 * padded];
-        trs.t.z = rest[6 * padded];
+        trs.t.x = rest[4 * JOINT_BLOCK];
+        trs.t.y = rest[5 * JOINT_BLOCK];
+        trs.t.z = rest[6 * JOINT_BLOCK];
     }
     if (still & REST_SCALE) {
-        trs.s.x = rest[7 * padded];
-        trs.s.y = rest[8 * padded];
-        trs.s.z = rest[9 * padded];
+        trs.s.x = rest[7 * JOINT_BLOCK];
+        trs.s.y = rest[8 * JOINT_BLOCK];
+        trs.s.z = rest[9 * JOINT_BLOCK];
     }
     return trs;
 }
@@ -310,11 +325,10 @@ INLINE Posing posing_of(const Company *all, const ClipTables *tables, Adjustment
 INLINE bool are_led(const Company *all) { return all->controls[0] != NONE; }
 
 // Computes the local transforms of LANES joints, and without programs their model transforms.
-INLINE void place_block(const Company *all, const Posing *posing, uint first, Hierarchy joints,
-                        __global float *planes)
+INLINE void place_span(const Company *all, const Posing *posing, uint first, const Terms *sums,
+                       Posed posed, Hierarchy joints, __global float *planes)
 {
-    Posed posed;
-    const uint still = pose_block(all, posing, first, posed, planes);
+    const uint still = pose_span(all, posing, first, sums, posed, planes);
     const uint end = min(first + LANES, all->body.joint_count);
     for (uint joint = first; joint < end; joint++) {
         Matrix own;
@@ -326,4 +340,16 @@ INLINE void place_block(const Company *all, const Posing *posing, uint first, Hi
         }
         keep_models(joints, joint, &own);
     }
+}
+
+// Does the same for a block of joints.
+INLINE void place_block(const Company *all, const Posing *posing, uint first, Hierarchy joints,
+                        __global float *planes)
+{
+    Posed posed[SPANS];
+    Terms sums[LANES];
+    const uint spans = first + LANES < all->body.joint_count ? SPANS : 1;
+    sum_block(all, posing, first, spans, posed, sums);
+    for (uint span = 0; span < spans; span++)
+        place_span(all, posing, first + span * LANES, sums, posed[span], joints, planes);
 }

@@ -13,11 +13,12 @@
 // and, for `descend`, populace-native/src/constraints/descent.rs: same arithmetic, same order of
 // operations.
 
-// Writes sixteen numbers. A whole line of the cache goes past the caches, which would read it first.
-INLINE void write_line(float16 line, __global float *to)
+// Writes sixteen numbers. `streamed` is whether they are a whole line of the cache. It goes past the
+// caches then, which would read it first.
+INLINE void write_line(float16 line, __global float *to, bool streamed)
 {
 #if __has_builtin(__builtin_nontemporal_store)
-    if (((size_t)to & 63) == 0) {
+    if (streamed) {
         __builtin_nontemporal_store(line, (__global float16 *)to);
         return;
     }
@@ -102,7 +103,7 @@ INLINE bool are_placed(__global const Entry *entries, uint count, uint joint_end
 
 // Writes a block of the members' palettes, with zeros for padding.
 INLINE void write_block(const Company *all, __global const Entry *entries, Hierarchy joints,
-                        uint block, uint count, __global float *const *to)
+                        uint block, uint count, __global float *const *to, bool streamed)
 {
     Matrix palettes[PALETTE_BLOCK];
     for (uint e = 0; e < PALETTE_BLOCK; e++) {
@@ -121,43 +122,48 @@ INLINE void write_block(const Company *all, __global const Entry *entries, Hiera
     // Four matrices are 48 numbers, or three lines of the cache.
     Real *numbers = palettes->m;
     for (uint i = 0; i < 48; i += LANES) transpose(numbers + i);
-    for (uint lane = 0; lane < all->count; lane++)
+    for (uint lane = 0; lane < all->count; lane++) {
+        __global float *lines = to[lane] + 12 * block;
+#pragma unroll
         for (uint i = 0; i < 48; i += 16)
-            write_line(line_of(numbers + i, lane), to[lane] + 12 * block + i);
+            write_line(line_of(numbers + i, lane), lines + i, streamed);
+    }
 }
 
 // Writes the members' palettes from an entry on, up to the first block with a joint from `joint_end`
 // on. Returns the entry after the last one written.
 INLINE uint write_palettes(const Company *all, __global const Entry *entries, Hierarchy joints,
-                           uint from, uint joint_end, __global float *const *to)
+                           uint from, uint joint_end, __global float *const *to, bool streamed)
 {
     uint block = from;
     for (; block < all->body.entry_count; block += PALETTE_BLOCK) {
         const uint count = min(all->body.entry_count - block, (uint)PALETTE_BLOCK);
         if (!are_placed(entries + block, count, joint_end)) break;
-        write_block(all, entries, joints, block, count, to);
+        write_block(all, entries, joints, block, count, to, streamed);
     }
     return block;
 }
 
-// Writes the members' palettes. Without programs, they are written after each LANES joints, while
+// Writes the members' palettes. Without programs, they are written after each block of joints, while
 // their transforms are in the first-level cache.
 INLINE void write_members(const Company *all, const Posing *posing, const ConstraintTables *tables,
                           __global const Entry *entries, Hierarchy joints,
-                          __global float *const *to)
+                          __global float *const *to, bool streamed)
 {
     const bool is_led = are_led(all);
     if (is_led) fetch_controls(all, tables);
     uint written = 0;
-    for (uint first = 0; first < all->body.joint_count; first += LANES) {
+    for (uint first = 0; first < all->body.joint_count; first += JOINT_BLOCK) {
         place_block(all, posing, first, joints, 0);
-        if (!is_led) written = write_palettes(all, entries, joints, written, first + LANES, to);
+        if (!is_led)
+            written =
+                write_palettes(all, entries, joints, written, first + JOINT_BLOCK, to, streamed);
         if (is_led && first == 0) fetch_steps(all, tables);
-        if (is_led && first == LANES) fetch_constraints(all, tables);
+        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, tables);
     }
     if (!is_led) return;
     descend(all, tables, joints);
-    write_palettes(all, entries, joints, 0, all->body.joint_count, to);
+    write_palettes(all, entries, joints, 0, all->body.joint_count, to, streamed);
 }
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
@@ -192,6 +198,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     const uint desk = take_desk(is_taken, desk_count);
     const Hierarchy joints = { (__global Matrix *)desks + desk * padded_most };
     const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
+    // Blocks of entries are whole lines.
+    const bool streamed = ((size_t)palette & 63) == 0;
     Company all;
     for (uint index = (uint)get_global_id(0) * run; index < end;) {
         __global float *to[LANES];
@@ -212,8 +220,8 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         all.body = bodies[posed];
         all.parents = parents + all.body.joint_first;
         const Posing posing = posing_of(&all, &clip_tables, adjustments, layers);
-        write_members(&all, &posing, &constraint_tables, entries + all.body.entry_first, joints,
-                      to);
+        write_members(&all, &posing, &constraint_tables, entries + all.body.entry_first, joints, to,
+                      streamed);
     }
     free_desk(is_taken, desk);
 }
@@ -258,7 +266,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide_joints(
     all.body = bodies[member.posed];
     all.parents = parents + all.body.joint_first;
     const Posing posing = posing_of(&all, &clip_tables, adjustments, layers);
-    for (uint first = 0; first < all.body.joint_count; first += LANES)
+    for (uint first = 0; first < all.body.joint_count; first += JOINT_BLOCK)
         place_block(&all, &posing, first, joints, planes);
     if (are_led(&all)) descend(&all, &constraint_tables, joints);
     for (uint joint = 0; joint < all.body.joint_count; joint++)

@@ -4,37 +4,6 @@
 //
 // Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them
-// leave that property at rest.
-typedef struct {
-    float total;
-    uint at_rest;
-} Terms;
-
-// Weighted sum over a layer's slots.
-typedef struct {
-    Local trs;
-    Terms terms;
-} Sum;
-
-// Returns the mean. Properties that no slot moves are at rest to the bit.
-INLINE Local mean_of(Sum sum, Local rest)
-{
-    const float k = 1.0f / sum.terms.total;
-    Local mean;
-    mean.t = sum.terms.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
-    mean.r = quat_normalize_or(sum.trs.r, rest.r);
-    mean.s = sum.terms.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
-    return mean;
-}
-
-// Returns the mean if the total weight is above `least`. Layer 0 is always divided by its total
-// weight, so that the rest pose never shines through.
-INLINE Local mean_or_rest(Sum sum, float least, Local rest)
-{
-    return sum.terms.total > least ? mean_of(sum, rest) : rest;
-}
-
 // Mixes a layer above 0 over the pose beneath. A layer with a total weight below 1 leaves the
 // remainder to the pose beneath.
 INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weight, Local rest)
@@ -46,43 +15,6 @@ INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weigh
     trs.r = quat_normalize_or(quat_mix(from, to, f), rest.r);
     trs.s = vec3_mix(beneath.s, above.s, f);
     return trs;
-}
-
-// Returns the sum of weight times value over a layer's slots, or of weight times difference from
-// the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
-// store none.
-INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
-                     Body body, uint joint, bool no_floats, Local rest)
-{
-    Sum sum = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
-                { 0.0f, REST_TRANSLATION | REST_SCALE } };
-    for (uint s = 0; s < playback.count; s++) {
-        const Playing playing = playing_at(playback, s);
-        if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
-        const float weight = playing.at.weight;
-        const Sample sample = sample_joint(tables, playing.bound_clip, body, joint,
-                                           rows_in(playing), no_floats, rest);
-        Local trs = sample.trs;
-        Real k = weight;
-        if (!additive) {
-            k = unit_of(trs.r, rest.r) * weight;
-        } else {
-            const uint clip = tables->bound_clips[playing.bound_clip].rows;
-            const uint first = tables->clips[clip].row_first;
-            const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(sample_joint(tables, playing.bound_clip, body, joint,
-                                                            rows_of(start), no_floats, rest),
-                                               rest);
-            trs = change(
-                quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
-        }
-        sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
-        sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
-        sum.trs.s = vec3_add(sum.trs.s, vec3_scale(trs.s, weight));
-        sum.terms.total += weight;
-        sum.terms.at_rest &= sample.at_rest;
-    }
-    return sum;
 }
 
 // Adds the inertializations of a layer; see inertialize.cl.
@@ -235,7 +167,7 @@ APART void adjust(Adjustments adjustments, __global const Control *control, uint
 
 INLINE Local rest_of(const ClipTables *tables, Body body, uint joint)
 {
-    const Stored planes = stored_at(tables, body.rest_first + joint, body);
+    const Stored planes = stored_at(tables, body.rest_first, POSE_PLANES, joint);
     const Local rest = { stored_vec3(planes, 4), stored_quat(planes, 0), stored_vec3(planes, 7) };
     return rest;
 }

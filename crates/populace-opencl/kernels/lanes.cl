@@ -63,6 +63,8 @@ typedef int16 Choice;
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 #endif
+// Spans of LANES joints in a block of joints: one or two.
+#define SPANS (JOINT_BLOCK / LANES)
 #define ANY(choice) any(choice)
 #define LANE(value, lane) (((const float *)&(value))[lane])
 #define PUT(value, lane, one) (((float *)&(value))[lane] = (one))

@@ -3,9 +3,9 @@
 // populace-native/src/encoding.rs and populace-native/src/sample.rs: same arithmetic, same order of
 // operations.
 //
-// populace-clip/src/storage.rs describes a row. A component is `offset + step / ROW_PARTS * n`, where
-// n is the sum of both rows' numbers, each times its weight in ROW_PARTS. Joints that the clip does
-// not drive, or that do not move in it, have a step of 0, so the arithmetic is the same for all.
+// populace-clip/src/storage.rs describes a row. A component is `offset + part * n`, where n is the
+// sum of both rows' numbers, each times its weight in ROW_PARTS. Joints that the clip does not drive,
+// or that do not move in it, have a part of 0, so the arithmetic is the same for all.
 
 typedef struct {
     __global const BoundClip *bound_clips;
@@ -43,21 +43,28 @@ INLINE Planes planes_of(BoundBlock block, uint property)
 
 INLINE uint plane_at(Planes planes, uint row, uint plane)
 {
-    return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
+    return row + planes.first + plane * planes.lanes;
 }
 
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
-// that is sampled within the block.
+// that is sampled within the block. `no_floats` is a constant: true if the clip is known to store no
+// floats.
 typedef struct {
     BoundBlock block;
     uint lane;
+    bool no_floats;
 } Columns;
 
-INLINE Columns columns_of(const ClipTables *tables, uint block_first, uint joint)
+INLINE Columns columns_of(const ClipTables *tables, uint block_first, uint joint, bool no_floats)
 {
     const Columns columns = { tables->bound_blocks[block_first + joint / JOINT_BLOCK],
-                              joint % JOINT_BLOCK };
+                              joint % JOINT_BLOCK, no_floats };
     return columns;
+}
+
+INLINE bool are_floats(Columns columns, Planes planes)
+{
+    return !columns.no_floats && planes.lanes & ROW_FLOATS;
 }
 
 #if LANES == 1
@@ -162,6 +169,7 @@ INLINE Vec3 mix_vectors(RowWords words, Rows at)
 INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes, Rows at,
                        uint component)
 {
+    planes.lanes &= ~ROW_FLOATS;
     return mix_real(AS_REAL(words_at(tables, columns, planes, at.from, component)),
                     AS_REAL(words_at(tables, columns, planes, at.to, component)), at.between)
            * ROW_PARTS;
@@ -171,7 +179,7 @@ INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes,
 INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
 {
     const Planes planes = planes_of(columns.block, ROTATION);
-    if (planes.lanes & ROW_FLOATS) {
+    if (are_floats(columns, planes)) {
         const Quat floats = { mix_floats(tables, columns, planes, at, 0),
                               mix_floats(tables, columns, planes, at, 1),
                               mix_floats(tables, columns, planes, at, 2),
@@ -185,7 +193,7 @@ INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
 INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, Rows at)
 {
     const Planes planes = planes_of(columns.block, property);
-    if (planes.lanes & ROW_FLOATS) {
+    if (are_floats(columns, planes)) {
         const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
                               mix_floats(tables, columns, planes, at, 1),
                               mix_floats(tables, columns, planes, at, 2) };
@@ -194,53 +202,59 @@ INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint propert
     return mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
-// Planes of a joint, or of joints in lanes, in a table of poses. Offsets are 32 bits wide, since GPUs
-// hold one of 64 bits in two registers.
-typedef struct {
-    __global const float *poses;
-    uint first, padded;
-} Stored;
+// Numbers of a joint, or of joints in lanes, in a table of poses. The planes of sixteen joints are
+// neighbours, so that a compiler knows how far apart they are.
+typedef __global const float *Stored;
 
-INLINE Stored stored_at(const ClipTables *tables, uint first, Body body)
+INLINE Stored stored_at(const ClipTables *tables, uint first, uint planes, uint joint)
 {
-    const Stored stored = { tables->poses, first, body.padded_count };
-    return stored;
+    const uint block = joint / JOINT_BLOCK * JOINT_BLOCK;
+    return tables->poses + (first + block * planes + joint % JOINT_BLOCK);
 }
 
-INLINE Real stored_real(Stored stored, uint plane)
-{
-    return LOAD(stored.poses + (stored.first + plane * stored.padded));
-}
+INLINE Real stored_real(Stored stored, int plane) { return LOAD(stored + plane * JOINT_BLOCK); }
 
-// Returns the step in a plane, divided by ROW_PARTS.
-INLINE Real stored_part(Stored stored, uint plane)
-{
-    return stored_real(stored, plane) * (1.0f / ROW_PARTS);
-}
-
-INLINE Quat stored_quat(Stored stored, uint plane)
+INLINE Quat stored_quat(Stored stored, int plane)
 {
     const Quat q = { stored_real(stored, plane), stored_real(stored, plane + 1),
                      stored_real(stored, plane + 2), stored_real(stored, plane + 3) };
     return q;
 }
 
-INLINE Vec3 stored_vec3(Stored stored, uint plane)
+INLINE Vec3 stored_vec3(Stored stored, int plane)
 {
     const Vec3 v = { stored_real(stored, plane), stored_real(stored, plane + 1),
                      stored_real(stored, plane + 2) };
     return v;
 }
 
-// Returns translations or scales between two rows. `plane` is the first of their offset; after it
-// comes their step.
-INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
-                          Stored range, uint plane)
+// Returns rotations between two rows. They are stored, since they are not the same in all rows.
+INLINE Quat moving_quat(const ClipTables *tables, Columns columns, Rows at, Stored range)
 {
-    const Vec3 still = stored_vec3(range, plane);
-    if (planes_of(columns.block, property).first == NONE) return still;
+    const Quat n = rotation_parts(tables, columns, at);
+    return quat_add(quat_scale(n, stored_real(range, 4)), stored_quat(range, 0));
+}
+
+INLINE Quat sample_rotation(const ClipTables *tables, Columns columns, Rows at, Stored range)
+{
+    if (columns.block.rotation_first == NONE) return stored_quat(range, 0);
+    return moving_quat(tables, columns, at, range);
+}
+
+// Returns translations or scales between two rows. They are stored, since they are not the same in
+// all rows. `plane` is the first of their offset; after it comes their part.
+INLINE Vec3 moving_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
+                          Stored range, int plane)
+{
     const Vec3 n = vector_parts(tables, columns, property, at);
-    return vec3_add(vec3_scale(n, stored_part(range, plane + 3)), still);
+    return vec3_add(vec3_scale(n, stored_real(range, plane + 3)), stored_vec3(range, plane));
+}
+
+INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
+                          Stored range, int plane)
+{
+    if (planes_of(columns.block, property).first == NONE) return stored_vec3(range, plane);
+    return moving_vector(tables, columns, property, at, range, plane);
 }
 
 // A sample of a clip. Rotations are near length 1, as unit_of() needs. `at_rest` has REST_TRANSLATION
@@ -270,23 +284,11 @@ INLINE Local normalized(Sample sample, Local rest)
 INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored range, Rows rows,
                            Local *trs)
 {
-    trs->r = stored_quat(range, 0);
-    if (columns.block.rotation_first != NONE)
-        trs->r = quat_add(quat_scale(rotation_parts(tables, columns, rows), stored_part(range, 4)),
-                          trs->r);
+    trs->r = sample_rotation(tables, columns, rows, range);
     if (!(columns.block.flags & REST_TRANSLATION))
         trs->t = sample_vector(tables, columns, TRANSLATION, rows, range, 5);
     if (!(columns.block.flags & REST_SCALE))
         trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
-}
-
-// Tells the compiler that columns are stored as halves.
-INLINE Columns as_halves(Columns columns)
-{
-    columns.block.rotation_lanes &= ~ROW_FLOATS;
-    columns.block.translation_lanes &= ~ROW_FLOATS;
-    columns.block.scale_lanes &= ~ROW_FLOATS;
-    return columns;
 }
 
 // Returns local transforms between two rows. `bound` is an index into bound_clips. `no_floats` is
@@ -295,9 +297,9 @@ INLINE Sample sample_joint(const ClipTables *tables, uint bound, Body body, uint
                            bool no_floats, Local rest)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
-    const Columns columns = columns_of(tables, clip->block_first, joint);
-    const Stored range = stored_at(tables, clip->range_first + joint, body);
+    const Columns columns = columns_of(tables, clip->block_first, joint, no_floats);
+    const Stored range = stored_at(tables, clip->range_first, RANGE_PLANES, joint);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
-    sample_columns(tables, no_floats ? as_halves(columns) : columns, range, rows, &sample.trs);
+    sample_columns(tables, columns, range, rows, &sample.trs);
     return sample;
 }

@@ -115,6 +115,7 @@ impl Form {
             include_str!("../kernels/rows.cl"),
             include_str!("../kernels/playback.cl"),
             include_str!("../kernels/stages.cl"),
+            include_str!("../kernels/sums.cl"),
             include_str!("../kernels/joint.cl"),
             include_str!("../kernels/inertialize.cl"),
             include_str!("../kernels/hierarchy.cl"),

@@ -21,7 +21,7 @@ device_struct! {
         pub level_first: u32,
         /// Number of levels.
         pub level_count: u32,
-        /// Offset into `poses`: the rest pose, [`POSE_PLANES`] planes of `padded_count` floats.
+        /// Offset into `poses`: the rest pose, the planes of [`POSE_PLANES`].
         pub rest_first: u32,
         /// Offset into `entries`.
         pub entry_first: u32,

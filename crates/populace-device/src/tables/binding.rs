@@ -4,11 +4,11 @@ use populace_model::convert::u32_from;
 use populace_retarget::Binding;
 
 use super::runs::{Asset, Runs};
-use super::{BodyIndex, Tables, padded};
+use super::{BLOCK, BodyIndex, Tables, in_blocks};
 use crate::Error;
 use crate::layout::{
-    Body, BoundBlock, BoundClip, Contact, JOINT_BLOCK, NONE, RANGE_PLANES, REST_SCALE,
-    REST_TRANSLATION,
+    Body, BoundBlock, BoundClip, Contact, NONE, POSE_PLANES, RANGE_PLANES, REST_SCALE,
+    REST_TRANSLATION, ROW_PARTS,
 };
 
 impl Tables {
@@ -73,7 +73,7 @@ impl Tables {
             None => clip,
         };
         let range_first = runs.add(&mut self.all.poses, range_planes(binding))?;
-        let first_joints = (0..).step_by(JOINT_BLOCK as usize);
+        let first_joints = (0..).step_by(BLOCK);
         let blocks: Vec<_> = first_joints
             .zip(binding.blocks())
             .map(|(first, rows)| {
@@ -99,34 +99,25 @@ impl Tables {
     /// Returns flags that tell whether the translations and scales of 16 joints from `first` on
     /// equal those of the body's rest.
     fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
-        let (padded, joints) = (body.padded_count as usize, first..first + JOINT_BLOCK as usize);
         let poses = self.all.poses.as_slice();
-        let plane = |table: u32, plane: usize| {
-            let start = table as usize + plane * padded;
-            &poses[start + joints.start..start + joints.end]
+        let planes = |table: u32, planes: u32| {
+            poses[table as usize + first * planes as usize..].as_chunks::<BLOCK>().0
         };
+        let (ranges, rest) =
+            (planes(range_first, RANGE_PLANES), planes(body.rest_first, POSE_PLANES));
         let same = |range_plane: usize, rest_plane: usize| {
-            let offsets = (0..3).all(|c| {
-                plane(range_first, range_plane + c) == plane(body.rest_first, rest_plane + c)
-            });
-            offsets && plane(range_first, range_plane + 3).iter().all(|&step| step == 0.0)
+            ranges[range_plane..range_plane + 3] == rest[rest_plane..rest_plane + 3]
+                && ranges[range_plane + 3] == [0.0; BLOCK]
         };
         (u32::from(same(5, 4)) * REST_TRANSLATION) | (u32::from(same(9, 7)) * REST_SCALE)
     }
 }
 
 fn range_planes(binding: &Binding) -> Vec<f32> {
-    let padded = padded(binding.ranges().len());
-    let mut planes = vec![0.0; RANGE_PLANES * padded];
-    for (joint, [translation, rotation, scale]) in binding.ranges().iter().enumerate() {
+    in_blocks(binding.ranges().iter().map(|[translation, rotation, scale]| {
         let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
             (rotation.offset, translation.offset, scale.offset);
-        let (q, t, s) = (rotation.step, translation.step, scale.step);
-        for (plane, value) in
-            [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s].into_iter().enumerate()
-        {
-            planes[plane * padded + joint] = value;
-        }
-    }
-    planes
+        let [q, t, s] = [rotation, translation, scale].map(|range| range.step * (1.0 / ROW_PARTS));
+        [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s]
+    }))
 }

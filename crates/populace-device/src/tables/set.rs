@@ -27,7 +27,7 @@ macro_rules! with_tables {
             /// Palette entries of all bodies.
             entries: Entry,
             /// Rest poses (`POSE_PLANES` planes each) and ranges of bound clips (`RANGE_PLANES`
-            /// planes each).
+            /// planes each), in blocks of `JOINT_BLOCK` joints.
             poses: f32,
             /// Clips, and clips converted to bodies.
             clips: ClipRows,

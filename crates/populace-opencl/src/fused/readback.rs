@@ -29,7 +29,11 @@ impl ScratchOutputs {
         let padded = body.padded_count as usize;
         Ok(Self {
             samples: Buffer::new(device, host.slots_per_member(), "a member's samples")?,
-            planes: Buffer::new(device, POSE_PLANES * padded, "a member's local transforms")?,
+            planes: Buffer::new(
+                device,
+                POSE_PLANES as usize * padded,
+                "a member's local transforms",
+            )?,
             matrices: Buffer::new(device, padded * MATRIX, "a member's matrices")?,
             joint_count: body.joint_count as usize,
         })
@@ -76,7 +80,7 @@ impl MemberReadback {
         if at >= joint_count {
             return None;
         }
-        let padded = self.planes.len() / POSE_PLANES;
+        let padded = self.planes.len() / POSE_PLANES as usize;
         let plane = |plane: usize| self.planes[plane * padded + at];
         let row = |row: usize| self.matrices[at * MATRIX + row];
         Some(match buffer {

@@ -1,0 +1,212 @@
+// sums.cl - Weighted sums over a layer's slots, and their means (Lister & Day 2012, section 3).
+//
+// Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
+
+// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them
+// leave that property at rest.
+typedef struct {
+    float total;
+    uint at_rest;
+} Terms;
+
+// Weighted sum over a layer's slots.
+typedef struct {
+    Local trs;
+    Terms terms;
+} Sum;
+
+INLINE Sum no_sum(void)
+{
+    const Sum none = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
+                       { 0.0f, REST_TRANSLATION | REST_SCALE } };
+    return none;
+}
+
+// Returns the mean. Properties that no slot moves are at rest to the bit.
+INLINE Local mean_of(Sum sum, Local rest)
+{
+    const float k = 1.0f / sum.terms.total;
+    Local mean;
+    mean.t = sum.terms.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
+    mean.r = quat_normalize_or(sum.trs.r, rest.r);
+    mean.s = sum.terms.at_rest & REST_SCALE ? rest.s : vec3_scale(sum.trs.s, k);
+    return mean;
+}
+
+// Returns the mean if the total weight is above `least`. Layer 0 is always divided by its total
+// weight, so that the rest pose never shines through.
+INLINE Local mean_or_rest(Sum sum, float least, Local rest)
+{
+    return sum.terms.total > least ? mean_of(sum, rest) : rest;
+}
+
+// Returns the sum of weight times value over a layer's slots, or of weight times difference from
+// the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
+// store none.
+INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
+                     Body body, uint joint, bool no_floats, Local rest)
+{
+    Sum sum = no_sum();
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
+        const float weight = playing.at.weight;
+        const Sample sample = sample_joint(tables, playing.bound_clip, body, joint,
+                                           rows_in(playing), no_floats, rest);
+        Local trs = sample.trs;
+        Real k = weight;
+        if (!additive) {
+            k = unit_of(trs.r, rest.r) * weight;
+        } else {
+            const uint clip = tables->bound_clips[playing.bound_clip].rows;
+            const uint first = tables->clips[clip].row_first;
+            const SlotSample start = { first, first, 0.0f, 0.0f };
+            const Local reference = normalized(sample_joint(tables, playing.bound_clip, body, joint,
+                                                            rows_of(start), no_floats, rest),
+                                               rest);
+            trs = change(
+                quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
+        }
+        sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
+        sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
+        sum.trs.s = vec3_add(sum.trs.s, vec3_scale(trs.s, weight));
+        sum.terms.total += weight;
+        sum.terms.at_rest &= sample.at_rest;
+    }
+    return sum;
+}
+
+#if LANES > 1
+
+// A slot in a block of joints: where its numbers are, from the first of LANES joints on.
+typedef struct {
+    Columns columns;
+    Stored range;
+    Rows rows;
+    float weight;
+} BlockSlot;
+
+INLINE BlockSlot block_slot(const ClipTables *tables, Playing playing, uint joint, bool no_floats)
+{
+    const BoundClip clip = tables->bound_clips[playing.bound_clip];
+    const BlockSlot slot = { columns_of(tables, clip.block_first, joint, no_floats),
+                             stored_at(tables, clip.range_first, RANGE_PLANES, joint),
+                             rows_in(playing), playing.at.weight };
+    return slot;
+}
+
+// Returns the slot in the next LANES joints of the block.
+INLINE BlockSlot next_span(BlockSlot slot)
+{
+    slot.columns.lane += LANES;
+    slot.range += LANES;
+    return slot;
+}
+
+// Sums of a layer's slots for one or two spans of LANES joints. Of one, `second` is unused.
+typedef struct {
+    Local first, second;
+    Terms terms;
+} SpanSums;
+
+INLINE void add_quat(Quat q, Stored rest, float weight, Quat *sum)
+{
+    *sum = quat_add(*sum, quat_scale(q, unit_of(q, stored_quat(rest, 0)) * weight));
+}
+
+INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
+{
+    *sum = vec3_add(*sum, vec3_scale(v, weight));
+}
+
+// Adds weight times rotation of a slot.
+INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, bool two_spans,
+                         Quat *first, Quat *second)
+{
+    const BlockSlot next = next_span(slot);
+    if (slot.columns.block.rotation_first == NONE) {
+        add_quat(stored_quat(slot.range, 0), rest, slot.weight, first);
+        if (two_spans) add_quat(stored_quat(next.range, 0), rest + LANES, slot.weight, second);
+    } else {
+        add_quat(moving_quat(tables, slot.columns, slot.rows, slot.range), rest, slot.weight,
+                 first);
+        if (two_spans)
+            add_quat(moving_quat(tables, next.columns, slot.rows, next.range), rest + LANES,
+                     slot.weight, second);
+    }
+}
+
+// Adds weight times translation or scale of a slot. Each branch adds on its own: numbers that
+// branches hand on would take registers from the sums.
+INLINE void add_property(const ClipTables *tables, BlockSlot slot, uint property, Stored rest,
+                         bool two_spans, Vec3 *first, Vec3 *second)
+{
+    const bool moves = property == TRANSLATION;
+    const int plane = moves ? 5 : 9, rest_plane = moves ? 4 : 7;
+    const BlockSlot next = next_span(slot);
+    if (slot.columns.block.flags & (moves ? REST_TRANSLATION : REST_SCALE)) {
+        add_vector(stored_vec3(rest, rest_plane), slot.weight, first);
+        if (two_spans) add_vector(stored_vec3(rest + LANES, rest_plane), slot.weight, second);
+    } else if (planes_of(slot.columns.block, property).first == NONE) {
+        add_vector(stored_vec3(slot.range, plane), slot.weight, first);
+        if (two_spans) add_vector(stored_vec3(next.range, plane), slot.weight, second);
+    } else {
+        add_vector(moving_vector(tables, slot.columns, property, slot.rows, slot.range, plane),
+                   slot.weight, first);
+        if (two_spans)
+            add_vector(moving_vector(tables, next.columns, property, slot.rows, next.range, plane),
+                       slot.weight, second);
+    }
+}
+
+// Adds the translations or scales of a layer's slots.
+INLINE void sum_property(const ClipTables *tables, Playback playback, uint layer, uint property,
+                         uint joint, Stored rest, bool no_floats, bool two_spans, Vec3 *first,
+                         Vec3 *second)
+{
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.layer != layer) continue;
+        const BlockSlot slot = block_slot(tables, playing, joint, no_floats);
+        add_property(tables, slot, property, rest, two_spans, first, second);
+    }
+}
+
+// Sums weight times value over a layer's slots, for LANES joints or for all sixteen of a block.
+// `two_spans` is a constant. Properties are summed one after the other, so that registers hold the
+// sums of one, and columns are found once for a block. Properties at rest are left out.
+INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
+                          uint joint, bool no_floats, bool two_spans)
+{
+    const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
+    SpanSums sums = { no_sum().trs, no_sum().trs, no_sum().terms };
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.layer != layer) continue;
+        const BlockSlot slot = block_slot(tables, playing, joint, no_floats);
+        add_rotation(tables, slot, rest, two_spans, &sums.first.r, &sums.second.r);
+        sums.terms.total += slot.weight;
+        sums.terms.at_rest &= slot.columns.block.flags;
+    }
+    if (!(sums.terms.at_rest & REST_TRANSLATION))
+        sum_property(tables, playback, layer, TRANSLATION, joint, rest, no_floats, two_spans,
+                     &sums.first.t, &sums.second.t);
+    if (!(sums.terms.at_rest & REST_SCALE))
+        sum_property(tables, playback, layer, SCALE, joint, rest, no_floats, two_spans,
+                     &sums.first.s, &sums.second.s);
+    return sums;
+}
+
+// Returns the sum over a layer's slots. In additive layers all properties are summed together.
+INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
+                     Body body, uint joint, bool no_floats, Local rest)
+{
+    if (additive) return sum_slots(tables, playback, layer, additive, body, joint, no_floats, rest);
+    const SpanSums sums = sum_spans(tables, playback, layer, body, joint, no_floats, false);
+    const Sum sum = { sums.first, sums.terms };
+    return sum;
+}
+
+#else
+#define sum_layer sum_slots
+#endif
