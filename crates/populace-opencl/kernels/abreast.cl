@@ -14,10 +14,12 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
 {
     Playback playback = { playing, 0, inertialization_of(slots, slot_count, tick), false };
     for (uint s = 0; s < slot_count; s++) {
-        const Playing slot = play(slots[s], machines, tick, tables, row_times, buckets);
+        Playing slot = play(slots[s], machines, tick, tables, row_times, buckets);
         if (slot.at.weight <= 0.0f) continue;
-        const uint rows = tables->bound_clips[slot.bound_clip].rows;
-        playback.has_floats = playback.has_floats || tables->clips[rows].has_floats;
+        const BoundClip clip = tables->bound_clips[slot.bound_clip];
+        slot.blocks = tables->bound_blocks + clip.block_first;
+        slot.ranges = tables->poses + clip.range_first;
+        playback.has_floats = playback.has_floats || tables->clips[clip.rows].has_floats;
         playing[playback.count++] = slot;
     }
     return playback;

@@ -15,6 +15,10 @@ typedef struct {
     __global const float *poses, *masks;
 } ClipTables;
 
+// Numbers of a joint, or of joints in lanes, in a table of poses. The planes of sixteen joints are
+// neighbours, so that a compiler knows how far apart they are.
+typedef __global const float *Stored;
+
 // A slot as it plays now. `secs` is the time after the start of the clip; NAN for live clips, without
 // weight, and in the staged schedule.
 typedef struct {
@@ -23,6 +27,11 @@ typedef struct {
     float secs;
     // The weights of both rows; see Rows.
     uint halves;
+#if LANES > 1
+    // The clip's first block of columns, and its ranges.
+    __global const BoundBlock *blocks;
+    Stored ranges;
+#endif
 } Playing;
 
 // Properties of a row.
@@ -43,7 +52,7 @@ INLINE Planes planes_of(BoundBlock block, uint property)
 
 INLINE uint plane_at(Planes planes, uint row, uint plane)
 {
-    return row + planes.first + plane * planes.lanes;
+    return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
 }
 
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
@@ -169,7 +178,6 @@ INLINE Vec3 mix_vectors(RowWords words, Rows at)
 INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes, Rows at,
                        uint component)
 {
-    planes.lanes &= ~ROW_FLOATS;
     return mix_real(AS_REAL(words_at(tables, columns, planes, at.from, component)),
                     AS_REAL(words_at(tables, columns, planes, at.to, component)), at.between)
            * ROW_PARTS;
@@ -202,14 +210,15 @@ INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint propert
     return mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
-// Numbers of a joint, or of joints in lanes, in a table of poses. The planes of sixteen joints are
-// neighbours, so that a compiler knows how far apart they are.
-typedef __global const float *Stored;
+// Returns the offset of a joint's numbers.
+INLINE uint stored_offset(uint planes, uint joint)
+{
+    return joint / JOINT_BLOCK * JOINT_BLOCK * planes + joint % JOINT_BLOCK;
+}
 
 INLINE Stored stored_at(const ClipTables *tables, uint first, uint planes, uint joint)
 {
-    const uint block = joint / JOINT_BLOCK * JOINT_BLOCK;
-    return tables->poses + (first + block * planes + joint % JOINT_BLOCK);
+    return tables->poses + (first + stored_offset(planes, joint));
 }
 
 INLINE Real stored_real(Stored stored, int plane) { return LOAD(stored + plane * JOINT_BLOCK); }

@@ -86,11 +86,10 @@ typedef struct {
     float weight;
 } BlockSlot;
 
-INLINE BlockSlot block_slot(const ClipTables *tables, Playing playing, uint joint, bool no_floats)
+INLINE BlockSlot block_slot(Playing playing, uint joint, bool no_floats)
 {
-    const BoundClip clip = tables->bound_clips[playing.bound_clip];
-    const BlockSlot slot = { columns_of(tables, clip.block_first, joint, no_floats),
-                             stored_at(tables, clip.range_first, RANGE_PLANES, joint),
+    const Columns columns = { playing.blocks[joint / JOINT_BLOCK], joint % JOINT_BLOCK, no_floats };
+    const BlockSlot slot = { columns, playing.ranges + stored_offset(RANGE_PLANES, joint),
                              rows_in(playing), playing.at.weight };
     return slot;
 }
@@ -167,7 +166,7 @@ INLINE void sum_property(const ClipTables *tables, Playback playback, uint layer
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
-        const BlockSlot slot = block_slot(tables, playing, joint, no_floats);
+        const BlockSlot slot = block_slot(playing, joint, no_floats);
         add_property(tables, slot, property, rest, two_spans, first, second);
     }
 }
@@ -183,7 +182,7 @@ INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint laye
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
-        const BlockSlot slot = block_slot(tables, playing, joint, no_floats);
+        const BlockSlot slot = block_slot(playing, joint, no_floats);
         add_rotation(tables, slot, rest, two_spans, &sums.first.r, &sums.second.r);
         sums.terms.total += slot.weight;
         sums.terms.at_rest &= slot.columns.block.flags;
