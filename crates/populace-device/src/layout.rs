@@ -157,6 +157,9 @@ device_consts! {
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
     pub const REST_SCALE: u32 = 2;
+    /// Flag in a [`BoundBlock`]: no number that a row can store takes a rotation out of the hemisphere
+    /// of the body's rest.
+    pub const NEAR_REST: u32 = 4;
     /// [`Step::kind`]: applies a rotation to the joint that an earlier step has written.
     pub const STEP_ROTATION: u32 = 0;
     /// [`Step::kind`]: turns a chain to look at its targets.

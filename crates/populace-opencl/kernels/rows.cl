@@ -273,13 +273,19 @@ typedef struct {
     uint at_rest;
 } Sample;
 
-// Returns the factor that brings a sampled rotation to length 1, in the hemisphere of the rest
-// rotation. Rows are near each other, so that three terms of a series are enough: halfway between
-// rows that are 60 degrees apart, the length is off by 0.0001.
-INLINE Real unit_of(Quat rotation, Quat rest)
+// Returns the factor that brings a sampled rotation to length 1. Rows are near each other, so that
+// three terms of a series are enough: halfway between rows that are 60 degrees apart, the length is
+// off by 0.0001.
+INLINE Real near_unit_of(Quat rotation)
 {
     const Real short_by = 1.0f - quat_dot(rotation, rotation);
-    return (1.0f + short_by * (0.5f + short_by * 0.375f)) * quat_side(rotation, rest);
+    return 1.0f + short_by * (0.5f + short_by * 0.375f);
+}
+
+// Returns the same factor, negative for a rotation in the other hemisphere than the rest rotation.
+INLINE Real unit_of(Quat rotation, Quat rest)
+{
+    return near_unit_of(rotation) * quat_side(rotation, rest);
 }
 
 // Returns the sample with a rotation of length 1 in the hemisphere of the rest rotation.

@@ -108,14 +108,32 @@ typedef struct {
     Terms terms;
 } SpanSums;
 
-INLINE void add_quat(Quat q, Stored rest, float weight, Quat *sum)
-{
-    *sum = quat_add(*sum, quat_scale(q, unit_of(q, stored_quat(rest, 0)) * weight));
-}
+INLINE void add_quat(Quat q, Real k, Quat *sum) { *sum = quat_add(*sum, quat_scale(q, k)); }
 
 INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
 {
     *sum = vec3_add(*sum, vec3_scale(v, weight));
+}
+
+// Adds weight times rotation of a slot for one span: of columns that are the same in all rows, of
+// moving ones in the hemisphere of the rest rotation, and of any moving ones.
+
+INLINE void add_still_quat(BlockSlot slot, Stored rest, Quat *sum)
+{
+    const Quat q = stored_quat(slot.range, 0);
+    add_quat(q, unit_of(q, stored_quat(rest, 0)) * slot.weight, sum);
+}
+
+INLINE void add_near_quat(const ClipTables *tables, BlockSlot slot, Quat *sum)
+{
+    const Quat q = moving_quat(tables, slot.columns, slot.rows, slot.range);
+    add_quat(q, near_unit_of(q) * slot.weight, sum);
+}
+
+INLINE void add_moving_quat(const ClipTables *tables, BlockSlot slot, Stored rest, Quat *sum)
+{
+    const Quat q = moving_quat(tables, slot.columns, slot.rows, slot.range);
+    add_quat(q, unit_of(q, stored_quat(rest, 0)) * slot.weight, sum);
 }
 
 // Adds weight times rotation of a slot.
@@ -124,14 +142,14 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
 {
     const BlockSlot next = next_span(slot);
     if (slot.columns.block.rotation_first == NONE) {
-        add_quat(stored_quat(slot.range, 0), rest, slot.weight, first);
-        if (two_spans) add_quat(stored_quat(next.range, 0), rest + LANES, slot.weight, second);
+        add_still_quat(slot, rest, first);
+        if (two_spans) add_still_quat(next, rest + LANES, second);
+    } else if (slot.columns.block.flags & NEAR_REST) {
+        add_near_quat(tables, slot, first);
+        if (two_spans) add_near_quat(tables, next, second);
     } else {
-        add_quat(moving_quat(tables, slot.columns, slot.rows, slot.range), rest, slot.weight,
-                 first);
-        if (two_spans)
-            add_quat(moving_quat(tables, next.columns, slot.rows, next.range), rest + LANES,
-                     slot.weight, second);
+        add_moving_quat(tables, slot, rest, first);
+        if (two_spans) add_moving_quat(tables, next, rest + LANES, second);
     }
 }
 

@@ -114,7 +114,7 @@ device_struct! {
         pub scale_first: u32,
         /// Columns per scale plane, and [`ROW_FLOATS`].
         pub scale_lanes: u32,
-        /// Bits of [`REST_TRANSLATION`] and [`REST_SCALE`].
+        /// Bits of [`REST_TRANSLATION`], [`REST_SCALE`] and [`NEAR_REST`].
         pub flags: u32,
     }
 }

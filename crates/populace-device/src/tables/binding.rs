@@ -7,7 +7,7 @@ use super::runs::{Asset, Runs};
 use super::{BLOCK, BodyIndex, Tables, in_blocks};
 use crate::Error;
 use crate::layout::{
-    Body, BoundBlock, BoundClip, Contact, NONE, POSE_PLANES, RANGE_PLANES, REST_SCALE,
+    Body, BoundBlock, BoundClip, Contact, NEAR_REST, NONE, POSE_PLANES, RANGE_PLANES, REST_SCALE,
     REST_TRANSLATION, ROW_PARTS,
 };
 
@@ -97,7 +97,7 @@ impl Tables {
     }
 
     /// Returns flags that tell whether the translations and scales of 16 joints from `first` on
-    /// equal those of the body's rest.
+    /// equal those of the body's rest, and whether their rotations are near it.
     fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
         let poses = self.all.poses.as_slice();
         let planes = |table: u32, planes: u32| {
@@ -109,8 +109,23 @@ impl Tables {
             ranges[range_plane..range_plane + 3] == rest[rest_plane..rest_plane + 3]
                 && ranges[range_plane + 3] == [0.0; BLOCK]
         };
-        (u32::from(same(5, 4)) * REST_TRANSLATION) | (u32::from(same(9, 7)) * REST_SCALE)
+        let joints = (body.joint_count as usize).saturating_sub(first).min(BLOCK);
+        let near = (0..joints).all(|joint| least_cosine(ranges, rest, joint) > LEAST_COSINE);
+        (u32::from(same(5, 4)) * REST_TRANSLATION)
+            | (u32::from(same(9, 7)) * REST_SCALE)
+            | (u32::from(near) * NEAR_REST)
     }
+}
+
+/// A cosine above this is positive on every device, however it rounds.
+const LEAST_COSINE: f32 = 1e-3;
+
+/// Returns the least cosine of half the angle between a joint's rest rotation and a rotation that its
+/// range can express. `ranges` and `rest` are planes of a block.
+fn least_cosine(ranges: &[[f32; BLOCK]], rest: &[[f32; BLOCK]], joint: usize) -> f32 {
+    let reach = ranges[4][joint] * ROW_PARTS * -f32::from(i16::MIN);
+    let cosine = |c: usize| rest[c][joint] * ranges[c][joint] - rest[c][joint].abs() * reach;
+    cosine(0) + cosine(1) + cosine(2) + cosine(3)
 }
 
 fn range_planes(binding: &Binding) -> Vec<f32> {
@@ -120,4 +135,20 @@ fn range_planes(binding: &Binding) -> Vec<f32> {
         let [q, t, s] = [rotation, translation, scale].map(|range| range.step * (1.0 / ROW_PARTS));
         [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s]
     }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn least_cosine_is_that_of_the_farthest_rotation_of_a_range() {
+        let (mut ranges, mut rest) = ([[0.0; BLOCK]; 5], [[0.0; BLOCK]; 4]);
+        (ranges[0][3], ranges[3][3]) = (0.6, 0.8);
+        ranges[4][3] = 0.1 / (32768.0 * ROW_PARTS);
+        rest[3][3] = 1.0;
+        assert!((least_cosine(&ranges, &rest, 3) - 0.7).abs() < 1e-6);
+        (rest[0][3], rest[3][3]) = (-0.8, 0.6);
+        assert!((least_cosine(&ranges, &rest, 3) - -0.14).abs() < 1e-6);
+    }
 }

@@ -297,6 +297,15 @@ faults! {
     check_additive_layers {
         additions_do_not_move: "terms[lane].at_rest &= kept;" => "";
     }
+    check_far_rotations {
+        far_rotations_count_as_near: "slot.columns.block.flags & NEAR_REST" => "true";
+    }
+    check_blends {
+        second_spans_have_the_rows_of_the_first: "slot.columns.lane += LANES;" => "";
+        second_spans_have_the_ranges_of_the_first: "slot.range += LANES;" => "";
+        second_spans_are_not_mixed: "put_local(posed[SPANS - 1], lane, sums.second" =>
+            "put_local(posed[SPANS - 1], lane, sums.first";
+    }
     check_inertialization {
         inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
         inertialized_poses_stay_at_rest:
