@@ -157,8 +157,8 @@ device_consts! {
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
     pub const REST_SCALE: u32 = 2;
-    /// Flag in a [`BoundBlock`]: no number that a row can store takes a rotation out of the hemisphere
-    /// of the body's rest.
+    /// Flag in a [`BoundBlock`]: all rotations lie in the hemisphere of the body's rest, whatever
+    /// numbers rows hold.
     pub const NEAR_REST: u32 = 4;
     /// [`Step::kind`]: applies a rotation to the joint that an earlier step has written.
     pub const STEP_ROTATION: u32 = 0;
@@ -258,9 +258,10 @@ device_consts! {
     /// Sum of the weights of two rows of 16-bit numbers, which are whole numbers.
     pub const ROW_PARTS: f32 = 32767.0;
     /// Planes of a stored pose: rotation `x y z w`, translation `x y z`, scale `x y z`. Blocks of
-    /// [`JOINT_BLOCK`] joints follow one another. In a block the planes do, joints fastest.
+    /// [`JOINT_BLOCK`] joints follow one another. Within a block, planes follow one another, each
+    /// with one number for each joint.
     pub const POSE_PLANES: u32 = 10;
-    /// Planes of a bound clip's ranges, in blocks as those of [`POSE_PLANES`].
+    /// Planes of a bound clip's ranges, in blocks like [`POSE_PLANES`].
     ///
     /// | Planes | Content |
     /// |---|---|

@@ -47,6 +47,9 @@ pub use live::LiveNewest;
 pub use machines::{Condition, MachineState, Transition};
 pub use table::Table;
 
+/// Joints of a block.
+const BLOCK: usize = JOINT_BLOCK as usize;
+
 /// Index of a body (a skeleton with its palette entries) in [`Tables`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct BodyIndex(pub u32);
@@ -133,7 +136,7 @@ impl Tables {
     /// Elements of the joint buffer up to the last one in use, including padding and unused blocks.
     #[must_use]
     pub fn joint_places(&self) -> usize {
-        self.blocks.joint_blocks.len() * JOINT_BLOCK as usize
+        self.blocks.joint_blocks.len() * BLOCK
     }
 
     /// Palette entries over all pages, up to the last one in use.
@@ -186,7 +189,7 @@ impl Tables {
                 return None;
             }
             StageBuffer::Samples => u32::try_from(first / self.slots_per_member).ok()?,
-            _ => *self.joint_blocks().as_slice().get(first / JOINT_BLOCK as usize)?,
+            _ => *self.joint_blocks().as_slice().get(first / BLOCK)?,
         };
         let member = self
             .all
@@ -352,9 +355,6 @@ pub struct Epochs {
 }
 
 /// Returns the planes of a pose, padded to whole blocks of joints.
-/// Joints of a block.
-const BLOCK: usize = JOINT_BLOCK as usize;
-
 fn planes_of(pose: &[Trs]) -> Vec<f32> {
     in_blocks(pose.iter().map(|trs| {
         let ([qx, qy, qz, qw], [tx, ty, tz], [sx, sy, sz]) =

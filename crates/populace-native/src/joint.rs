@@ -1,5 +1,5 @@
 //! Pose of a joint, or of sixteen: a member's slots mixed layer by layer (Lister & Day 2012,
-//! section 3, fig. 1). Twin of `kernels/joint.cl`.
+//! section 3, fig. 1). Twin of `kernels/joint.cl` and `kernels/sums.cl`.
 //!
 //! Reads what the member plays, its layers, the clips' rows, stored poses, masks, overrides in
 //! local space, bone-length scales and user stages. Writes nothing but the pose that it returns.

@@ -2,8 +2,8 @@
 //! ones. Twin of `kernels/rows.cl`.
 //!
 //! A component is `offset + part * n`, where `n` is the sum of both rows' numbers, each times its
-//! weight in [`ROW_PARTS`]. Joints that the clip does not drive, or that do not move in it, have a
-//! part of 0, so the arithmetic is the same for all.
+//! weight in [`ROW_PARTS`](populace_device::layout::ROW_PARTS). Joints that the clip does not
+//! drive, or that do not move in it, have a part of 0, so the arithmetic is the same for all.
 
 use populace_device::Tables;
 use populace_device::layout::{Body, BoundBlock, BoundClip, RowBlock};
@@ -30,7 +30,8 @@ impl<'a> Joints<'a> {
         &self.tables.bound_blocks().as_slice()[bound.block_first as usize + self.first / LANES]
     }
 
-    /// Returns stored floats from the first joint's on. Planes are [`LANES`] floats apart.
+    /// Returns stored floats from the first joint's on, in a table with `planes` planes. Planes are
+    /// [`LANES`] floats apart.
     #[inline(always)]
     pub(crate) fn stored(&self, poses_first: u32, planes: u32) -> &'a [f32] {
         let block = self.first / LANES * LANES * planes as usize;
@@ -55,7 +56,7 @@ pub(crate) trait Columns<R> {
     /// Returns whether the columns may take the path of most columns.
     fn are_common(&self) -> bool;
 
-    /// Returns the components of rotations between two rows, in [`ROW_PARTS`] of a step. `COMMON`
+    /// Returns the components of rotations between two rows, in `ROW_PARTS` of a step. `COMMON`
     /// columns are [common](Self::are_common).
     fn rotation<const COMMON: bool>(&self, at: &Rows) -> [R; 4];
 
@@ -71,7 +72,7 @@ pub(crate) struct JointColumn<'a> {
 }
 
 impl JointColumn<'_> {
-    /// Returns a component between two rows, in [`ROW_PARTS`] of a step.
+    /// Returns a component between two rows, in `ROW_PARTS` of a step.
     #[inline(always)]
     fn parts(&self, property: Property, at: &Rows, component: usize) -> f32 {
         let planes = Planes::of(&self.block, property);

@@ -1,7 +1,7 @@
 // abreast.cl - Members side by side, each in a lane of its own: what they play, and their local
-// transforms. Slots of layer 0 are sampled and summed for LANES joints of a member at a time, in
-// passes over all members that are short enough for a processor to have several members in flight.
-// The poses are transposed into lanes of members.
+// transforms. Slots of layer 0 are sampled and summed for a block of joints of a member at a time.
+// Passes over all members are short enough for a processor to have several members in flight. The
+// poses are transposed into lanes of members.
 //
 // Twin of populace-native/src/poses.rs, populace-native/src/abreast.rs,
 // populace-native/src/playback.rs and populace-native/src/cache.rs: same arithmetic, same order of
@@ -205,8 +205,8 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, Te
         layer_count = max(layer_count, all->layer_counts[lane]);
         if (!posing->changes[lane].inertializes) continue;
         Local pose = local_of(posed, lane);
-        inertialize(posing->clips, all->plays[lane].inertialization, 0, false, all->body, first,
-                    &stored, &pose);
+        inertialize(posing->clips, all->plays[lane].inertialization, 0, false, first, &stored,
+                    &pose);
         put_local(posed, lane, pose, 0);
         terms[lane].at_rest = 0;
     }
@@ -221,7 +221,7 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, Te
     }
 }
 
-// Sums the slots of layer 0 of a member in one span or in SPANS.
+// Sums the slots of layer 0 of a member, for LANES joints or for a whole block.
 INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
                        bool no_floats, uint spans, Posed *posed, Terms *terms)
 {
@@ -231,12 +231,14 @@ INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint
         const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, false);
         put_local(posed[0], lane, sums.first, sums.terms.at_rest);
         *terms = sums.terms;
-    } else {
-        const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, true);
-        put_local(posed[0], lane, sums.first, sums.terms.at_rest);
-        put_local(posed[SPANS - 1], lane, sums.second, sums.terms.at_rest);
-        *terms = sums.terms;
+        return;
     }
+#if SPANS > 1
+    const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, true);
+    put_local(posed[0], lane, sums.first, sums.terms.at_rest);
+    put_local(posed[1], lane, sums.second, sums.terms.at_rest);
+    *terms = sums.terms;
+#endif
 }
 
 // Does the same for a member with a clip that stores floats; see show_any_layer().
@@ -271,6 +273,7 @@ INLINE uint pose_span(const Company *all, const Posing *posing, uint first, cons
                       Posed posed, __global float *planes)
 {
     const Local rest = rest_of(posing->clips, all->body, first);
+    // Changes of poses change the terms, and the block's other span begins with those of the sums.
     Terms terms[LANES];
     for (uint lane = 0; lane < all->count; lane++) terms[lane] = sums[lane];
     const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, terms);
@@ -350,6 +353,7 @@ INLINE void place_block(const Company *all, const Posing *posing, uint first, Hi
 {
     Posed posed[SPANS];
     Terms sums[LANES];
+    // The second half of the last block may have no joints.
     const uint spans = first + LANES < all->body.joint_count ? SPANS : 1;
     sum_block(all, posing, first, spans, posed, sums);
     for (uint span = 0; span < spans; span++)

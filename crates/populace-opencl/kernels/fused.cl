@@ -13,7 +13,7 @@ INLINE Playing play(Slot given, Machines machines, ulong tick, const ClipTables 
     return playing;
 }
 
-// Stores local transforms as ten planes, in the layout of stored poses.
+// Stores local transforms as ten planes, each of the body's padded joints.
 INLINE void store_trs(Local trs, __global float *planes, uint padded)
 {
     const Real all[10] = { trs.r.x, trs.r.y, trs.r.z, trs.r.w, trs.t.x,

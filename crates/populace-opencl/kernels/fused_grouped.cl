@@ -178,8 +178,7 @@ INLINE Local inertialize_kept(const ClipTables *tables, Inertialization inertial
     keep_pose(kept, pose);
     ulong start = ULONG_MAX;
     while (earlier_start(inertialization, l, &start)) {
-        const Local left =
-            left_since(tables, inertialization, l, start, additive, body, joint, rest);
+        const Local left = left_since(tables, inertialization, l, start, additive, joint, rest);
         keep_pose(kept, inertialized(kept_pose(kept), left, additive));
     }
     return kept_pose(kept);
@@ -221,7 +220,7 @@ INLINE Local pose_kept(const Grouped *tables, const Batch *batch, uint nth, Play
 }
 
 // Computes the local transforms of a member's joints, every `JOINTS`-th from `joint` on. If
-// `planes` is not 0, it also receives them as ten planes, in the layout of stored poses.
+// `planes` is not 0, it also receives them as ten planes, each of the body's padded joints.
 INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain,
                         __global float *planes)
 {

@@ -13,8 +13,8 @@
 // and, for `descend`, populace-native/src/constraints/descent.rs: same arithmetic, same order of
 // operations.
 
-// Writes sixteen numbers. `streamed` is whether they are a whole line of the cache. It goes past the
-// caches then, which would read it first.
+// Writes sixteen numbers. If `streamed`, they are a whole line of the cache and go past the caches,
+// which would read the line first.
 INLINE void write_line(float16 line, __global float *to, bool streamed)
 {
 #if __has_builtin(__builtin_nontemporal_store)
@@ -144,8 +144,8 @@ INLINE uint write_palettes(const Company *all, __global const Entry *entries, Hi
     return block;
 }
 
-// Writes the members' palettes. Without programs, they are written after each block of joints, while
-// their transforms are in the first-level cache.
+// Writes the members' palettes. Without programs, they are written after each block of joints,
+// while their transforms are in the first-level cache.
 INLINE void write_members(const Company *all, const Posing *posing, const ConstraintTables *tables,
                           __global const Entry *entries, Hierarchy joints,
                           __global float *const *to, bool streamed)
@@ -159,7 +159,9 @@ INLINE void write_members(const Company *all, const Posing *posing, const Constr
             written =
                 write_palettes(all, entries, joints, written, first + JOINT_BLOCK, to, streamed);
         if (is_led && first == 0) fetch_steps(all, tables);
-        if (is_led && first == JOINT_BLOCK) fetch_constraints(all, tables);
+        // One block later, if there is one: it finds addresses in the steps.
+        if (is_led && first == (all->body.joint_count > JOINT_BLOCK ? JOINT_BLOCK : 0))
+            fetch_constraints(all, tables);
     }
     if (!is_led) return;
     descend(all, tables, joints);
@@ -198,7 +200,7 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
     const uint desk = take_desk(is_taken, desk_count);
     const Hierarchy joints = { (__global Matrix *)desks + desk * padded_most };
     const uint end = min((uint)(get_global_id(0) + 1) * run, member_count);
-    // Blocks of entries are whole lines.
+    // Palettes begin at blocks of entries, which are three whole lines each.
     const bool streamed = ((size_t)palette & 63) == 0;
     Company all;
     for (uint index = (uint)get_global_id(0) * run; index < end;) {

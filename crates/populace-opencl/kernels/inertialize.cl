@@ -81,14 +81,14 @@ enum { SAMPLE_REFERENCE, SAMPLE_AT, SAMPLE_FAR, SAMPLES_OF_CLIP };
 // Returns a sample of a clip: where it was at the transition, its far row, or the reference of its
 // differences. In additive layers that is its first row, else where it was.
 INLINE Local inertialization_sample(const ClipTables *tables, SampledState state, uint sample,
-                                    bool additive, Body body, uint joint, Local rest)
+                                    bool additive, uint joint, Local rest)
 {
     const ClipRows clip = tables->clips[tables->bound_clips[state.bound_clip].rows];
     SlotSample place = place_of(clip, state.row);
     if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
     if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);
-    return normalized(
-        sample_joint(tables, state.bound_clip, body, joint, rows_of(place), false, rest), rest);
+    return normalized(sample_joint(tables, state.bound_clip, joint, rows_of(place), false, rest),
+                      rest);
 }
 
 // Returns the part that is left of a clip's differences from its reference.
@@ -102,7 +102,7 @@ INLINE Local part_left(Local at, Local far, Real weight, Real weight_of_step)
 // Adds what is left of one slot's difference to a sum. Takes one sample after another, so that a
 // GPU keeps few of them in registers.
 INLINE Local add_inertialization(const ClipTables *tables, InertializationSlot slot, ulong tick,
-                                 bool additive, Body body, uint joint, Local rest, Local sum)
+                                 bool additive, uint joint, Local rest, Local sum)
 {
     const InertializationWeights by = inertialization_weights(slot, tick, additive);
     Local reference = rest, at = rest, outgoing = rest;
@@ -115,7 +115,7 @@ INLINE Local add_inertialization(const ClipTables *tables, InertializationSlot s
         if (incoming && !additive && sample != SAMPLE_FAR) continue;
         const Local posed = inertialization_sample(
             tables, incoming || shares ? incoming_state(slot) : outgoing_state(slot), sample,
-            additive, body, joint, rest);
+            additive, joint, rest);
         if (sample == SAMPLE_REFERENCE) {
             reference = posed;
         } else if (sample == SAMPLE_AT) {
@@ -161,14 +161,14 @@ INLINE bool earlier_start(Inertialization inertialization, uint layer, ulong *st
 
 // Returns what is left of the differences of a layer's inertializations that started at a tick.
 INLINE Local left_since(const ClipTables *tables, Inertialization inertialization, uint layer,
-                        ulong start, bool additive, Body body, uint joint, Local rest)
+                        ulong start, bool additive, uint joint, Local rest)
 {
     Local sum = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     for (uint s = 0; s < inertialization.count; s++) {
         const Slot slot = inertialization.slots[s];
         if (inertializes_in(slot, layer, inertialization.tick) && slot.start_tick == start)
             sum = add_inertialization(tables, as_inertialization(slot), inertialization.tick,
-                                      additive, body, joint, rest, sum);
+                                      additive, joint, rest, sum);
     }
     return sum;
 }
@@ -183,14 +183,13 @@ INLINE Local inertialized(Local pose, Local left, bool additive)
 // Adds all inertializations of a layer. A mean takes the newest start first: each earlier one is
 // applied on top of what was outgoing then.
 SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
-                        bool additive, Body body, uint joint, const Local *at_rest, Local *pose)
+                        bool additive, uint joint, const Local *at_rest, Local *pose)
 {
     const Local rest = *at_rest;
     Local trs = *pose;
     ulong start = ULONG_MAX;
     while (earlier_start(inertialization, layer, &start)) {
-        const Local left =
-            left_since(tables, inertialization, layer, start, additive, body, joint, rest);
+        const Local left = left_since(tables, inertialization, layer, start, additive, joint, rest);
         trs = inertialized(trs, left, additive);
     }
     *pose = trs;

@@ -19,7 +19,7 @@ INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weigh
 
 // Adds the inertializations of a layer; see inertialize.cl.
 SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
-                        bool additive, Body body, uint joint, const Local *at_rest, Local *pose);
+                        bool additive, uint joint, const Local *at_rest, Local *pose);
 
 // Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
 // additive.
@@ -94,7 +94,7 @@ INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer,
     if (is_silent(shown->how, shown->terms.total)) return false;
     if (playback.inertialization.count > 0) {
         Local posed = own, at_rest = rest;
-        inertialize(tables, playback.inertialization, l, additive, body, joint, &at_rest, &posed);
+        inertialize(tables, playback.inertialization, l, additive, joint, &at_rest, &posed);
         own = posed;
         shown->terms.at_rest = 0;
     }
@@ -199,7 +199,7 @@ INLINE Local change_pose(Local posed, PoseChanges changes, const ClipTables *tab
                          Local rest)
 {
     if (changes.inertializes)
-        inertialize(tables, playback.inertialization, 0, false, body, joint, &rest, &posed);
+        inertialize(tables, playback.inertialization, 0, false, joint, &rest, &posed);
     if (changes.has_layers)
         posed = lay_over(tables, playback, layers, layer_count, body, joint, rest, posed);
     if (changes.adjusts) adjust(adjustments, adjustments.controls + control, joint, &posed);

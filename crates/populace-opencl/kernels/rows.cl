@@ -4,8 +4,8 @@
 // operations.
 //
 // populace-clip/src/storage.rs describes a row. A component is `offset + part * n`, where n is the
-// sum of both rows' numbers, each times its weight in ROW_PARTS. Joints that the clip does not drive,
-// or that do not move in it, have a part of 0, so the arithmetic is the same for all.
+// sum of both rows' numbers, each times its weight in ROW_PARTS. Joints that the clip does not
+// drive, or that do not move in it, have a part of 0, so the arithmetic is the same for all.
 
 typedef struct {
     __global const BoundClip *bound_clips;
@@ -28,7 +28,7 @@ typedef struct {
     // The weights of both rows; see Rows.
     uint halves;
 #if LANES > 1
-    // The clip's first block of columns, and its ranges.
+    // The clip's first block of columns, and its ranges. play_all() sets them.
     __global const BoundBlock *blocks;
     Stored ranges;
 #endif
@@ -56,18 +56,17 @@ INLINE uint plane_at(Planes planes, uint row, uint plane)
 }
 
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
-// that is sampled within the block. `no_floats` is a constant: true if the clip is known to store no
-// floats.
+// that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
+// none.
 typedef struct {
     BoundBlock block;
     uint lane;
     bool no_floats;
 } Columns;
 
-INLINE Columns columns_of(const ClipTables *tables, uint block_first, uint joint, bool no_floats)
+INLINE Columns columns_of(__global const BoundBlock *blocks, uint joint, bool no_floats)
 {
-    const Columns columns = { tables->bound_blocks[block_first + joint / JOINT_BLOCK],
-                              joint % JOINT_BLOCK, no_floats };
+    const Columns columns = { blocks[joint / JOINT_BLOCK], joint % JOINT_BLOCK, no_floats };
     return columns;
 }
 
@@ -237,7 +236,7 @@ INLINE Vec3 stored_vec3(Stored stored, int plane)
     return v;
 }
 
-// Returns rotations between two rows. They are stored, since they are not the same in all rows.
+// Returns rotations between two rows, of a block in which they move.
 INLINE Quat moving_quat(const ClipTables *tables, Columns columns, Rows at, Stored range)
 {
     const Quat n = rotation_parts(tables, columns, at);
@@ -250,8 +249,8 @@ INLINE Quat sample_rotation(const ClipTables *tables, Columns columns, Rows at, 
     return moving_quat(tables, columns, at, range);
 }
 
-// Returns translations or scales between two rows. They are stored, since they are not the same in
-// all rows. `plane` is the first of their offset; after it comes their part.
+// Returns translations or scales between two rows, of a block in which they move. `plane` is the
+// first of their offset; after it comes their part.
 INLINE Vec3 moving_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
                           Stored range, int plane)
 {
@@ -282,7 +281,7 @@ INLINE Real near_unit_of(Quat rotation)
     return 1.0f + short_by * (0.5f + short_by * 0.375f);
 }
 
-// Returns the same factor, negative for a rotation in the other hemisphere than the rest rotation.
+// Returns the same factor, negative for a rotation outside the hemisphere of the rest rotation.
 INLINE Real unit_of(Quat rotation, Quat rest)
 {
     return near_unit_of(rotation) * quat_side(rotation, rest);
@@ -308,11 +307,11 @@ INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored ran
 
 // Returns local transforms between two rows. `bound` is an index into bound_clips. `no_floats` is
 // a constant: true if the clip is known to store none.
-INLINE Sample sample_joint(const ClipTables *tables, uint bound, Body body, uint joint, Rows rows,
+INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Rows rows,
                            bool no_floats, Local rest)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
-    const Columns columns = columns_of(tables, clip->block_first, joint, no_floats);
+    const Columns columns = columns_of(tables->bound_blocks + clip->block_first, joint, no_floats);
     const Stored range = stored_at(tables, clip->range_first, RANGE_PLANES, joint);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
     sample_columns(tables, columns, range, rows, &sample.trs);

@@ -43,16 +43,16 @@ INLINE Local mean_or_rest(Sum sum, float least, Local rest)
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
 // the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
 // store none.
-INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer_index, bool additive,
-                     Body body, uint joint, bool no_floats, Local rest)
+INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer, bool additive,
+                     uint joint, bool no_floats, Local rest)
 {
     Sum sum = no_sum();
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
-        if (playing.at.weight <= 0.0f || playing.layer != layer_index) continue;
+        if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
         const float weight = playing.at.weight;
-        const Sample sample = sample_joint(tables, playing.bound_clip, body, joint,
-                                           rows_in(playing), no_floats, rest);
+        const Sample sample =
+            sample_joint(tables, playing.bound_clip, joint, rows_in(playing), no_floats, rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
@@ -61,9 +61,9 @@ INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer_ind
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(sample_joint(tables, playing.bound_clip, body, joint,
-                                                            rows_of(start), no_floats, rest),
-                                               rest);
+            const Local reference = normalized(
+                sample_joint(tables, playing.bound_clip, joint, rows_of(start), no_floats, rest),
+                rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
@@ -88,9 +88,9 @@ typedef struct {
 
 INLINE BlockSlot block_slot(Playing playing, uint joint, bool no_floats)
 {
-    const Columns columns = { playing.blocks[joint / JOINT_BLOCK], joint % JOINT_BLOCK, no_floats };
-    const BlockSlot slot = { columns, playing.ranges + stored_offset(RANGE_PLANES, joint),
-                             rows_in(playing), playing.at.weight };
+    const BlockSlot slot = { columns_of(playing.blocks, joint, no_floats),
+                             playing.ranges + stored_offset(RANGE_PLANES, joint), rows_in(playing),
+                             playing.at.weight };
     return slot;
 }
 
@@ -102,7 +102,7 @@ INLINE BlockSlot next_span(BlockSlot slot)
     return slot;
 }
 
-// Sums of a layer's slots for one or two spans of LANES joints. Of one, `second` is unused.
+// Sums of a layer's slots for one or two spans of LANES joints. `second` is unused if there is one.
 typedef struct {
     Local first, second;
     Terms terms;
@@ -110,30 +110,26 @@ typedef struct {
 
 INLINE void add_quat(Quat q, Real k, Quat *sum) { *sum = quat_add(*sum, quat_scale(q, k)); }
 
+// Adds a rotation that may lie in either hemisphere.
+INLINE void add_any_quat(Quat q, Stored rest, float weight, Quat *sum)
+{
+    add_quat(q, unit_of(q, stored_quat(rest, 0)) * weight, sum);
+}
+
+// Adds a rotation in the hemisphere of the rest rotation.
+INLINE void add_near_quat(Quat q, float weight, Quat *sum)
+{
+    add_quat(q, near_unit_of(q) * weight, sum);
+}
+
+INLINE Quat quat_of(const ClipTables *tables, BlockSlot slot)
+{
+    return moving_quat(tables, slot.columns, slot.rows, slot.range);
+}
+
 INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
 {
     *sum = vec3_add(*sum, vec3_scale(v, weight));
-}
-
-// Adds weight times rotation of a slot for one span: of columns that are the same in all rows, of
-// moving ones in the hemisphere of the rest rotation, and of any moving ones.
-
-INLINE void add_still_quat(BlockSlot slot, Stored rest, Quat *sum)
-{
-    const Quat q = stored_quat(slot.range, 0);
-    add_quat(q, unit_of(q, stored_quat(rest, 0)) * slot.weight, sum);
-}
-
-INLINE void add_near_quat(const ClipTables *tables, BlockSlot slot, Quat *sum)
-{
-    const Quat q = moving_quat(tables, slot.columns, slot.rows, slot.range);
-    add_quat(q, near_unit_of(q) * slot.weight, sum);
-}
-
-INLINE void add_moving_quat(const ClipTables *tables, BlockSlot slot, Stored rest, Quat *sum)
-{
-    const Quat q = moving_quat(tables, slot.columns, slot.rows, slot.range);
-    add_quat(q, unit_of(q, stored_quat(rest, 0)) * slot.weight, sum);
 }
 
 // Adds weight times rotation of a slot.
@@ -142,14 +138,14 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
 {
     const BlockSlot next = next_span(slot);
     if (slot.columns.block.rotation_first == NONE) {
-        add_still_quat(slot, rest, first);
-        if (two_spans) add_still_quat(next, rest + LANES, second);
+        add_any_quat(stored_quat(slot.range, 0), rest, slot.weight, first);
+        if (two_spans) add_any_quat(stored_quat(next.range, 0), rest + LANES, slot.weight, second);
     } else if (slot.columns.block.flags & NEAR_REST) {
-        add_near_quat(tables, slot, first);
-        if (two_spans) add_near_quat(tables, next, second);
+        add_near_quat(quat_of(tables, slot), slot.weight, first);
+        if (two_spans) add_near_quat(quat_of(tables, next), slot.weight, second);
     } else {
-        add_moving_quat(tables, slot, rest, first);
-        if (two_spans) add_moving_quat(tables, next, rest + LANES, second);
+        add_any_quat(quat_of(tables, slot), rest, slot.weight, first);
+        if (two_spans) add_any_quat(quat_of(tables, next), rest + LANES, slot.weight, second);
     }
 }
 
@@ -158,10 +154,10 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
 INLINE void add_property(const ClipTables *tables, BlockSlot slot, uint property, Stored rest,
                          bool two_spans, Vec3 *first, Vec3 *second)
 {
-    const bool moves = property == TRANSLATION;
-    const int plane = moves ? 5 : 9, rest_plane = moves ? 4 : 7;
+    const bool is_translation = property == TRANSLATION;
+    const int plane = is_translation ? 5 : 9, rest_plane = is_translation ? 4 : 7;
     const BlockSlot next = next_span(slot);
-    if (slot.columns.block.flags & (moves ? REST_TRANSLATION : REST_SCALE)) {
+    if (slot.columns.block.flags & (is_translation ? REST_TRANSLATION : REST_SCALE)) {
         add_vector(stored_vec3(rest, rest_plane), slot.weight, first);
         if (two_spans) add_vector(stored_vec3(rest + LANES, rest_plane), slot.weight, second);
     } else if (planes_of(slot.columns.block, property).first == NONE) {
@@ -190,13 +186,15 @@ INLINE void sum_property(const ClipTables *tables, Playback playback, uint layer
 }
 
 // Sums weight times value over a layer's slots, for LANES joints or for all sixteen of a block.
-// `two_spans` is a constant. Properties are summed one after the other, so that registers hold the
-// sums of one, and columns are found once for a block. Properties at rest are left out.
+// `two_spans` is a constant. Properties are summed one after the other: registers hold the sums of
+// one. Both spans use the columns that are found once. Properties at rest are left out. All slots
+// have weight, since play_all() leaves out others.
 INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
                           uint joint, bool no_floats, bool two_spans)
 {
     const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
-    SpanSums sums = { no_sum().trs, no_sum().trs, no_sum().terms };
+    const Sum none = no_sum();
+    SpanSums sums = { none.trs, none.trs, none.terms };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
@@ -218,12 +216,18 @@ INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint laye
 INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
                      Body body, uint joint, bool no_floats, Local rest)
 {
-    if (additive) return sum_slots(tables, playback, layer, additive, body, joint, no_floats, rest);
+    if (additive) return sum_slots(tables, playback, layer, additive, joint, no_floats, rest);
     const SpanSums sums = sum_spans(tables, playback, layer, body, joint, no_floats, false);
     const Sum sum = { sums.first, sums.terms };
     return sum;
 }
 
 #else
-#define sum_layer sum_slots
+
+INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
+                     Body body, uint joint, bool no_floats, Local rest)
+{
+    return sum_slots(tables, playback, layer, additive, joint, no_floats, rest);
+}
+
 #endif

@@ -7,14 +7,14 @@ device_struct! {
     ///
     /// A reduced body has the first joints of a body, and all of its entries: those of the other
     /// joints hang, at rest, from the nearest ancestor that is left. It shares the body's parents,
-    /// rest pose and clips, and their strides.
+    /// rest pose and clips.
     pub struct Body {
         /// Offset into `parents`.
         pub joint_first: u32,
         /// Number of joints.
         pub joint_count: u32,
-        /// Number of joints, padded to whole blocks of [`JOINT_BLOCK`]; reduced bodies have that of
-        /// the whole body.
+        /// Number of joints, padded to whole blocks of [`JOINT_BLOCK`]: the joint buffer holds as
+        /// many for each member. Reduced bodies have that of the whole body.
         pub padded_count: u32,
         /// Offset into `levels`: `level_count + 1` joint indices, the first of each level and the
         /// end of the last.
@@ -71,7 +71,8 @@ device_struct! {
         pub body: u32,
         /// Offset into the joint buffer: the member's first joint, at a block boundary.
         pub joint_first: u32,
-        /// The member's first palette entry over all pages; see the table above.
+        /// The member's first palette entry over all pages, at a block boundary; see the table
+        /// above.
         pub palette_first: u32,
         /// Layers in use and phase; see the table above.
         pub layers_and_phase: u32,

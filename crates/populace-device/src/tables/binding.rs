@@ -120,8 +120,8 @@ impl Tables {
 /// A cosine above this is positive on every device, however it rounds.
 const LEAST_COSINE: f32 = 1e-3;
 
-/// Returns the least cosine of half the angle between a joint's rest rotation and a rotation that its
-/// range can express. `ranges` and `rest` are planes of a block.
+/// Returns the least cosine of half the angle between a joint's rest rotation and a rotation that
+/// its range can express. `ranges` and `rest` are planes of a block.
 fn least_cosine(ranges: &[[f32; BLOCK]], rest: &[[f32; BLOCK]], joint: usize) -> f32 {
     let reach = ranges[4][joint] * ROW_PARTS * -f32::from(i16::MIN);
     let cosine = |c: usize| rest[c][joint] * ranges[c][joint] - rest[c][joint].abs() * reach;

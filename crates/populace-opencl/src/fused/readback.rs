@@ -12,7 +12,7 @@ use crate::context::FrameContext;
 /// Buffers into which a member is evaluated once more.
 pub(super) struct ScratchOutputs {
     pub(super) samples: Buffer<SlotSample>,
-    /// Local transforms: ten planes in the layout of stored poses.
+    /// Local transforms: ten planes, each of the body's padded joints.
     pub(super) planes: Buffer<f32>,
     pub(super) matrices: Buffer<Float4>,
     joint_count: usize,

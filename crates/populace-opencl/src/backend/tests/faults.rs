@@ -297,14 +297,21 @@ faults! {
     check_additive_layers {
         additions_do_not_move: "terms[lane].at_rest &= kept;" => "";
     }
+    check_small_totals {
+        small_totals_are_mixed: "terms[lane].total > LEAST_TOTAL" => "terms[lane].total > 0.5f";
+    }
     check_far_rotations {
         far_rotations_count_as_near: "slot.columns.block.flags & NEAR_REST" => "true";
     }
     check_blends {
         second_spans_have_the_rows_of_the_first: "slot.columns.lane += LANES;" => "";
         second_spans_have_the_ranges_of_the_first: "slot.range += LANES;" => "";
-        second_spans_are_not_mixed: "put_local(posed[SPANS - 1], lane, sums.second" =>
-            "put_local(posed[SPANS - 1], lane, sums.first";
+        spans_are_not_weighted: "unit_of(q, stored_quat(rest, 0)) * weight" =>
+            "unit_of(q, stored_quat(rest, 0))";
+        near_rotations_are_not_weighted: "near_unit_of(q) * weight" => "near_unit_of(q)";
+        vectors_of_spans_are_not_weighted: "vec3_scale(v, weight)" => "v";
+        second_spans_are_not_mixed: "put_local(posed[1], lane, sums.second" =>
+            "put_local(posed[1], lane, sums.first";
     }
     check_inertialization {
         inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
@@ -319,7 +326,7 @@ faults! {
     }
     check_live_clips {
         floats_are_read_as_halves:
-            "playback.has_floats || tables->clips[rows].has_floats" => "false";
+            "playback.has_floats || tables->clips[clip.rows].has_floats" => "false";
         layers_read_floats_as_halves:
             "return show_layer_of(all, posing, lane, l, first, false, rest, shown);" =>
             "return show_layer_of(all, posing, lane, l, first, true, rest, shown);";
