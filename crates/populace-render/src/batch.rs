@@ -33,7 +33,8 @@ pub struct PassCounts {
     pub instances: usize,
     /// Number of their triangles, without hidden parts and contact shadows.
     pub triangles: usize,
-    /// Number of draw calls.
+    /// Number of draw calls. One call draws all that has the same shader, page of palettes,
+    /// material and textures.
     pub draw_calls: usize,
 }
 

@@ -22,8 +22,9 @@
 //! [`Renderer::acquire_palettes`] and [`Renderer::draw_instances`] instead. The palettes of a crowd
 //! are not copied where the driver allows it: the crowd's device writes them into OpenGL buffers.
 //!
-//! The host computes nothing per vertex. A page of palettes is one buffer texture. All instances of
-//! a character in one page are drawn with one call for each of its parts.
+//! The host computes nothing per vertex. A page of palettes is one buffer texture. One call
+//! draws all instances, characters and levels of detail with the same page, shader, material and
+//! textures.
 
 mod batch;
 mod camera;

@@ -3,6 +3,7 @@
 mod baked;
 mod contacts;
 mod maps;
+mod shared;
 mod sides;
 mod together;
 
@@ -14,11 +15,12 @@ use populace_model::Affine;
 
 use crate::Error;
 use crate::batch::{ModelInfo, determinant};
-use crate::gl::{Buffer, Coding, Cull, Gl, Sampling, Texture};
-use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vector4, Vertex};
+use crate::gl::{Buffer, Coding, Cull, Gl, MeshPlace, Sampling, Texture};
+use crate::layout::{Bytes4, Surface, Vector4};
 
 pub(crate) use contacts::Contacts;
 pub(crate) use maps::{MapTextures, Maps};
+pub(crate) use shared::Shared;
 use together::{DrawnTogether, Likeness, byte};
 
 /// Alpha mode of a material, without its parameters.
@@ -29,21 +31,13 @@ pub(crate) enum Alpha {
     Blended,
 }
 
-/// Skinning influences of a mesh, four or eight per vertex.
-pub(crate) enum Skin {
-    Four(Buffer<Influences4>),
-    Eight(Buffer<Influences8>),
-}
-
 /// Parts of a character at one level of detail that are drawn together: triangles with the same
 /// textures and one way to draw them. Factors of materials are in the vertices.
 pub(crate) struct ModelPart {
-    pub(crate) vertices: Buffer<Vertex>,
-    pub(crate) skin: Skin,
+    pub(crate) mesh: MeshPlace,
     /// Most influences of a vertex that have a weight: 1, 2, 4 or 8.
     pub(crate) influences: u32,
-    pub(crate) indices: Buffer<u32>,
-    pub(crate) surface: Buffer<Surface>,
+    pub(crate) surface: Rc<Buffer<Surface>>,
     pub(crate) texture: Option<Rc<Texture>>,
     pub(crate) maps: MapTextures,
     /// True if the surface emits light.
@@ -98,6 +92,7 @@ impl Model {
     /// Uploads all parts with triangles for which `hide` returns false, at all levels.
     pub(crate) fn new(
         gl: &Rc<Gl>,
+        shared: &mut Shared,
         character: &Character,
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<Self, Error> {
@@ -120,7 +115,7 @@ impl Model {
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {
                 let (texture, maps) = textures.of(&together.like, &character.images)?;
-                parts.push(together.upload(gl, texture, maps)?);
+                parts.push(together.upload(shared, texture, maps)?);
             }
             levels.push(ModelLevel { parts, is_coarse });
         }
@@ -136,7 +131,7 @@ impl Model {
             is_place: sphere.1 > PLACE_M,
             sphere,
         };
-        let contacts = Contacts::new(gl, character, hide)?;
+        let contacts = Contacts::new(shared, character, hide)?;
         Ok(Self { levels, contacts, info })
     }
 }

@@ -8,11 +8,11 @@ use populace_character::{Character, Part};
 
 use crate::Error;
 use crate::gl::Gl;
-use crate::model::Model;
+use crate::model::{Model, Shared};
 
 /// Uploaded characters. A character's address is not used again while its [`Weak`] is held.
-#[derive(Default)]
 pub(crate) struct Models {
+    shared: Shared,
     models: Vec<Model>,
     owners: Vec<Weak<Character>>,
     indices: Known,
@@ -30,6 +30,16 @@ impl Known {
 }
 
 impl Models {
+    pub(crate) fn new(gl: &Rc<Gl>) -> Result<Self, Error> {
+        let (models, owners, indices) = (Vec::new(), Vec::new(), Known::default());
+        Ok(Self { shared: Shared::new(gl)?, models, owners, indices })
+    }
+
+    /// Returns the meshes of all models.
+    pub(crate) fn shared(&self) -> &Shared {
+        &self.shared
+    }
+
     /// Returns the index of each model by its character.
     pub(crate) fn known(&self) -> &Known {
         &self.indices
@@ -48,7 +58,7 @@ impl Models {
         character: &Arc<Character>,
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<usize, Error> {
-        let model = Model::new(gl, character, hide)?;
+        let model = Model::new(gl, &mut self.shared, character, hide)?;
         if let Some(index) = self.indices.find(character) {
             self.models[index] = model;
             return Ok(index);

@@ -1,5 +1,6 @@
 //! The renderer: shadow map, members, ground and sky of one frame.
 
+mod calls;
 mod constants;
 pub(crate) mod interface;
 pub(crate) mod marks;
@@ -17,10 +18,10 @@ use self::constants::{bounding_sphere, frame};
 use self::interface::Interface;
 use crate::batch::{Batches, Drawn, Instances, ModelInfo, Run};
 use crate::gl::{
-    Buffer, BufferUse, ContactTarget, Gl, MarkTarget, PictureTarget, ShadowTarget, Timers,
-    VertexArray, WindowTarget,
+    Buffer, BufferUse, ContactTarget, DrawCommands, Gl, MarkTarget, PictureTarget, ShadowTarget,
+    Timers, VertexArray, WindowTarget,
 };
-use crate::layout::{Frame, Influences4, Influences8, InstanceData};
+use crate::layout::{Frame, InstanceData};
 use crate::models::Models;
 use crate::palettes::{PaletteInterop, Palettes};
 use crate::programs::Programs;
@@ -43,13 +44,11 @@ pub struct Renderer {
     shadow: Option<ShadowTarget>,
     contact_map: Option<ContactTarget>,
     programs: Programs,
-    skin4: VertexArray,
-    skin8: VertexArray,
-    contacts: VertexArray,
     no_attributes: VertexArray,
     palettes: Palettes,
     models: Models,
     instances: Buffer<InstanceData>,
+    commands: DrawCommands,
     frame: Buffer<Frame>,
     timers: Timers<3>,
     /// Runs of the instances in the last picture.
@@ -93,13 +92,11 @@ impl Renderer {
             shadow: None,
             contact_map: None,
             programs: Programs::new(&gl),
-            skin4: VertexArray::skinned::<Influences4>(&gl)?,
-            skin8: VertexArray::skinned::<Influences8>(&gl)?,
-            contacts: VertexArray::contacts(&gl)?,
             no_attributes: VertexArray::empty(&gl)?,
             palettes: Palettes::default(),
-            models: Models::default(),
+            models: Models::new(&gl)?,
             instances: Buffer::new(&gl, BufferUse::Stream)?,
+            commands: DrawCommands::new(&gl)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
             timers: Timers::new(&gl)?,
             runs: Vec::new(),
@@ -140,8 +137,9 @@ impl Renderer {
     /// Uploads a character's meshes and textures, without the parts for which `hide` returns true.
     /// It is drawn that way until it is uploaded again.
     ///
-    /// A character that is drawn without this call is uploaded whole when it is first seen. Its
-    /// memory is released once nothing holds the character any more.
+    /// A character that is drawn without this call is uploaded whole when it is first seen. Once
+    /// nothing holds the character any more, its textures are released, and the memory of its
+    /// meshes is used again.
     ///
     /// # Errors
     ///

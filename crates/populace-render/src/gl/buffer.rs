@@ -40,9 +40,7 @@ pub(crate) struct Buffer<T> {
 impl<T: bytemuck::Pod> Buffer<T> {
     /// Creates an empty buffer.
     pub(crate) fn new(gl: &Rc<Gl>, usage: BufferUse) -> Result<Self, Error> {
-        // SAFETY: the context is current.
-        let raw = unsafe { gl.functions.create_buffer() }
-            .map_err(|code| Error::GlError { operation: "create a buffer".into(), code })?;
+        let raw = create(gl)?;
         let usage = match usage {
             BufferUse::Static => glow::STATIC_DRAW,
             BufferUse::Stream => glow::STREAM_DRAW,
@@ -89,6 +87,51 @@ impl<T: bytemuck::Pod> Buffer<T> {
         Ok(())
     }
 
+    /// Makes room for `len` elements. Those that are new have no contents yet.
+    pub(crate) fn grow(&mut self, len: usize, operation: &str) -> Result<(), Error> {
+        if len <= self.len {
+            return Ok(());
+        }
+        let mut larger = Self {
+            gl: Rc::clone(&self.gl),
+            raw: create(&self.gl)?,
+            usage: self.usage,
+            len: 0,
+            capacity: 0,
+            element: PhantomData,
+        };
+        let (old, new) = (bytes_of::<T>(self.len)?, bytes_of::<T>(len)?);
+        let functions = &self.gl.functions;
+        // SAFETY: the context is current, and both objects exist. The old one holds `old` bytes,
+        // and the new one more.
+        unsafe {
+            functions.bind_buffer(glow::COPY_READ_BUFFER, Some(self.raw));
+            functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(larger.raw));
+            functions.buffer_data_size(glow::COPY_WRITE_BUFFER, new, self.usage);
+            if old > 0 {
+                let [from, to] = [glow::COPY_READ_BUFFER, glow::COPY_WRITE_BUFFER];
+                functions.copy_buffer_sub_data(from, to, 0, 0, old);
+            }
+        }
+        self.gl.check(operation)?;
+        (larger.len, larger.capacity) = (len, len);
+        *self = larger;
+        Ok(())
+    }
+
+    /// Replaces the elements from `first` on. Those that would lie past the end are left out.
+    pub(crate) fn write(&self, first: usize, data: &[T], operation: &str) -> Result<(), Error> {
+        let data = &data[..data.len().min(self.len.saturating_sub(first))];
+        let offset = bytes_of::<T>(first)?;
+        // SAFETY: the context is current, and the buffer holds the elements.
+        unsafe {
+            let (functions, bytes) = (&self.gl.functions, bytemuck::cast_slice(data));
+            functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(self.raw));
+            functions.buffer_sub_data_u8_slice(glow::COPY_WRITE_BUFFER, offset, bytes);
+        }
+        self.gl.check(operation)
+    }
+
     /// Maps the buffer, which is bound to `GL_COPY_WRITE_BUFFER`, and writes its first bytes.
     /// Returns false if the driver cannot map it.
     fn write_mapped(&self, bytes: &[u8]) -> bool {
@@ -130,6 +173,20 @@ impl<T: bytemuck::Pod> Buffer<T> {
     pub(super) fn raw(&self) -> glow::Buffer {
         self.raw
     }
+}
+
+fn create(gl: &Gl) -> Result<glow::Buffer, Error> {
+    // SAFETY: the context is current.
+    unsafe { gl.functions.create_buffer() }
+        .map_err(|code| Error::GlError { operation: "create a buffer".into(), code })
+}
+
+/// Returns the size of elements in bytes, as OpenGL takes it.
+fn bytes_of<T>(len: usize) -> Result<i32, Error> {
+    let size = len as u64 * size_of::<T>() as u64;
+    let limit = u64::from(i32::MAX.unsigned_abs());
+    let too_large = |_| Error::TooLarge { what: "the size of a buffer in bytes", size, limit };
+    i32::try_from(size).map_err(too_large)
 }
 
 impl Buffer<Float4> {

@@ -220,7 +220,7 @@ impl Drop for Context {
     }
 }
 
-fn no_gl(tried: String) -> Error {
+pub(super) fn no_gl(tried: String) -> Error {
     Error::NoGl { tried, remedy: REMEDY }
 }
 

@@ -11,6 +11,7 @@
 mod buffer;
 mod egl;
 mod interface;
+mod meshes;
 mod page;
 mod program;
 mod target;
@@ -29,15 +30,18 @@ use populace_device::GlContext;
 
 use crate::Error;
 
+use meshes::MultiDraw;
+
 pub(crate) use buffer::{Buffer, BufferUse};
 pub(crate) use interface::{InterfaceTexture, Triangles, WindowPicture};
+pub(crate) use meshes::{DrawCommand, DrawCommands, Format, MeshPlace, Meshes};
 pub(crate) use page::{Fence, Page};
 pub(crate) use program::Program;
 pub(crate) use target::{ContactTarget, MarkTarget, PictureTarget, ShadowTarget};
 pub(crate) use texture::{Coding, Sampling, Texture};
 pub(crate) use timer::Timers;
 pub(crate) use vectors::Vectors;
-pub(crate) use vertex_array::{DrawRange, VertexArray};
+pub(crate) use vertex_array::VertexArray;
 pub use window::WindowTarget;
 
 /// Limits and features of the driver.
@@ -51,6 +55,9 @@ pub(crate) struct Limits {
     pub(crate) vectors_bytes: u64,
     /// True if buffers can stay mapped while they are drawn from.
     pub(crate) maps_buffers: bool,
+    /// Triangles after which a pass hands over what it has drawn. Software rasterizers fill pixels
+    /// while the next vertices are computed, which they do on one thread.
+    pub(crate) handed_over: usize,
     /// Largest anisotropy of texture filters, 1 if unsupported or too slow.
     pub(crate) anisotropy: f32,
 }
@@ -58,6 +65,7 @@ pub(crate) struct Limits {
 /// A context and its functions.
 pub(crate) struct Gl {
     functions: glow::Context,
+    multi_draw: MultiDraw,
     limits: Limits,
     driver: String,
     // Declared last, since it must outlive the functions that were loaded from it.
@@ -65,7 +73,7 @@ pub(crate) struct Gl {
 }
 
 /// Face culling, and the winding of front faces.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Cull {
     /// No culling; front faces are counter-clockwise.
     Nothing,
@@ -122,12 +130,13 @@ impl Gl {
         // checks before each call.
         let functions =
             unsafe { glow::Context::from_loader_function(|name| context.proc_address(name)) };
+        let multi_draw = MultiDraw::load(&context)?;
         let limits = Limits::of(&functions)?;
         // SAFETY: the context is current; both are strings of core OpenGL.
         let [renderer, version] = [glow::RENDERER, glow::VERSION]
             .map(|name| unsafe { functions.get_parameter_string(name) });
-        let gl =
-            Self { functions, limits, driver: format!("{renderer}, OpenGL {version}"), context };
+        let driver = format!("{renderer}, OpenGL {version}");
+        let gl = Self { functions, multi_draw, limits, driver, context };
         gl.check("query the driver's limits")?;
         Ok(Rc::new(gl))
     }
@@ -286,6 +295,7 @@ impl Limits {
             maps_buffers: functions.version().major > 4
                 || (functions.version().major == 4 && functions.version().minor >= 4)
                 || functions.supported_extensions().contains("GL_ARB_buffer_storage"),
+            handed_over: if software { 60_000 } else { usize::MAX },
             anisotropy,
         })
     }

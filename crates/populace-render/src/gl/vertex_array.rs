@@ -1,4 +1,4 @@
-//! Vertex array objects and instanced draws.
+//! Vertex array objects.
 
 use std::rc::Rc;
 
@@ -6,27 +6,17 @@ use glow::HasContext as _;
 
 use super::{Buffer, Gl};
 use crate::Error;
-use crate::layout::{Attribute, Component, Contact, Corner, InstanceData, Vertex, VertexStruct};
+use crate::layout::{Attribute, Component, Corner, VertexStruct};
 
-/// Vertex buffer binding points.
+/// Binding point of vertices. Those with two structs have the second at the next one.
 const VERTICES: u32 = 0;
-const INFLUENCES: u32 = 1;
-const INSTANCES: u32 = 2;
+/// Binding point of instances.
+pub(super) const INSTANCES: u32 = 2;
 
-/// Attribute formats of a mesh: [`Vertex`], a struct of influences, and [`InstanceData`].
+/// Formats of attributes, and the buffers that they are read from.
 pub(crate) struct VertexArray {
     gl: Rc<Gl>,
     raw: glow::VertexArray,
-}
-
-/// One draw: all triangles of a mesh for a run of instances.
-pub(crate) struct DrawRange<'a, I> {
-    pub(crate) vertices: &'a Buffer<Vertex>,
-    pub(crate) influences: &'a Buffer<I>,
-    pub(crate) indices: &'a Buffer<u32>,
-    pub(crate) instances: &'a Buffer<InstanceData>,
-    pub(crate) first_instance: u32,
-    pub(crate) instance_count: u32,
 }
 
 impl VertexArray {
@@ -38,30 +28,16 @@ impl VertexArray {
         Ok(Self { gl: Rc::clone(gl), raw })
     }
 
-    /// Creates the vertex array of skinned meshes with influences of type `I`.
-    pub(crate) fn skinned<I: VertexStruct>(gl: &Rc<Gl>) -> Result<Self, Error> {
-        Self::with(
-            gl,
-            &[
-                (VERTICES, Vertex::ATTRIBUTES),
-                (INFLUENCES, I::ATTRIBUTES),
-                (INSTANCES, InstanceData::ATTRIBUTES),
-            ],
-        )
-    }
-
-    /// Creates the vertex array of contact shadows.
-    pub(crate) fn contacts(gl: &Rc<Gl>) -> Result<Self, Error> {
-        let instances = (INSTANCES, InstanceData::ATTRIBUTES);
-        Self::with(gl, &[(VERTICES, Contact::ATTRIBUTES), instances])
-    }
-
     /// Creates the vertex array of the user interface.
     pub(crate) fn corners(gl: &Rc<Gl>) -> Result<Self, Error> {
         Self::with(gl, &[(VERTICES, Corner::ATTRIBUTES)])
     }
 
-    fn with(gl: &Rc<Gl>, bindings: &[(u32, &'static [Attribute])]) -> Result<Self, Error> {
+    /// Creates a vertex array with the attributes of each binding point, at consecutive locations.
+    pub(super) fn with(
+        gl: &Rc<Gl>,
+        bindings: &[(u32, &'static [Attribute])],
+    ) -> Result<Self, Error> {
         let array = Self::empty(gl)?;
         array.bind();
         let attributes =
@@ -104,31 +80,6 @@ impl VertexArray {
         unsafe { self.gl.functions.bind_vertex_array(Some(self.raw)) }
     }
 
-    /// Draws with the bound program, blocks and textures. Draws nothing if the range ends past the
-    /// instances, or if vertices and influences differ in length.
-    pub(crate) fn draw<I: VertexStruct>(&self, range: &DrawRange<'_, I>) {
-        if range.vertices.len() != range.influences.len() {
-            return;
-        }
-        self.bind_buffer(VERTICES, range.vertices);
-        self.bind_buffer(INFLUENCES, range.influences);
-        let instances = (range.first_instance, range.instance_count);
-        self.draw_indexed((range.indices, range.indices.len()), range.instances, instances);
-    }
-
-    /// Draws the rectangles of contact shadows whose indices are the first `indices.1`, as
-    /// [`draw`](Self::draw) does.
-    pub(crate) fn draw_contacts(
-        &self,
-        vertices: &Buffer<Contact>,
-        indices: (&Buffer<u32>, usize),
-        instances: &Buffer<InstanceData>,
-        range: (u32, u32),
-    ) {
-        self.bind_buffer(VERTICES, vertices);
-        self.draw_indexed(indices, instances, range);
-    }
-
     /// Draws the triangles of a run of indices: the first, and their number. Draws nothing if the
     /// run ends past the indices. Each index must be less than the number of vertices.
     pub(crate) fn draw_corners(
@@ -153,48 +104,16 @@ impl VertexArray {
     }
 
     /// Makes a buffer the source of the attributes of a binding point.
-    fn bind_buffer<V: VertexStruct>(&self, binding: u32, buffer: &Buffer<V>) {
-        self.bind();
-        let stride = i32::try_from(size_of::<V>()).unwrap_or(0);
-        // SAFETY: the context is current and the vertex array bound.
-        unsafe {
-            self.gl.functions.bind_vertex_buffer(binding, Some(buffer.raw()), 0, stride);
-        }
+    pub(super) fn bind_buffer<V: VertexStruct>(&self, binding: u32, buffer: &Buffer<V>) {
+        self.bind_stream(binding, buffer.raw(), size_of::<V>());
     }
 
-    fn draw_indexed(
-        &self,
-        (indices, index_count): (&Buffer<u32>, usize),
-        instances: &Buffer<InstanceData>,
-        (first_instance, instance_count): (u32, u32),
-    ) {
-        let end = first_instance as usize + instance_count as usize;
-        let counts = (i32::try_from(index_count), i32::try_from(instance_count));
-        let (Ok(count), Ok(instance_count)) = counts else {
-            return;
-        };
-        if end > instances.len() || index_count > indices.len() {
-            return;
-        }
-        self.bind_buffer(INSTANCES, instances);
-        // SAFETY: the context is current. Indices are less than the number of vertices:
-        // `populace_character::Character::new` checks them, and `model.rs` uploads them unchanged;
-        // those of contact shadows are made with their vertices. The ranges of indices and
-        // instances were checked above. Palette reads lie within the bound page, since `batch.rs`
-        // checks each instance against it.
-        unsafe {
-            let functions = &self.gl.functions;
-            functions.bind_buffer(glow::ELEMENT_ARRAY_BUFFER, Some(indices.raw()));
-            functions.draw_elements_instanced_base_vertex_base_instance(
-                glow::TRIANGLES,
-                count,
-                glow::UNSIGNED_INT,
-                0,
-                instance_count,
-                0,
-                first_instance,
-            );
-        }
+    /// As [`bind_buffer`](Self::bind_buffer), for a buffer of structs of `stride` bytes.
+    pub(super) fn bind_stream(&self, binding: u32, buffer: glow::Buffer, stride: usize) {
+        self.bind();
+        let stride = i32::try_from(stride).unwrap_or(0);
+        // SAFETY: the context is current and the vertex array bound.
+        unsafe { self.gl.functions.bind_vertex_buffer(binding, Some(buffer), 0, stride) }
     }
 }
 

@@ -1,19 +1,18 @@
 //! Capsules around a character's bones, whose contact shadows darken the ground.
 
-use std::rc::Rc;
-
 use glam::{DMat3, DVec3};
 use populace_character::{Character, Part};
 use populace_model::f64math;
 
+use super::Shared;
 use crate::Error;
-use crate::gl::{Buffer, BufferUse, Gl};
+use crate::gl::{DrawCommand, MeshPlace};
 use crate::layout::Contact;
 
 /// Most capsules of a character. Fingers have none.
 const MOST: usize = 12;
-/// Capsules of coarse levels: feet and the largest bones.
-const COARSE: usize = 4;
+/// Indices of the capsules of coarse levels: feet and the two largest bones.
+const COARSE_INDICES: u32 = 4 * 6;
 /// Weight from which a vertex belongs to a palette entry.
 const OWN: f32 = 0.5;
 /// Least number of vertices of a capsule.
@@ -27,9 +26,7 @@ const CORNERS: [[f32; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.
 
 /// Capsules on the graphics device, the most important ones first.
 pub(crate) struct Contacts {
-    pub(crate) vertices: Buffer<Contact>,
-    pub(crate) indices: Buffer<u32>,
-    count: usize,
+    mesh: MeshPlace,
 }
 
 /// A capsule in the bind space of a palette entry.
@@ -48,7 +45,7 @@ struct Capsule {
 impl Contacts {
     /// Uploads the capsules of the parts for which `hide` returns false.
     pub(crate) fn new(
-        gl: &Rc<Gl>,
+        shared: &mut Shared,
         character: &Character,
         hide: &dyn Fn(&Part) -> bool,
     ) -> Result<Self, Error> {
@@ -56,16 +53,15 @@ impl Contacts {
         let vertices: Vec<Contact> = capsules.iter().flat_map(corners).collect();
         let firsts = (0u32..).step_by(CORNERS.len()).take(capsules.len());
         let indices: Vec<u32> = firsts.flat_map(|f| [0, 1, 2, 0, 2, 3].map(|i| f + i)).collect();
-        Ok(Self {
-            vertices: Buffer::with(gl, BufferUse::Static, &vertices, "upload contact shadows")?,
-            indices: Buffer::with(gl, BufferUse::Static, &indices, "upload contact shadows")?,
-            count: capsules.len(),
-        })
+        Ok(Self { mesh: shared.contacts.add(&[bytemuck::cast_slice(&vertices)], &indices)? })
     }
 
-    /// Returns the number of indices to draw at a level of detail.
-    pub(crate) fn index_count(&self, is_coarse: bool) -> usize {
-        6 * if is_coarse { self.count.min(COARSE) } else { self.count }
+    /// Returns the command that draws them at a level of detail, for the instances from `first` on;
+    /// `None` if there are none.
+    pub(crate) fn command(&self, is_coarse: bool, first: u32, count: u32) -> Option<DrawCommand> {
+        let all = self.mesh.command(first, count);
+        let command = if is_coarse { all.with_indices(COARSE_INDICES) } else { all };
+        (command.triangles() > 0).then_some(command)
     }
 }
 

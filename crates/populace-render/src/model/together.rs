@@ -8,9 +8,9 @@ use populace_character::{AlphaMode, Influences, Material, Mesh};
 use populace_device::layout::Float4;
 
 use super::sides::Sides;
-use super::{Alpha, MapTextures, ModelPart, Skin};
+use super::{Alpha, MapTextures, ModelPart, Shared};
 use crate::Error;
-use crate::gl::{Buffer, BufferUse, Gl, Texture};
+use crate::gl::Texture;
 use crate::layout::{Bytes4, Influences4, Influences8, Surface, Vector4, Vertex};
 
 /// Part of a surface that holes take at most for its back to be left out of a coarse level.
@@ -122,14 +122,10 @@ impl DrawnTogether {
 
     pub(super) fn upload(
         &self,
-        gl: &Rc<Gl>,
+        shared: &mut Shared,
         texture: Option<Rc<Texture>>,
         maps: MapTextures,
     ) -> Result<ModelPart, Error> {
-        let (size, limit) = (self.indices.len() as u64, u64::from(i32::MAX.unsigned_abs()));
-        if size > limit {
-            return Err(Error::TooLarge { what: "the number of indices of a mesh", size, limit });
-        }
         let (alpha, alpha_cutoff) = match self.like.alpha {
             AlphaMode::Opaque => (Alpha::Opaque, 0.0),
             AlphaMode::Mask { cutoff } => (Alpha::Masked, cutoff),
@@ -143,13 +139,13 @@ impl DrawnTogether {
             unused: 0.0,
             emissive: Float4([red, green, blue, 0.0]),
         };
-        let (vertices, indices) = (&self.vertices, &self.indices);
+        let influences = most_influences(&self.influences);
+        let skin = skin_bytes(&self.influences, influences);
+        let vertices = [bytemuck::cast_slice(&self.vertices), &skin[..]];
         Ok(ModelPart {
-            vertices: Buffer::with(gl, BufferUse::Static, vertices, "upload a mesh's vertices")?,
-            skin: upload_skin(gl, &self.influences)?,
-            influences: most_influences(&self.influences),
-            indices: Buffer::with(gl, BufferUse::Static, indices, "upload a mesh's triangles")?,
-            surface: Buffer::with(gl, BufferUse::Static, &[surface], "upload a material")?,
+            mesh: shared.skinned_mut(influences).add(&vertices, &self.indices)?,
+            influences,
+            surface: shared.surface(surface)?,
             texture,
             maps,
             emits: self.like.emissive != [0.0; 3],
@@ -179,29 +175,26 @@ fn most_influences(influences: &Influences) -> u32 {
     if most > 4 { 8 } else { u32::try_from(most.next_power_of_two()).unwrap_or(4) }
 }
 
-fn upload_skin(gl: &Rc<Gl>, influences: &Influences) -> Result<Skin, Error> {
-    let operation = "upload a mesh's influences";
+/// Returns the bytes of [`Influences4`], or of [`Influences8`] if a vertex has `most` > 4
+/// influences with a weight.
+fn skin_bytes(influences: &Influences, most: u32) -> Vec<u8> {
+    let fours = influences.per_vertex / 4;
     let (entries, _) = influences.entries.as_chunks::<4>();
     let (weights, _) = influences.weights.as_chunks::<4>();
-    let fours = entries
-        .iter()
-        .zip(weights)
-        .map(|(&entries0, &weights0)| Influences4 { weights0, entries0 });
-    if influences.per_vertex == 4 {
-        let data: Vec<_> = fours.collect();
-        return Ok(Skin::Four(Buffer::with(gl, BufferUse::Static, &data, operation)?));
-    }
-    let data: Vec<_> = entries
-        .chunks_exact(2)
-        .zip(weights.chunks_exact(2))
-        .map(|(entries, weights)| Influences8 {
+    let vertices = entries.chunks_exact(fours).zip(weights.chunks_exact(fours));
+    if most > 4 {
+        let data = vertices.map(|(entries, weights)| Influences8 {
             weights0: weights[0],
             weights1: weights[1],
             entries0: entries[0],
             entries1: entries[1],
-        })
-        .collect();
-    Ok(Skin::Eight(Buffer::with(gl, BufferUse::Static, &data, operation)?))
+        });
+        bytemuck::pod_collect_to_vec(&data.collect::<Vec<_>>())
+    } else {
+        let data = vertices
+            .map(|(entries, weights)| Influences4 { weights0: weights[0], entries0: entries[0] });
+        bytemuck::pod_collect_to_vec(&data.collect::<Vec<_>>())
+    }
 }
 
 /// Returns the weights, divided by their sum per vertex. In some files the sum is not 1, which

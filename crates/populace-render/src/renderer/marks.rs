@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::Renderer;
-use super::passes::{MEMBER_UNIT, PALETTE_UNIT, TEXTURE_UNIT, range};
+use super::calls::{Pass, calls};
+use super::passes::MEMBER_UNIT;
+use crate::batch::PassCounts;
 use crate::gl::{Cull, DrawState, MarkTarget};
-use crate::model::Skin;
 use crate::programs::Kind;
 use crate::{Camera, Error, Scene};
 
@@ -66,24 +67,11 @@ impl Renderer {
         };
         target.begin();
         self.frame.bind_uniform();
-        for run in &self.runs {
-            self.palettes.bind(run.page, PALETTE_UNIT);
-            let Some(model) = self.models.as_slice().get(run.model) else { continue };
-            for part in &model.levels[run.level as usize].parts {
-                let (alpha, influences) = (part.alpha, part.influences);
-                let textured = part.texture.is_some();
-                self.programs.get(Kind::Marks { influences, alpha, textured })?.bind();
-                self.gl.set_state(DrawState { cull: part.cull(run.mirrored), ..DrawState::OPAQUE });
-                part.surface.bind_uniform();
-                if let Some(texture) = &part.texture {
-                    texture.bind(TEXTURE_UNIT);
-                }
-                match &part.skin {
-                    Skin::Four(skin) => self.skin4.draw(&range(part, skin, &self.instances, run)),
-                    Skin::Eight(skin) => self.skin8.draw(&range(part, skin, &self.instances, run)),
-                }
-            }
-        }
+        let models = self.models.as_slice();
+        self.commands.clear();
+        let calls = calls(&self.runs, Pass::Marks, models, &mut self.commands);
+        self.commands.upload()?;
+        self.draw_calls(&calls, Pass::Marks, &mut PassCounts::default())?;
         let pixels = target.read();
         self.marks = Some(target);
         pixels

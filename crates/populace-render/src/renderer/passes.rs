@@ -1,17 +1,18 @@
 //! The passes of a picture: members in the shadow map and in the picture, and what surrounds them.
 
+use std::ops::Range;
+
 use super::Renderer;
+use super::calls::{Call, Pass, calls, contact_calls};
 use crate::batch::{Batches, Drawn, PassCounts, Run};
-use crate::gl::{Buffer, ContactTarget, Cull, DrawRange, DrawState, ShadowTarget};
-use crate::layout::InstanceData;
-use crate::model::{Alpha, ModelPart, Skin};
-use crate::programs::{Kind, MemberKind};
+use crate::gl::{ContactTarget, Cull, DrawState, ShadowTarget};
+use crate::programs::Kind;
 use crate::{Error, Scene};
 
-pub(super) const TEXTURE_UNIT: u32 = 0;
+const TEXTURE_UNIT: u32 = 0;
 const SHADOW_UNIT: u32 = 1;
 pub(super) const MEMBER_UNIT: u32 = 2;
-pub(super) const PALETTE_UNIT: u32 = 7;
+const PALETTE_UNIT: u32 = 7;
 const CONTACT_UNIT: u32 = 8;
 
 /// Milliseconds that the graphics device took for the passes of a picture, by its own timers.
@@ -32,21 +33,6 @@ pub struct PassTimes {
 const SHADOW_PASS: usize = 0;
 const MEMBER_PASS: usize = 1;
 const SURROUNDINGS_PASS: usize = 2;
-
-/// Triangles after which a pass hands over what it has drawn: software rasterizers fill pixels while
-/// the next vertices are computed, which they do on one thread.
-const HANDED_OVER: usize = 60_000;
-
-/// A pass over the members.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Pass {
-    Shadow,
-    Opaque {
-        /// Contact shadows lie on members.
-        on_members: bool,
-    },
-    Blended,
-}
 
 impl Renderer {
     /// Returns how long the passes of the last picture took. Waits until it is drawn.
@@ -76,24 +62,34 @@ impl Renderer {
     ) -> Result<(), Error> {
         self.timers.clear();
         let contacts = Contacts::of(scene);
+        let on_members = contacts == Contacts::OnMembers;
+        let (models, commands) = (self.models.as_slice(), &mut self.commands);
+        commands.clear();
+        let shadow = calls(&batches.shadow, Pass::Shadow, models, commands);
+        let opaque = calls(&batches.opaque, Pass::Opaque { on_members }, models, commands);
+        let blended = calls(&batches.blended, Pass::Blended, models, commands);
+        let contact = match contacts {
+            Contacts::None => Vec::new(),
+            _ => contact_calls(&batches.opaque, models, commands),
+        };
+        commands.upload()?;
         self.timed(SHADOW_PASS, |renderer| {
             if shadows {
                 renderer.shadow.iter().for_each(ShadowTarget::begin);
-                renderer.draw_runs(&batches.shadow, Pass::Shadow, &mut drawn.shadow)?;
+                renderer.draw_calls(&shadow, Pass::Shadow, &mut drawn.shadow)?;
             }
             if contacts == Contacts::None {
                 return Ok(());
             }
-            renderer.draw_contacts(&batches.opaque, &mut drawn.shadow)
+            renderer.draw_contacts(&contact, &mut drawn.shadow)
         })?;
         if let Some(shadow) = &self.shadow {
             shadow.bind_texture(SHADOW_UNIT);
         }
         self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
-            let on_members = contacts == Contacts::OnMembers;
-            renderer.draw_runs(&batches.opaque, Pass::Opaque { on_members }, &mut drawn.members)?;
-            renderer.draw_runs(&batches.blended, Pass::Blended, &mut drawn.members)
+            renderer.draw_calls(&opaque, Pass::Opaque { on_members }, &mut drawn.members)?;
+            renderer.draw_calls(&blended, Pass::Blended, &mut drawn.members)
         })?;
         self.timed(SURROUNDINGS_PASS, |renderer| {
             renderer.draw_surroundings(scene, contacts, &mut drawn.surroundings)
@@ -116,63 +112,36 @@ impl Renderer {
         result
     }
 
-    /// Draws runs of instances, and counts triangles and calls.
-    fn draw_runs(
+    /// Draws calls, and counts them and their triangles.
+    pub(super) fn draw_calls(
         &mut self,
-        runs: &[Run],
+        calls: &[Call],
         pass: Pass,
         counts: &mut PassCounts,
     ) -> Result<(), Error> {
+        let most = self.gl.limits().handed_over;
         let mut waiting = 0;
-        for run in runs {
-            self.palettes.bind(run.page, PALETTE_UNIT);
-            let level = &self.models.as_slice()[run.model].levels[run.level as usize];
-            for part in &level.parts {
-                let (alpha, influences) = (part.alpha, part.influences);
-                let textured = part.texture.is_some();
-                let vertex_lit = level.is_coarse;
-                let maps = part.sampled_maps();
-                if (alpha == Alpha::Blended) != (pass == Pass::Blended) {
-                    continue;
-                }
-                let kind = match pass {
-                    Pass::Shadow => Kind::Shadow { influences, alpha, textured },
-                    Pass::Opaque { .. } | Pass::Blended => Kind::Member(MemberKind {
-                        influences,
-                        alpha,
-                        textured,
-                        vertex_lit,
-                        two_sided: vertex_lit && part.double_sided,
-                        faded: run.faded,
-                        contacts: !vertex_lit && pass == (Pass::Opaque { on_members: true }),
-                        maps,
-                    }),
-                };
-                let triangles = part.indices.len() / 3 * run.count as usize;
-                counts.triangles += triangles;
-                counts.draw_calls += 1;
+        for call in calls {
+            let [model, level, part] = call.part;
+            let part = &self.models.as_slice()[model].levels[level].parts[part];
+            self.palettes.bind(call.page, PALETTE_UNIT);
+            self.programs.get(call.kind)?.bind();
+            self.gl.set_state(state(pass, call.cull));
+            part.surface.bind_uniform();
+            if let Some(texture) = &part.texture {
+                texture.bind(TEXTURE_UNIT);
+            }
+            part.bind_maps(call.kind.maps());
+            let meshes = self.models.shared().skinned(part.influences);
+            for (triangles, commands) in self.commands.shares(&call.commands, most) {
                 waiting += triangles;
-                if waiting > HANDED_OVER {
+                if waiting > most {
                     self.gl.flush();
                     waiting = triangles;
                 }
-                self.programs.get(kind)?.bind();
-                self.gl.set_state(state(pass, part.cull(run.mirrored)));
-                part.surface.bind_uniform();
-                if let Some(texture) = &part.texture {
-                    texture.bind(TEXTURE_UNIT);
-                }
-                if pass != Pass::Shadow {
-                    part.bind_maps(maps);
-                }
-                match &part.skin {
-                    Skin::Four(influences) => {
-                        self.skin4.draw(&range(part, influences, &self.instances, run))
-                    }
-                    Skin::Eight(influences) => {
-                        self.skin8.draw(&range(part, influences, &self.instances, run))
-                    }
-                }
+                meshes.draw(&self.commands, commands, &self.instances);
+                counts.triangles += triangles;
+                counts.draw_calls += 1;
             }
         }
         Ok(())
@@ -207,7 +176,11 @@ impl Renderer {
 
 impl Renderer {
     /// Draws the contact map: the contact shadows of instances on the plane y = 0.
-    fn draw_contacts(&mut self, runs: &[Run], counts: &mut PassCounts) -> Result<(), Error> {
+    fn draw_contacts(
+        &mut self,
+        calls: &[(usize, Range<usize>)],
+        counts: &mut PassCounts,
+    ) -> Result<(), Error> {
         let map = match &mut self.contact_map {
             Some(map) => map,
             empty => empty.insert(ContactTarget::new(&self.gl, self.picture.size())?),
@@ -216,17 +189,11 @@ impl Renderer {
         let state = DrawState { cull: Cull::Nothing, blend: true, ..DrawState::OPAQUE };
         self.gl.set_state(DrawState { depth_write: false, ..state });
         self.programs.get(Kind::Contact)?.bind();
-        for run in runs {
-            self.palettes.bind(run.page, PALETTE_UNIT);
-            let model = &self.models.as_slice()[run.model];
-            let contacts = &model.contacts;
-            let index_count = contacts.index_count(model.levels[run.level as usize].is_coarse);
-            if index_count > 0 {
-                let indices = (&contacts.indices, index_count);
-                let range = (run.first, run.count);
-                self.contacts.draw_contacts(&contacts.vertices, indices, &self.instances, range);
-                counts.draw_calls += 1;
-            }
+        let meshes = &self.models.shared().contacts;
+        for (page, commands) in calls {
+            self.palettes.bind(*page, PALETTE_UNIT);
+            meshes.draw(&self.commands, commands.clone(), &self.instances);
+            counts.draw_calls += 1;
         }
         if let Some(map) = &self.contact_map {
             map.bind_texture(CONTACT_UNIT);
@@ -256,28 +223,12 @@ impl Contacts {
     }
 }
 
-pub(super) fn range<'a, I>(
-    part: &'a ModelPart,
-    influences: &'a Buffer<I>,
-    instances: &'a Buffer<InstanceData>,
-    run: &Run,
-) -> DrawRange<'a, I> {
-    DrawRange {
-        vertices: &part.vertices,
-        influences,
-        indices: &part.indices,
-        instances,
-        first_instance: run.first,
-        instance_count: run.count,
-    }
-}
-
 fn state(pass: Pass, cull: Cull) -> DrawState {
     match pass {
         Pass::Shadow => {
             DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
         }
-        Pass::Opaque { .. } => DrawState { cull, ..DrawState::OPAQUE },
+        Pass::Opaque { .. } | Pass::Marks => DrawState { cull, ..DrawState::OPAQUE },
         Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
     }
 }

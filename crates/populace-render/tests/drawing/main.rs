@@ -2,6 +2,7 @@
 //! `build.rs`.
 #![expect(clippy::unwrap_used, reason = "a failing set-up fails the test")]
 
+mod calls;
 mod crowds;
 mod fixture;
 mod looks;
