@@ -53,6 +53,7 @@ const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
 const LOOK: &str = include_str!("shaders/look.glsl");
 const FADE: &str = include_str!("shaders/fade.glsl");
+const SUNK: &str = include_str!("shaders/sunk.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
 const SHADING: &str = include_str!("shaders/shading.glsl");
 
@@ -65,7 +66,7 @@ fn sources(kind: Kind) -> [String; 2] {
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
         ],
         Kind::Marks { influences, alpha, textured } => [
-            skinned(influences, &[include_str!("shaders/marks.vert")]),
+            skinned(influences, &[SUNK, include_str!("shaders/marks.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/marks.frag")]),
         ],
         Kind::Ground { contacts } => [
@@ -114,7 +115,7 @@ fn member_sources(kind: MemberKind) -> [String; 2] {
     let defines = [&maps.defines(), texture, sampled, light, fade].concat();
     let member = include_str!("shaders/member.frag");
     [
-        skinned(influences, &[&defines, LIGHT, include_str!("shaders/member.vert")]),
+        skinned(influences, &[&defines, LIGHT, SUNK, include_str!("shaders/member.vert")]),
         with_blocks(alpha, &[&defines, contacts_define(contacts), LIGHT, shading, member]),
     ]
 }

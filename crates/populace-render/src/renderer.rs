@@ -271,6 +271,8 @@ impl Renderer {
         camera: &Camera,
         scene: &Scene,
     ) -> Result<Drawn, Error> {
+        // They would name models that may be gone, if this fails.
+        self.runs.clear();
         scene.check()?;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
         let aspect = self.size[0] as f32 / self.size[1] as f32;

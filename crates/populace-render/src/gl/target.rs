@@ -253,8 +253,10 @@ impl PictureTarget {
     /// alpha. Binds the members' samples to texture unit `unit`.
     pub(crate) fn begin_resolve(&self, unit: u32, alpha: f32) {
         self.resolved.bind(glow::FRAMEBUFFER);
+        let [width, height] = self.size;
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
+            self.resolved.gl.functions.viewport(0, 0, width, height);
             self.resolved.gl.functions.clear_color(0.0, 0.0, 0.0, alpha);
             self.resolved.gl.functions.clear(glow::COLOR_BUFFER_BIT);
         }

@@ -80,8 +80,8 @@ impl Renderer {
 
 /// The ground as a camera sees it.
 struct Ground {
-    /// Camera, if there is ground.
-    camera: Option<Camera>,
+    /// Camera, and height of the ground in metres, if there is any.
+    seen: Option<(Camera, f32)>,
     /// View direction, and vectors along a pixel to the right and upwards, at a depth of one metre.
     axes: [Vec3; 3],
     middle: [f32; 2],
@@ -97,18 +97,18 @@ impl Ground {
         let right = forward.cross(up).normalize();
         let pixel_m = 2.0 * (0.5 * camera.fov_y_rad).tan() / high;
         let axes = [forward, right * pixel_m, right.cross(forward) * pixel_m];
-        let camera = scene.ground.is_some().then_some(*camera);
-        Ok(Self { camera, axes, middle: [0.5 * wide, 0.5 * high] })
+        let seen = scene.ground.map(|ground| (*camera, ground.height_m));
+        Ok(Self { seen, axes, middle: [0.5 * wide, 0.5 * high] })
     }
 
     /// Returns the depth of the ground at the middle of a pixel, or infinity.
     fn depth_m(&self, pixel: [usize; 2]) -> f32 {
-        let Some(camera) = &self.camera else { return f32::INFINITY };
+        let Some((camera, height_m)) = &self.seen else { return f32::INFINITY };
         let [forward, right, up] = self.axes;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
         let [x, y] = pixel.map(|at| at as f32 + 0.5);
         let direction = forward + right * (x - self.middle[0]) + up * (self.middle[1] - y);
-        let depth_m = -camera.eye[1] / direction.y;
+        let depth_m = (height_m - camera.eye[1]) / direction.y;
         if (camera.near..camera.far).contains(&depth_m) { depth_m } else { f32::INFINITY }
     }
 }

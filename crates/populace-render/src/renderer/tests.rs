@@ -93,15 +93,7 @@ fn acquire_waits_for_draws_from_the_set_written_next() {
     let character = Arc::new(glass());
     let mut device = Still::default();
     renderer.connect_palettes(&mut device).unwrap();
-    let instance = Instance {
-        character: &character,
-        world_from_model: Affine::IDENTITY,
-        moved: [0.0; 3],
-        palette_first: 0,
-        look: populace_device::MemberLook::PLAIN,
-        level: 0,
-        visibility: populace_device::Visibility::InView,
-    };
+    let instance = pane(&character, 0.0, 0.0);
     let camera = Camera::framing([[-1.0, 0.0, 0.0], [1.0, 1.0, 0.0]], 1.0);
     renderer.acquire_palettes(&mut device).unwrap();
     renderer.draw_instances(&[instance; 30], &camera, &Scene::default()).unwrap();
@@ -113,28 +105,28 @@ fn acquire_waits_for_draws_from_the_set_written_next() {
     assert!(drawn.is_reached(), "set 0 is written next but is still being drawn from");
 }
 
-/// A pane in front of the camera and one behind it, and the ground around them.
-#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-#[test]
-fn marks_say_what_each_pixel_shows() {
+/// A pane that reaches 9 m up and down from a height, at z metres.
+fn pane(character: &Arc<Character>, z: f32, height: f32) -> Instance<'_> {
+    let mut world_from_model = Affine::IDENTITY;
+    world_from_model.rows[1][3] = height;
+    world_from_model.rows[2][3] = z;
+    Instance {
+        character,
+        world_from_model,
+        moved: [0.0; 3],
+        palette_first: 0,
+        look: populace_device::MemberLook::PLAIN,
+        level: 0,
+        visibility: populace_device::Visibility::InView,
+    }
+}
+
+/// Returns a renderer of 64 by 64 pixels with one palette entry, and a camera 2 m above the ground.
+fn watched() -> (Renderer, Camera) {
     let mut renderer = Renderer::headless([64, 64]).unwrap();
-    let character = Arc::new(glass());
     let mut device = Still::default();
     renderer.connect_palettes(&mut device).unwrap();
-    let at = |z: f32, y: f32| {
-        let mut world_from_model = Affine::IDENTITY;
-        world_from_model.rows[1][3] = y;
-        world_from_model.rows[2][3] = z;
-        Instance {
-            character: &character,
-            world_from_model,
-            moved: [0.0; 3],
-            palette_first: 0,
-            look: populace_device::MemberLook::PLAIN,
-            level: 0,
-            visibility: populace_device::Visibility::InView,
-        }
-    };
+    renderer.acquire_palettes(&mut device).unwrap();
     let camera = Camera {
         eye: [0.0, 2.0, 10.0],
         target: [0.0, 2.0, 0.0],
@@ -143,28 +135,81 @@ fn marks_say_what_each_pixel_shows() {
         near: 0.1,
         far: 500.0,
     };
-    renderer.acquire_palettes(&mut device).unwrap();
+    (renderer, camera)
+}
+
+const MIDDLE: usize = 32;
+
+/// A pane in front of the camera and one behind it, and the ground around them.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_say_what_each_pixel_shows() {
+    let (mut renderer, camera) = watched();
+    let character = Arc::new(glass());
     let scene = Scene::default();
-    // The first is out of view; panes reach 9 m up and down from their middle.
-    let instances = [at(30.0, 0.0), at(-10.0, 11.0), at(4.0, 11.0)];
+    // The first is out of view. Both others end at the height of the eye.
+    let instances = [(30.0, 0.0), (-10.0, 11.0), (4.0, 11.0)].map(|(z, y)| pane(&character, z, y));
     renderer.draw_instances(&instances, &camera, &scene).unwrap();
+    // Windows have another viewport.
+    MarkTarget::new(&renderer.gl, [8, 8]).unwrap().begin();
     let marks = renderer.read_marks(&camera, &scene).unwrap();
-    let middle = |row: usize| 64 * row + 32;
-    // Both panes end at the height of the eye.
     for (row, instance, depth_m) in [(0, Some(2), 6.0), (30, Some(2), 6.0), (33, None, 78.1)] {
-        assert_eq!(marks.instances[middle(row)], instance, "row {row}");
+        assert_eq!(marks.instances[64 * row + MIDDLE], instance, "row {row}");
         let covered = if instance.is_some() { 255 } else { 0 };
-        assert_eq!(marks.coverage[middle(row)], covered, "row {row}");
-        let found = marks.depths_m[middle(row)];
+        assert_eq!(marks.coverage[64 * row + MIDDLE], covered, "row {row}");
+        let found = marks.depths_m[64 * row + MIDDLE];
         assert!((found - depth_m).abs() < 0.05 * depth_m, "row {row}: {found}");
     }
-    let lowest = marks.depths_m[middle(63)];
+    let lowest = marks.depths_m[64 * 63 + MIDDLE];
     let slope = (0.5f32).tan() * 31.5 / 32.0;
     assert!((lowest - 2.0 / slope).abs() < 1e-3, "{lowest}");
     renderer.draw_instances(&[], &camera, &Scene { ground: None, ..scene }).unwrap();
     let marks = renderer.read_marks(&camera, &Scene { ground: None, ..scene }).unwrap();
     assert!(marks.depths_m.iter().all(|depth| depth.is_infinite()));
     assert!(marks.coverage.iter().all(|share| *share == 0));
+}
+
+/// What lies between y = 0 and a lower ground is seen.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_are_those_of_a_ground_that_lies_lower() {
+    let (mut renderer, camera) = watched();
+    let character = Arc::new(glass());
+    let mut scene = Scene::default();
+    scene.ground.as_mut().unwrap().height_m = -1.0;
+    // It ends 0.5 m below y = 0, at a depth of 10 m, and begins far below the ground.
+    renderer.draw_instances(&[pane(&character, 0.0, -9.5)], &camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let pixels_per_m = 32.0 / (0.5f32).tan() / 10.0;
+    let row_of = |height: f32| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row")]
+        let row = (32.0 + (2.0 - height) * pixels_per_m) as usize;
+        row
+    };
+    for (height, instance) in [(-0.3, None), (-0.7, Some(0)), (-1.3, None)] {
+        let pixel = 64 * row_of(height) + MIDDLE;
+        assert_eq!(marks.instances[pixel], instance, "{height}");
+        assert_eq!(marks.coverage[pixel], if instance.is_some() { 255 } else { 0 }, "{height}");
+    }
+    let lowest = marks.depths_m[64 * 63 + MIDDLE];
+    let slope = (0.5f32).tan() * 31.5 / 32.0;
+    assert!((lowest - 3.0 / slope).abs() < 1e-3, "{lowest}");
+}
+
+/// A failed draw may have released the models of the picture before.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_show_nothing_after_a_draw_that_failed() {
+    let (mut renderer, camera) = watched();
+    let (first, other) = (Arc::new(glass()), Arc::new(glass()));
+    let scene = Scene::default();
+    let instances = [pane(&other, 0.0, 0.0), pane(&first, 0.0, 0.0)];
+    renderer.draw_instances(&instances, &camera, &scene).unwrap();
+    drop(other);
+    let astray = Instance { palette_first: 1, ..pane(&first, 0.0, 0.0) };
+    assert!(renderer.draw_instances(&[astray], &camera, &scene).is_err());
+    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    assert!(marks.instances.iter().all(Option::is_none));
 }
 
 #[test]

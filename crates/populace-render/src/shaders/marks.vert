@@ -15,8 +15,6 @@ void main() {
     surface_alpha = color.a;
     gl_Position = clip_from_world * vec4(world, 1.0);
     view_depth = gl_Position.w;
-    // As in member.vert.
-    float sunk_m = ground_color.w * gl_Position.w;
-    gl_ClipDistance[0] = ground_color.w > 0.0 ? sign(eye.y) * world.y + sunk_m : 1.0;
+    gl_ClipDistance[0] = above_ground(world, gl_Position.w);
     if (is_hidden()) gl_Position = OUTSIDE;
 }

@@ -80,12 +80,7 @@ void main() {
 #endif
     texture_uv = uv;
     gl_Position = clip_from_world * vec4(world_position, 1.0);
-    // The ground, which is drawn without depth, hides what lies beyond it. Soles on it stay
-    // visible: members may sink into the ground by the size of a pixel.
-    float sunk_m = ground_color.w * gl_Position.w;
-    float ground_m = line_color.w;
-    float above_m = sign(eye.y - ground_m) * (world_position.y - ground_m);
-    gl_ClipDistance[0] = ground_color.w > 0.0 ? above_m + sunk_m : 1.0;
+    gl_ClipDistance[0] = above_ground(world_position, gl_Position.w);
 #ifdef FADED
     faded = faded_out();
 #endif
