@@ -27,13 +27,6 @@ pub(crate) fn triangulate(indices: Vec<u32>, topology: Topology) -> Vec<u32> {
     }
 }
 
-/// Reverses the winding of every triangle.
-pub(crate) fn flip(indices: &mut [u32]) {
-    for triangle in indices.chunks_exact_mut(3) {
-        triangle.swap(1, 2);
-    }
-}
-
 /// Flat normals for a primitive without normals (glTF 2.0, section 3.7.2.1).
 pub(crate) struct FlatNormals {
     /// One normal per vertex: first the vertices of the file, then the copies.

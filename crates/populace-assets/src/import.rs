@@ -286,7 +286,7 @@ impl Assembly<'_> {
         }
         let joint = self.rig.joint_from_node[index]
             .ok_or_else(|| log.problem(&node.place, "has a mesh, but did not become a joint"))?;
-        Ok(Mover::Rigid { joint, mirrored: node.mirrored })
+        Ok(Mover::Rigid { joint })
     }
 
     /// Returns the skin of a mesh node with its joints mapped to the skeleton.

@@ -25,9 +25,6 @@ pub(crate) struct Node {
     pub(crate) skin: Option<usize>,
     /// Whether the node belongs to the imported scene.
     pub(crate) in_scene: bool,
-    /// Whether the world transform is a reflection, which reverses the winding of triangles (glTF
-    /// 2.0, section 3.7.4). Only set for nodes of the imported scene.
-    pub(crate) mirrored: bool,
     /// Nodes with coarser meshes, finest first, and their errors in metres (MSFT_lod).
     pub(crate) levels: Vec<(usize, f32)>,
 }
@@ -68,13 +65,11 @@ pub(crate) fn read(root: &Cursor, log: &Log, counts: Counts) -> (Vec<Node>, Chec
     (nodes, forest)
 }
 
-/// Marks the nodes at and below `roots` as part of the scene and sets their `mirrored` flags.
+/// Marks the nodes at and below `roots` as part of the scene.
 fn mark_scene(nodes: &mut [Node], roots: Vec<usize>) {
     let mut rest = roots;
     while let Some(node) = rest.pop() {
         if !std::mem::replace(&mut nodes[node].in_scene, true) {
-            let parent_mirrored = nodes[node].parent.is_some_and(|p| nodes[p].mirrored);
-            nodes[node].mirrored = parent_mirrored ^ mirrors(&nodes[node].local);
             rest.extend_from_slice(&nodes[node].children);
         }
     }
@@ -133,7 +128,6 @@ fn read_node(at: &Cursor, count: usize, counts: Counts) -> Node {
         mesh: index("mesh", counts.meshes, "mesh"),
         skin: index("skin", counts.skins, "skin"),
         in_scene: false,
-        mirrored: false,
         levels: read_levels(at, count).unwrap_or_default(),
     }
 }
@@ -302,11 +296,6 @@ fn scene_roots(root: &Cursor, nodes: &[Node]) -> Checked<Vec<usize>> {
         ));
     }
     scenes.swap_remove(default.unwrap_or(0)).map_err(|Reported| Reported)
-}
-
-/// Returns whether a local transform is a reflection.
-fn mirrors(local: &Trs) -> bool {
-    local.scale.iter().filter(|s| **s < 0.0).count() % 2 == 1
 }
 
 #[cfg(test)]

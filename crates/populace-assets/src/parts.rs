@@ -14,8 +14,8 @@ use crate::primitive::{Primitive, Topology, check_attribute};
 /// The joints that move the vertices of a part.
 #[derive(Clone, Copy)]
 pub(crate) enum Mover<'a> {
-    /// One joint. `mirrored` reverses the winding of the triangles.
-    Rigid { joint: JointIndex, mirrored: bool },
+    /// One joint.
+    Rigid { joint: JointIndex },
     /// The joints of a skin, in its order.
     Skin(&'a [PaletteEntry]),
 }
@@ -83,9 +83,6 @@ impl PartBuilder<'_> {
                 geometry::normalize(&mut mesh.normals);
             }
             None => self.add_flat_normals(primitive, &mut mesh)?,
-        }
-        if matches!(mover, Mover::Rigid { mirrored: true, .. }) {
-            geometry::flip(&mut mesh.indices);
         }
         let PartSource { node, node_name, primitive: index } = source;
         let part = Part { node, node_name, primitive: index, material: primitive.material, mesh };
@@ -225,7 +222,7 @@ impl PartBuilder<'_> {
         let (place, log) = (&primitive.place, self.log);
         self.data.budget.charge(place, count.saturating_mul(24))?;
         match mover {
-            Mover::Rigid { joint, .. } => influences::rigid(joint, count, palette, place, log),
+            Mover::Rigid { joint } => influences::rigid(joint, count, palette, place, log),
             Mover::Skin(skin) => {
                 let sets = self.influence_sets(primitive, count)?;
                 influences::skinned(&sets, skin, palette, place, log)

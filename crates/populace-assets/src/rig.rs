@@ -160,7 +160,6 @@ mod tests {
             mesh: None,
             skin: None,
             in_scene: true,
-            mirrored: false,
             levels: Vec::new(),
         }
     }

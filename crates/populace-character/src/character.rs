@@ -55,7 +55,7 @@ pub struct Mesh {
     pub colors: Vec<[f32; 4]>,
     /// Palette entries and weights of each vertex.
     pub influences: Influences,
-    /// Three vertex indices per triangle, counter-clockwise seen from the front.
+    /// Three vertex indices per triangle, counter-clockwise seen from the front in bind space.
     pub indices: Vec<u32>,
 }
 

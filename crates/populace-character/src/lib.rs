@@ -10,6 +10,7 @@ mod error;
 mod image;
 mod joints_needed;
 mod material;
+mod mirrored;
 mod options;
 mod pieces;
 mod regions;

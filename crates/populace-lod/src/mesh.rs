@@ -50,6 +50,8 @@ pub(crate) struct Simplifier<'a> {
     locked: Vec<SimplifyVertex>,
     /// For each vertex of a feature the direction in which the feature faces.
     features: Vec<Option<Vec3>>,
+    /// True if the rest pose mirrors the part.
+    is_mirrored: bool,
     /// Height of the character in metres.
     height_m: f32,
     /// Features and colours stay longer.
@@ -63,6 +65,7 @@ pub(crate) struct Surface {
     pub(crate) positions: Vec<[f32; 3]>,
     /// For each vertex its normal, texture coordinates, colour and weights of groups of joints.
     attributes: Vec<f32>,
+    /// Counter-clockwise seen from the front at rest.
     indices: Vec<u32>,
 }
 
@@ -100,7 +103,11 @@ impl<'a> Simplifier<'a> {
             groups.add_weights(&source.influences, vertex, &mut attributes[first..]);
         }
         let locked = vec![SimplifyVertex::None; positions.len()];
-        let indices = welded(source, &positions);
+        let is_mirrored = character.is_mirrored(part);
+        let mut indices = welded(source, &positions);
+        if is_mirrored {
+            flip(&mut indices);
+        }
         let now = Surface { positions, attributes, indices };
         let features = features(&now.positions, now.triangles(), height);
         let before = Surface::default();
@@ -111,6 +118,7 @@ impl<'a> Simplifier<'a> {
             before,
             locked,
             features,
+            is_mirrored,
             height_m: height,
             faces_count: false,
         }
@@ -209,7 +217,10 @@ impl<'a> Simplifier<'a> {
         offset: &dyn Fn(usize) -> Option<[f32; 3]>,
     ) -> Mesh {
         let (source, now) = (self.source, &self.now);
-        let indices = optimize_vertex_cache(&now.indices, now.positions.len());
+        let mut indices = optimize_vertex_cache(&now.indices, now.positions.len());
+        if self.is_mirrored {
+            flip(&mut indices);
+        }
         let mut new_of_old = HashMap::new();
         let mut kept: Vec<usize> = Vec::new();
         let indices = indices
@@ -278,6 +289,11 @@ fn fewer_influences(source: &Influences, kept: &[usize], most: usize) -> Influen
         weights.extend(pairs.iter().map(|pair| pair.1 * scale));
     }
     Influences { per_vertex, entries, weights }
+}
+
+/// Reverses the winding of every triangle.
+fn flip(indices: &mut [u32]) {
+    indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
 }
 
 /// Returns the indices of the triangles, with one index for vertices that are equal in all ways.

@@ -11,10 +11,9 @@ use std::rc::Rc;
 
 use glam::{Vec3, Vec4};
 use populace_character::{AlphaMode, Character, Image, Material, Mesh, Part, RegionFinder};
-use populace_model::Affine;
 
 use crate::Error;
-use crate::batch::{ModelInfo, determinant};
+use crate::batch::ModelInfo;
 use crate::gl::{Buffer, Coding, Cull, Gl, MeshPlace, Sampling, Texture};
 use crate::layout::{Bytes4, Surface, Vector4};
 
@@ -140,13 +139,14 @@ impl Model {
 struct Surfaces<'a> {
     character: &'a Character,
     regions: RegionFinder<'a>,
+    /// For each part, whether the rest pose mirrors it.
     mirrored: Vec<bool>,
 }
 
 impl<'a> Surfaces<'a> {
     fn of(character: &'a Character) -> Self {
-        let (regions, mirrored) = (RegionFinder::new(character), mirrored_entries(character));
-        Self { character, regions, mirrored }
+        let mirrored = (0..character.parts.len()).map(|part| character.is_mirrored(part)).collect();
+        Self { character, regions: RegionFinder::new(character), mirrored }
     }
 
     /// Sorts meshes of parts by how they are drawn. With `is_baked`, colours of vertices replace
@@ -173,8 +173,7 @@ impl<'a> Surfaces<'a> {
             let [metallic, roughness] = [material.metallic, material.roughness].map(byte);
             let marks: Vec<Bytes4> =
                 regions.iter().map(|r| [r.number(), option, metallic, roughness]).collect();
-            let mirrored = is_mirrored(mesh, &self.mirrored);
-            let like = Likeness::of(part, mesh, &material, mirrored);
+            let like = Likeness::of(part, mesh, &material, self.mirrored[part]);
             for (like, indices) in like.by_sides(mesh, is_coarse) {
                 let index = drawn.iter().position(|d| d.like == like).unwrap_or_else(|| {
                     drawn.push(DrawnTogether::new(like));
@@ -256,33 +255,4 @@ impl Textures<'_> {
         self.uploaded.push((wanted, Rc::clone(&texture)));
         Ok(texture)
     }
-}
-
-/// Returns for each palette entry if `model_from_bind` mirrors in the rest pose.
-fn mirrored_entries(character: &Character) -> Vec<bool> {
-    let skeleton = &character.skeleton;
-    let mut models: Vec<Affine> = Vec::with_capacity(skeleton.joint_count());
-    for joint in skeleton.joints() {
-        let local = Affine::from_trs(skeleton.rest(joint));
-        let model =
-            skeleton.parent(joint).map_or(local, |parent| models[parent.index()].mul(&local));
-        models.push(model);
-    }
-    let mirrors = |m: &Affine| determinant(m) < 0.0;
-    character
-        .palette
-        .iter()
-        .map(|e| mirrors(&models[e.joint.index()].mul(&e.joint_from_bind)))
-        .collect()
-}
-
-/// Returns true if mirroring palette entries have most of the mesh's skinning weight.
-fn is_mirrored(mesh: &Mesh, mirrored_entries: &[bool]) -> bool {
-    let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
-    let excess: f32 = influences
-        .map(
-            |(&entry, &weight)| if mirrored_entries[usize::from(entry)] { weight } else { -weight },
-        )
-        .sum();
-    excess > 0.0
 }

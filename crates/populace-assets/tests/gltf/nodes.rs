@@ -104,13 +104,18 @@ fn default_scene_else_first_else_all_nodes_are_imported() {
 }
 
 #[test]
-fn mirrored_rigid_mesh_has_reversed_winding() {
+fn mirrored_rigid_mesh_keeps_its_winding_and_is_known_as_mirrored() {
     let mut file = rigid();
-    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 1, 2]);
+    let is_mirrored = |file: &File| {
+        let character = loaded(&file.glb()).character;
+        assert_eq!(character.parts[0].mesh.indices, [0, 1, 2]);
+        character.is_mirrored(0)
+    };
+    assert!(!is_mirrored(&file));
     file.json["nodes"][0]["scale"] = json!([-1, 1, 1]);
-    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 2, 1]);
+    assert!(is_mirrored(&file));
     file.add("nodes", json!({"children": [0], "scale": [1, 1, -2]}));
-    assert_eq!(loaded(&file.glb()).character.parts[0].mesh.indices, [0, 1, 2]);
+    assert!(!is_mirrored(&file));
 }
 
 #[test]

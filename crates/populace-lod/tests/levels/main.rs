@@ -53,6 +53,43 @@ fn man_times(scale: f32) -> Character {
     Character::new(source).unwrap()
 }
 
+/// Returns the man with meshes whose bind space is mirrored; at rest he is the same.
+fn man_mirrored() -> Character {
+    let mut source = CharacterSource::clone(&man());
+    for row in source.palette.iter_mut().flat_map(|entry| &mut entry.joint_from_bind.rows) {
+        row[0] = -row[0];
+    }
+    for mesh in source.parts.iter_mut().map(|part| &mut part.mesh) {
+        mesh.positions.iter_mut().chain(&mut mesh.normals).for_each(|v| v[0] = -v[0]);
+        mesh.indices.as_chunks_mut::<3>().0.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    }
+    Character::new(source).unwrap()
+}
+
+#[test]
+fn mirrored_meshes_have_mirrored_levels() {
+    let (man, mirrored) = (man(), man_mirrored());
+    assert!(mirrored.is_mirrored(0) && !man.is_mirrored(0));
+    let corners = |mesh: &Mesh, x: f32, order: [usize; 3]| -> Vec<[[f32; 3]; 3]> {
+        let place = |index: u32| mesh.positions[index as usize];
+        let mirror = |[px, y, z]: [f32; 3]| [x * px, y, z];
+        let triangles = mesh.indices.as_chunks::<3>().0.iter();
+        let mut all: Vec<_> = triangles.map(|t| order.map(|at| mirror(place(t[at])))).collect();
+        // The order of triangles and of their corners does not matter.
+        all.iter_mut().for_each(|t| {
+            let first = (0..3).min_by(|a, b| t[*a].partial_cmp(&t[*b]).unwrap()).unwrap();
+            t.rotate_left(first);
+        });
+        all.sort_by(|a, b| a.partial_cmp(b).unwrap());
+        all
+    };
+    for (level, other) in levels_of(&man).iter().zip(levels_of(&mirrored)) {
+        for (mesh, other) in level.meshes.iter().zip(&other.meshes) {
+            assert!(corners(mesh, 1.0, [0, 1, 2]) == corners(other, -1.0, [0, 2, 1]));
+        }
+    }
+}
+
 #[test]
 fn levels_do_not_depend_on_the_unit() {
     let shape = |scale: f32| -> Vec<(f32, usize)> {

@@ -102,18 +102,22 @@ impl<T: bytemuck::Pod> Buffer<T> {
         };
         let (old, new) = (bytes_of::<T>(self.len)?, bytes_of::<T>(len)?);
         let functions = &self.gl.functions;
-        // SAFETY: the context is current, and both objects exist. The old one holds `old` bytes,
-        // and the new one more.
+        // SAFETY: the context is current, and the object exists.
         unsafe {
-            functions.bind_buffer(glow::COPY_READ_BUFFER, Some(self.raw));
             functions.bind_buffer(glow::COPY_WRITE_BUFFER, Some(larger.raw));
             functions.buffer_data_size(glow::COPY_WRITE_BUFFER, new, self.usage);
-            if old > 0 {
-                let [from, to] = [glow::COPY_READ_BUFFER, glow::COPY_WRITE_BUFFER];
-                functions.copy_buffer_sub_data(from, to, 0, 0, old);
-            }
         }
         self.gl.check(operation)?;
+        if old > 0 {
+            let [from, to] = [glow::COPY_READ_BUFFER, glow::COPY_WRITE_BUFFER];
+            // SAFETY: the context is current, and both objects exist. The old one holds `old` bytes,
+            // and the new one more, which the driver confirmed.
+            unsafe {
+                functions.bind_buffer(from, Some(self.raw));
+                functions.copy_buffer_sub_data(from, to, 0, 0, old);
+            }
+            self.gl.check(operation)?;
+        }
         (larger.len, larger.capacity) = (len, len);
         *self = larger;
         Ok(())

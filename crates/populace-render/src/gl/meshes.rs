@@ -134,19 +134,22 @@ impl Meshes {
         let counts = self.streams.iter().zip(vertices).map(|(s, bytes)| bytes.len() / s.stride);
         let count = counts.min().unwrap_or(0);
         let mut place = MeshPlace { vertices: 0..0, indices: 0..0, free: Rc::clone(&self.free) };
-        let ends = {
-            let Free { vertices, indices: free_indices } = &mut *self.free.borrow_mut();
-            place.vertices = allocate(vertices, count)?;
-            place.indices = allocate(free_indices, indices.len())?;
-            [vertices, free_indices].map(|free| free.initial_range().end as usize)
-        };
-        for (stream, bytes) in self.streams.iter_mut().zip(vertices) {
-            stream.bytes.grow(ends[0] * stream.stride, OPERATION)?;
+        let Self { streams, indices: index_buffer, .. } = self;
+        let widest = streams.iter().map(|stream| stream.stride).max().unwrap_or(1);
+        {
+            let free = &mut *self.free.borrow_mut();
+            place.vertices = allocate(&mut free.vertices, count, widest, &mut |len| {
+                let mut streams = streams.iter_mut();
+                streams.try_for_each(|s| s.bytes.grow(len * s.stride, OPERATION))
+            })?;
+            let grow = &mut |len| index_buffer.grow(len, OPERATION);
+            place.indices = allocate(&mut free.indices, indices.len(), size_of::<u32>(), grow)?;
+        }
+        for (stream, bytes) in streams.iter().zip(vertices) {
             let first = place.vertices.start as usize * stream.stride;
             stream.bytes.write(first, &bytes[..count * stream.stride], OPERATION)?;
         }
-        self.indices.grow(ends[1], OPERATION)?;
-        self.indices.write(place.indices.start as usize, indices, OPERATION)?;
+        index_buffer.write(place.indices.start as usize, indices, OPERATION)?;
         Ok(place)
     }
 
@@ -272,28 +275,41 @@ impl DrawCommands {
     }
 }
 
-/// Takes `len` free elements. If no free range is long enough, there are an eighth more elements from
-/// then on, or as many more as it takes.
-fn allocate(free: &mut RangeAllocator<u32>, len: usize) -> Result<Range<u32>, Error> {
-    const LIMIT: u32 = i32::MAX.unsigned_abs();
+/// Takes `len` free elements of up to `stride` bytes. If no free range is long enough, `grow` gives
+/// the buffers room for an eighth more elements, or for as many as it takes.
+fn allocate(
+    free: &mut RangeAllocator<u32>,
+    len: usize,
+    stride: usize,
+    grow: &mut dyn FnMut(usize) -> Result<(), Error>,
+) -> Result<Range<u32>, Error> {
+    let limit = u32::try_from(MOST_BYTES / stride).unwrap_or(u32::MAX);
     let end = free.initial_range().end;
-    let size = u64::from(end) + len as u64;
     let too_large = || Error::TooLarge {
         what: "the number of vertices or indices of all meshes",
-        size,
-        limit: u64::from(LIMIT),
+        size: u64::from(end) + len as u64,
+        limit: u64::from(limit),
     };
-    let len = u32::try_from(len).ok().filter(|len| *len <= LIMIT).ok_or_else(too_large)?;
+    let len = u32::try_from(len).ok().filter(|len| *len <= limit).ok_or_else(too_large)?;
     if len == 0 {
         return Ok(0..0);
     }
     if let Ok(range) = free.allocate_range(len) {
         return Ok(range);
     }
-    let needed = end.checked_add(len).filter(|end| *end <= LIMIT).ok_or_else(too_large)?;
-    free.grow_to(needed.max(end + end / 8).min(LIMIT));
+    let least = end.checked_add(len).filter(|end| *end <= limit).ok_or_else(too_large)?;
+    let ample = least.max(end + end / 8).min(limit);
+    // Only elements that the buffers have are free.
+    let end = match grow(ample as usize) {
+        Err(_) if ample > least => grow(least as usize).map(|()| least)?,
+        result => result.map(|()| ample)?,
+    };
+    free.grow_to(end);
     free.allocate_range(len).map_err(|_| too_large())
 }
+
+/// Most bytes of a buffer; `glow` takes sizes as `i32`.
+const MOST_BYTES: usize = i32::MAX as usize;
 
 #[cfg(test)]
 mod tests {
@@ -363,11 +379,29 @@ mod tests {
     #[test]
     fn more_elements_than_opengl_can_count_are_refused() {
         let mut free = RangeAllocator::new(0..0);
-        assert_eq!(allocate(&mut free, 5).unwrap(), 0..5);
-        let most = i32::MAX.unsigned_abs() as usize;
+        let mut allocate = |len| allocate(&mut free, len, 4, &mut |_| Ok(()));
+        assert_eq!(allocate(5).unwrap(), 0..5);
+        let most = MOST_BYTES / 4;
         for len in [most - 4, most + 1, u32::MAX as usize, usize::MAX / 2] {
-            assert!(matches!(allocate(&mut free, len), Err(Error::TooLarge { .. })), "{len}");
+            assert!(matches!(allocate(len), Err(Error::TooLarge { .. })), "{len}");
         }
-        assert_eq!(allocate(&mut free, most - 5).unwrap().len(), most - 5);
+        assert_eq!(allocate(most - 5).unwrap().len(), most - 5);
+    }
+
+    /// Memory for a thousand elements.
+    #[test]
+    fn smaller_meshes_are_uploaded_after_one_that_was_too_large() {
+        let mut free = RangeAllocator::new(0..0);
+        let mut allocate = |len| {
+            allocate(&mut free, len, 4, &mut |len| {
+                let operation = "grow".into();
+                if len > 1000 { Err(Error::OutOfMemory { operation }) } else { Ok(()) }
+            })
+        };
+        assert_eq!(allocate(900).unwrap(), 0..900);
+        assert!(matches!(allocate(200), Err(Error::OutOfMemory { .. })));
+        assert_eq!(allocate(60).unwrap(), 900..960);
+        assert_eq!(allocate(40).unwrap(), 960..1000);
+        assert!(matches!(allocate(1), Err(Error::OutOfMemory { .. })));
     }
 }

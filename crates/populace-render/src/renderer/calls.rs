@@ -158,8 +158,9 @@ pub(super) fn contact_calls(
     for run in runs {
         let model = &models[run.model];
         let is_coarse = model.levels[run.level as usize].is_coarse;
-        let command = model.contacts.command(is_coarse, run.first, run.count);
-        pages.entry(run.page).or_default().extend(command);
+        if let Some(command) = model.contacts.command(is_coarse, run.first, run.count) {
+            pages.entry(run.page).or_default().push(command);
+        }
     }
     pages.into_iter().map(|(page, list)| (page, commands.extend(&list))).collect()
 }

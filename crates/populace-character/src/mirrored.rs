@@ -1,0 +1,27 @@
+//! Parts that the rest pose mirrors.
+
+use populace_model::f64math;
+
+use crate::{Character, Part};
+
+impl Character {
+    /// Returns true if the rest pose mirrors a part, as joints with a negative scale do: its
+    /// triangles, counter-clockwise in bind space, are then clockwise at rest. Palette entries that
+    /// mirror have most of the part's skinning weight. False if there is no such part.
+    #[must_use]
+    pub fn is_mirrored(&self, part: usize) -> bool {
+        let Some(Part { mesh, .. }) = self.parts.get(part) else { return false };
+        let models = self.skeleton.rest_models();
+        let mirrors: Vec<bool> = self
+            .palette
+            .iter()
+            .map(|e| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind))
+            .map(|model_from_bind| model_from_bind.matrix3.determinant() < 0.0)
+            .collect();
+        let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
+        let signed = |(&entry, &weight): (&u16, &f32)| {
+            if mirrors[usize::from(entry)] { weight } else { -weight }
+        };
+        influences.map(signed).sum::<f32>() > 0.0
+    }
+}
