@@ -131,8 +131,13 @@ fn read_material(
         material.metallic = factor(&metallic, "metallicFactor", 1.0)?;
         material.roughness = factor(&metallic, "roughnessFactor", 1.0)?;
         material.base_color_texture = maps.read(metallic.get("baseColorTexture"))?;
-        material.metallic_roughness_texture =
-            maps.read(metallic.get("metallicRoughnessTexture"))?;
+        let texture = metallic.get("metallicRoughnessTexture");
+        let is_named = texture.is_some();
+        material.metallic_roughness_texture = maps.read(texture)?;
+        // Without the texture that it multiplies, the usual factor of 1 would make all of it metal.
+        if is_named && material.metallic_roughness_texture.is_none() {
+            material.metallic = 0.0;
+        }
     }
     let normal = at.get("normalTexture");
     if let Some(info) = &normal {
@@ -148,8 +153,12 @@ fn read_material(
     let strength = strength.map_or(Ok(None), |e| e.optional("emissiveStrength", Cursor::number))?;
     let strength = to_f32(strength.unwrap_or(1.0).max(0.0));
     let emissive = factors(at, "emissiveFactor")?.unwrap_or([0.0; 3]);
-    material.emissive = emissive.map(|channel| channel * strength);
-    material.emissive_texture = maps.read(at.get("emissiveTexture"))?;
+    let texture = at.get("emissiveTexture");
+    let is_named = texture.is_some();
+    material.emissive_texture = maps.read(texture)?;
+    // Without the texture that it multiplies, the factor would make the whole surface glow.
+    let is_dark = is_named && material.emissive_texture.is_none();
+    material.emissive = if is_dark { [0.0; 3] } else { emissive.map(|channel| channel * strength) };
     Ok((material, maps.used))
 }
 

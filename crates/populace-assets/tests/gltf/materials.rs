@@ -141,6 +141,28 @@ fn unavailable_image_is_noted_and_colour_used() {
     assert_problem(&file.glb(), "images[0].bufferView: refers to buffer view 99");
 }
 
+/// A factor belongs to its texture: the usual 1 would make everything glow, or metal.
+#[test]
+fn factors_of_textures_that_are_left_out_are_left_out() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    file.add("images", json!({"uri": "gone.png"}));
+    file.add("textures", json!({"source": 1}));
+    for (texture, wanted) in
+        [(Some(0), (1.0, [1.0; 3])), (Some(1), (0.0, [0.0; 3])), (None, (1.0, [1.0; 3]))]
+    {
+        let mut metallic = json!({"baseColorTexture": {"index": 0}});
+        let mut material_json = json!({"emissiveFactor": [1, 1, 1]});
+        if let Some(index) = texture {
+            metallic["metallicRoughnessTexture"] = json!({"index": index});
+            material_json["emissiveTexture"] = json!({"index": index});
+        }
+        material_json["pbrMetallicRoughness"] = metallic;
+        file.json["materials"][0] = material_json;
+        let read = material(&file);
+        assert_eq!((read.metallic, read.emissive), wanted, "{texture:?}");
+    }
+}
+
 #[test]
 fn texture_coordinates_follow_texcoord_and_transform() {
     let mut file = textured(&encoded(image::ImageFormat::Png));
