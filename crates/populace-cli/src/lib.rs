@@ -92,7 +92,7 @@ fn run(command: Command) -> Result<(), Failure> {
     }
     match command {
         Command::Demo(args) => commands::demo::run(args),
-        Command::Render(args) => commands::render::run(&args),
+        Command::Render(args) => commands::render::run(args),
         #[cfg(feature = "viewer")]
         Command::View(args) => commands::view::run(&args),
         #[cfg(not(feature = "viewer"))]

@@ -10,7 +10,7 @@ use populace::Crowd;
 use populace::character::Character;
 use populace_film::FrameRate;
 use populace_render::{Preset, Scene};
-use populace_scene::plan::{CastPlan, ScenePlan};
+use populace_scene::plan::{CastPlan, PropPlan, ScenePlan};
 use populace_scene::{SceneFileError, StreetSettings};
 use serde_json::json;
 
@@ -30,7 +30,7 @@ use live::{FilmedScene, LiveScene};
 const BESIDES: usize = 4096;
 /// Clips that a member plays at the same time: three of a gait and two on each layer above.
 const SLOTS: usize = 8;
-/// How far the plain ground is drawn below that of the scene, in metres: roads cover it.
+/// How far the plain ground is drawn below that of the scene where props cover it, in metres.
 const GROUND_BELOW_M: f32 = 0.4;
 
 /// A scene, as the command line describes it.
@@ -71,6 +71,18 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 /// Returns the rate of a scene's films: the one that was asked for, or the scene's own.
 pub(crate) fn film_rate(plan: &ScenePlan, asked: Option<FrameRate>) -> Result<FrameRate, Failure> {
     Ok(asked.map_or_else(|| FrameRate::new(plan.output.fps, 1), Ok)?)
+}
+
+/// Returns the height at which the plain ground is drawn, in metres. Roads reach below the ground, and
+/// surfaces at its height or below would be hidden by it.
+fn plain_ground_m(plan: &ScenePlan) -> f32 {
+    let height_m = plan.ground.height_m;
+    let covers = |prop: &PropPlan| match prop.kind.as_str() {
+        "road" => true,
+        "earth" | "lawn" | "meadow" => prop.at[1] <= height_m,
+        _ => false,
+    };
+    if plan.props.iter().any(covers) { height_m - GROUND_BELOW_M } else { height_m }
 }
 
 /// Returns the number of frames of a scene's film at a rate, at least 1.
@@ -133,7 +145,7 @@ impl SceneJob<'_> {
 
     fn is_film(&self) -> bool {
         let film = &self.source.picture.film;
-        film.frames.is_some() || film.at.is_some() || populace_film::Format::of(self.out).is_some()
+        film.frames.is_some() || populace_film::Format::of(self.out).is_some()
     }
 }
 
@@ -272,7 +284,7 @@ impl SceneSource<'_> {
         if !self.plan.ground.shown {
             scene.ground = None;
         } else if let Some(ground) = &mut scene.ground {
-            ground.height_m = self.plan.ground.height_m - GROUND_BELOW_M;
+            ground.height_m = plain_ground_m(&self.plan);
         }
         Ok(())
     }

@@ -27,6 +27,12 @@ impl<'a> Sink<'a> {
         skip_existing: bool,
     ) -> Result<Self, Failure> {
         let film = match outputs.form() {
+            Form::Film if skip_existing => {
+                return Err(Failure::usage(
+                    "--skip-existing leaves out numbered PNG files, and a film is written as a \
+                     whole; name --out FILE.png",
+                ));
+            }
             Form::Film => {
                 let film = Film::create(output::target(&outputs.first()), settings)?;
                 unfinished::film_part(Some(film.part()));
@@ -34,12 +40,6 @@ impl<'a> Sink<'a> {
             }
             Form::Picture | Form::Numbered => None,
         };
-        if film.is_some() && skip_existing {
-            return Err(Failure::usage(
-                "--skip-existing leaves out numbered PNG files, and a film is written as a whole; \
-                 name --out FILE.png",
-            ));
-        }
         Ok(Self { outputs, film, skip_existing })
     }
 

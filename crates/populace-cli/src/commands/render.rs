@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cli::RenderArgs;
+use crate::cli::{RenderArgs, Size};
 use crate::draw::DrawJob;
 use crate::failure::Failure;
 use crate::replay::ReplayJob;
@@ -12,15 +12,16 @@ use crate::trajectory;
 /// Members of a crowd unless set.
 const MEMBERS: u32 = 1000;
 
-pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: RenderArgs) -> Result<(), Failure> {
     if let Some(file) = args.inputs.iter().find(|input| scene::is_scene(input)) {
-        return scene(args, file);
+        let file = file.clone();
+        return scene(args, &file);
     }
     let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
     let mut trajectories = args.inputs.iter().filter(is_trajectory);
     if let Some(file) = trajectories.next() {
         return match trajectories.next() {
-            None => replay(args, file),
+            None => replay(&args, file),
             Some(other) => Err(Failure::usage(format!(
                 "{} and {} are both trajectory files; give one",
                 file.display(),
@@ -44,7 +45,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<(), Failure> {
     job.run()
 }
 
-fn scene(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
+fn scene(mut args: RenderArgs, file: &PathBuf) -> Result<(), Failure> {
     if args.members.is_some() {
         return Err(Failure::usage(
             "--members has no meaning here: the scene file says how many people there are",
@@ -62,6 +63,7 @@ fn scene(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
         return Err(Failure::usage("--no-draw needs a trajectory file"));
     };
     let plan = scene::read(file)?;
+    args.picture.size.get_or_insert(Size(plan.output.size));
     let source = SceneSource { plan, file: Some(file), cast: &args.cast, picture: &args.picture };
     SceneJob { source, out }.run()
 }

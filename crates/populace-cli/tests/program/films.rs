@@ -236,6 +236,11 @@ fn films_that_cannot_be_made_are_refused_at_once() {
     refuse("f.avi", &["--frames", "2"], &["f.avi", ".png, .mp4 or .gif"]);
     refuse("f.gif", &["--frames", "2", "--fps", "60"], &["at most 50"]);
     refuse("f.gif", &["--frames", "2", "--skip-existing"], &["numbered PNG files"]);
+    // What is left of an interrupted film stays.
+    std::fs::write(folder.path("kept.part.mp4"), "part").expect("written");
+    refuse("kept.mp4", &["--frames", "2", "--skip-existing"], &["numbered PNG files"]);
+    assert_eq!(std::fs::read(folder.path("kept.part.mp4")).expect("kept"), b"part");
+    std::fs::remove_file(folder.path("kept.part.mp4")).expect("removed");
     refuse("f.png", &["--frames", "9..3"], &["--frames", "50..99"]);
     refuse("f.png", &["--frames", "2", "--at", "1"], &["--at", "--frames"]);
     refuse("f.png", &["--frames", "2", "--fps", "1/0"], &["--fps", "30000/1001"]);

@@ -14,6 +14,39 @@ fn the_street_says_what_happened() {
     assert!(d["members"].as_u64() > Some(40), "people, props and vehicles: {d}");
     assert!(d["counts"]["crossed"].is_u64() && d["counts"]["sat"].is_u64(), "{d}");
     assert!(d["ms_median"]["behave"].as_f64() > Some(0.0), "{d}");
+    assert!(std::path::Path::new(&out).is_file(), "--at writes the file that was named");
+}
+
+/// Draws a scene whose camera looks down from 10 m above 0, and returns the depth of its middle in
+/// centimetres.
+fn depth_below(text: &str) -> u16 {
+    let folder = Folder::new();
+    let [scene, out, depth] = ["scene.toml", "out.png", "out.depth.png"].map(|n| folder.text(n));
+    let camera = "[[camera]]\nname = \"a\"\nkey = [{ from = [0, 10, 0.1], to = [0, 0, 0] }]\n";
+    std::fs::write(&scene, format!("schema = 1\n[output]\nsize = [48, 32]\n{text}\n{camera}"))
+        .expect("a file");
+    let args = ["render", &scene, "--out", &out, "--images", "depth", "--device", "native"];
+    let drawn = populace(&args);
+    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    let depth = image::open(depth).expect("a picture").to_luma16();
+    assert_eq!(depth.dimensions(), (48, 32), "the size is that of the file");
+    depth.get_pixel(24, 16).0[0]
+}
+
+/// The plain ground lies at its height, unless a prop covers it.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn the_ground_of_a_scene_lies_at_its_height() {
+    let bollard = "[[prop]]\nkind = \"bollard\"\nat = [3, 0, 0]\n";
+    let earth = "[[prop]]\nkind = \"earth\"\nat = [40, -0.1, 0]\nsize_m = [10]\n";
+    for (text, wanted_cm) in [
+        (bollard.to_owned(), 1000),
+        (format!("[ground]\nheight_m = -1\n{bollard}"), 1100),
+        (format!("{bollard}{earth}"), 1040),
+    ] {
+        let found = depth_below(&text);
+        assert!(found.abs_diff(wanted_cm) <= 2, "{found} cm in place of {wanted_cm}: {text}");
+    }
 }
 
 /// The demo writes its scene, and the scene draws the same picture.
