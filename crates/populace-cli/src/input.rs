@@ -5,9 +5,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
-use populace_assets::{Imported, LoadOptions};
+use populace_assets::{Imported, LoadOptions, WriteOptions};
 
 use crate::failure::Failure;
+use crate::roles;
 
 /// Limits for input files.
 #[derive(Args, Clone, Debug)]
@@ -28,12 +29,21 @@ pub(crate) struct InputArgs {
 }
 
 impl InputArgs {
-    /// Loads a glTF file; `-` is standard input.
+    /// Loads a glTF file or a built-in person, such as `@man`; `-` is standard input.
     pub(crate) fn load(&self, file: &Path) -> Result<Imported, Failure> {
         let options = LoadOptions {
             allow_outside: self.allow_outside,
             memory_limit_bytes: u64::from(self.memory_limit) << 20,
         };
+        if let Some(name) = roles::built_in_name(file) {
+            let file =
+                populace_assets::to_glb(&roles::one_person(name)?, &WriteOptions::default())?;
+            return Ok(populace_assets::load_from_reader(
+                &file[..],
+                &format!("@{name}"),
+                &options,
+            )?);
+        }
         if file != Path::new("-") {
             return Ok(populace_assets::load_with(file, &options)?);
         }

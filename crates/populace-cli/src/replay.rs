@@ -51,6 +51,17 @@ pub(crate) struct ReplayJob<'a> {
     pub(crate) picture: &'a PictureArgs,
 }
 
+/// Says so if the first picture is later than the file's last people.
+fn warn_of_the_end(recording: &Recording, frames: Frames) {
+    let [from, until] = recording.secs();
+    let (first, length) = (frames.rate.secs(frames.first) + frames.late_secs, until - from);
+    if first > length {
+        message!(
+            "warning: nobody is there at {first:.2} s; the file ends {length:.2} s after its start"
+        );
+    }
+}
+
 impl ReplayJob<'_> {
     /// Runs the job. Checks all arguments and inputs before it evaluates and draws.
     pub(crate) fn run(&self) -> Result<(), Failure> {
@@ -59,6 +70,7 @@ impl ReplayJob<'_> {
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
+        warn_of_the_end(&recording, frames);
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
             let mut crowd = build(args.device.crowd_to_read().capacity(capacity))?;

@@ -143,10 +143,15 @@ pub(crate) fn load(
     let mut add = |character: Character| {
         let character = Arc::new(character);
         let scale = scale(&character, height_m, mixed);
-        if height_m.is_none() && !mixed && scale != 1.0 {
+        if height_m.is_none() && scale != 1.0 {
             let (name, own_m) = (&character.name, character.height_m());
+            let reason = if mixed {
+                "which suits no crowd of several characters"
+            } else {
+                "which is hardly meant in metres"
+            };
             message!(
-                "\"{name}\" is {own_m} m high, which is hardly meant in metres; it is drawn \
+                "\"{name}\" is {own_m} m high, {reason}; it is drawn \
                  {:.2} m high, and --height sets its height",
                 scale * own_m
             );
@@ -183,6 +188,14 @@ fn looks(name: &str) -> Result<Vec<Look>, Failure> {
         ))
     })?;
     Ok(vec![look])
+}
+
+/// Returns the built-in person of this name.
+pub(crate) fn one_person(name: &str) -> Result<Character, Failure> {
+    match &looks(name)?[..] {
+        [look] => create_person(look),
+        _ => Err(Failure::usage(format!("@{name} are several; name one, such as @man"))),
+    }
 }
 
 fn create_person(look: &Look) -> Result<Character, Failure> {
@@ -386,7 +399,10 @@ fn role_clip(
 /// plausible height.
 fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
     let own = character.height_m().max(1e-6);
-    let longer_than_high = character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
+    // A humanoid may hold a long sword.
+    let is_humanoid = RoleMap::detect(&character.skeleton).is_some();
+    let longer_than_high =
+        !is_humanoid && character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
     let plausible_m = if mixed { PLAUSIBLE_M } else { ALONE_M };
     match height_m {
         Some(height_m) => height_m / own,

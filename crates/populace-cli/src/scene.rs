@@ -23,7 +23,7 @@ use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter};
 use crate::names::hint;
 use crate::report::{counted, message};
-use crate::roles;
+use crate::roles::{self, LoadedRoles};
 use live::{FilmedScene, LiveScene};
 
 /// Members besides people: props, and vehicles.
@@ -110,11 +110,11 @@ impl SceneJob<'_> {
         let filming = Filming::new(args, self.out, (frames, self.is_film()), &given)?;
         let sink = filming.sink()?;
         let renderer = filming.renderer();
-        let mut crowd = filming.crowd(&renderer, source.sizes())?;
-        let (live, loaded) = LiveScene::new(&mut crowd, source)?;
-        filming.check(&loaded.files)?;
         let mut scene = filming.scene();
         source.light(&mut scene)?;
+        let mut crowd = filming.crowd(&renderer, source.sizes())?;
+        let (live, loaded) = source.live(&mut crowd)?;
+        filming.check(&loaded.files)?;
         let mut action = FilmedScene::new(live, source.view()?);
         let [width, height] = args.size();
         action.set_aspect(width as f32 / height as f32)?;
@@ -159,13 +159,29 @@ impl SceneSource<'_> {
         let [capacity, slots] = self.sizes();
         let builder = builder.capacity(capacity).slots_per_member(slots);
         let mut crowd = crate::filming::build_crowd(builder)?;
-        let (live, loaded) = LiveScene::new(&mut crowd, self)?;
+        let (live, loaded) = self.live(&mut crowd)?;
         let mut scene = crate::filming::scene(self.picture);
         self.light(&mut scene)?;
         let action = Box::new(FilmedScene::new(live, self.view()?));
         let rate = film_rate(&self.plan, self.picture.film.fps)?;
         let roles = loaded.roles;
         Ok(crate::watched::Staged { crowd, action, roles, scene, rate, length_secs: None })
+    }
+
+    /// Brings the plan into a crowd. What is wrong in it is named with the scene file.
+    fn live(&self, crowd: &mut Crowd) -> Result<(LiveScene, LoadedRoles), Failure> {
+        LiveScene::new(crowd, self).map_err(|failure| match failure {
+            Failure::Input(reason) | Failure::Usage(reason) if self.cast.is_empty() => {
+                self.named(format!("{reason:#}"))
+            }
+            other => other,
+        })
+    }
+
+    /// Returns an error about the scene file, if there is one.
+    fn named(&self, reason: String) -> Failure {
+        let file = self.file.map_or_else(String::new, |file| format!("{}: ", file.display()));
+        Failure::Input(anyhow::anyhow!("{file}{reason}"))
     }
 
     /// The members that the crowd has room for, and the slots of each.
@@ -272,7 +288,7 @@ impl SceneSource<'_> {
         let light = &self.plan.light;
         if self.picture.sky.is_none() {
             let sky = light.sky.parse::<Preset>();
-            let sky = sky.map_err(|e| Failure::Input(anyhow::anyhow!("`sky` of [light]: {e}")))?;
+            let sky = sky.map_err(|e| self.named(format!("`sky` of [light]: {e}")))?;
             *scene = crate::filming::scene_of(self.picture, sky);
         }
         if let Some(height_deg) = light.sun_height_deg {

@@ -176,6 +176,15 @@ fn inspect_describes_a_file() {
 }
 
 #[test]
+fn built_in_people_stand_for_files() {
+    let d = json_of(&["inspect", "@man", "--json"]);
+    assert!(d["joints"].as_u64() > Some(40), "{d}");
+    json_of(&["pose", "@woman", "--json", "--device", "native"]);
+    refused(&["inspect", "@people"], 2, &["@people are several", "@man"]);
+    refused(&["pose", "@nobody"], 2, &["no built-in \"@nobody\"", "@woman"]);
+}
+
+#[test]
 fn inspect_rows_sums_clip_sizes() {
     let folder = Folder::new();
     let file = folder.text("post.gltf");

@@ -291,6 +291,20 @@ fn character_in_another_unit_than_metres_is_drawn_at_a_plausible_height() {
     assert!(!picture(&small, &[]).1, "2 m are plausible");
 }
 
+/// A knight with a sword longer than the knight is no four-legged animal.
+#[cfg_attr(any(skip_gl, no_test_data), ignore = "no test data, or POPULACE_SKIP names gl")]
+#[test]
+fn humanoids_stand_upright_among_others_whatever_they_hold() {
+    let folder = Folder::new();
+    let data = std::env::var("POPULACE_TEST_DATA").expect("ignored without it");
+    let (knight, out) = (format!("{data}/characters/kaykit_knight.glb"), folder.text("x.png"));
+    let args = ["render", &knight, "@man", "--full-detail", "--out", &out];
+    let output = populace(&[&args[..], &SMALL].concat());
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert!(stderr.contains("it is drawn 1.75 m high"), "{stderr}");
+}
+
 /// The camera stands among the members, so that some are behind it and some are far.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

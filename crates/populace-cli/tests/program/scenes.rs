@@ -64,6 +64,27 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
+/// What is wrong with the values of a scene file is said with its name.
+#[test]
+fn values_of_scene_files_are_refused_with_the_file() {
+    let folder = Folder::new();
+    let scene = folder.text("wrong.toml");
+    let crowd = "[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\ncount = 1\n";
+    for (text, word) in [
+        ("[light]\nsky = \"night\"\n".to_owned(), "night"),
+        (format!("{crowd}does.stand = {{ at = [nan, 0] }}\n"), "NaN"),
+        (format!("{crowd}does.stand = {{ clip = \"Swim\" }}\n"), "Swim"),
+    ] {
+        std::fs::write(&scene, format!("schema = 1\n{text}")).expect("a file");
+        let out = folder.text("x.png");
+        refused(
+            &["render", &scene, "--out", &out, "--device", "native"],
+            1,
+            &["wrong.toml: ", word],
+        );
+    }
+}
+
 /// Draws a meadow of a size under an evening sky, and returns its colour 3 m before the camera.
 fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
     let folder = Folder::new();

@@ -171,6 +171,20 @@ fn pictures_show_the_people_of_a_recording() {
 }
 
 #[cfg(feature = "mp4")]
+/// A picture of a time after the file's end shows nobody, and the program says so.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn times_after_the_end_of_a_recording_are_warned_of() {
+    let folder = Folder::new();
+    let (file, out) = (write(&folder, "a.csv", &rows()), folder.text("x.png"));
+    let at = |secs: &str| {
+        let size = ["--size", "32x18", "--device", "native"];
+        stderr_of(&[&["render", &file, "--at", secs, "--out", &out], &size[..]].concat())
+    };
+    assert!(at("500").contains("nobody is there at 500.00 s; the file ends "));
+    assert!(!at("0.1").contains("nobody is there"));
+}
+
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn films_show_the_people_of_a_recording() {

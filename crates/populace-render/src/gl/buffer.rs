@@ -110,8 +110,8 @@ impl<T: bytemuck::Pod> Buffer<T> {
         self.gl.check(operation)?;
         if old > 0 {
             let [from, to] = [glow::COPY_READ_BUFFER, glow::COPY_WRITE_BUFFER];
-            // SAFETY: the context is current, and both objects exist. The old one holds `old` bytes,
-            // and the new one more, which the driver confirmed.
+            // SAFETY: the context is current, and both objects exist. The old one holds `old`
+            // bytes, and the new one more, which the driver confirmed.
             unsafe {
                 functions.bind_buffer(from, Some(self.raw));
                 functions.copy_buffer_sub_data(from, to, 0, 0, old);
