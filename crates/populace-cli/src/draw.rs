@@ -7,6 +7,7 @@ use populace_film::FrameRate;
 use populace_render::Camera;
 use serde_json::Value;
 
+use crate::built_in;
 use crate::camera::{Cameras, Pose, Subject, View};
 use crate::cli::{FrameRange, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
@@ -77,7 +78,7 @@ impl DrawJob<'_> {
         let args = self.args;
         let frames = (self.frames()?, args.film.frames.is_some());
         let given = self.inputs.iter().chain(&args.clips).map(PathBuf::as_path);
-        let given: Vec<_> = given.filter(|input| roles::built_in_name(input).is_none()).collect();
+        let given: Vec<_> = given.filter(|input| built_in::name_of(input).is_none()).collect();
         let filming = Filming::new(args, self.out, frames, &given)?;
         let sink = filming.sink()?;
         let renderer = filming.renderer();

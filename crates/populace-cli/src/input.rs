@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use clap::Args;
 use populace_assets::{Imported, LoadOptions, WriteOptions};
 
+use crate::built_in;
 use crate::failure::Failure;
-use crate::roles;
 
 /// Limits for input files.
 #[derive(Args, Clone, Debug)]
@@ -35,9 +35,9 @@ impl InputArgs {
             allow_outside: self.allow_outside,
             memory_limit_bytes: u64::from(self.memory_limit) << 20,
         };
-        if let Some(name) = roles::built_in_name(file) {
+        if let Some(name) = built_in::name_of(file) {
             let file =
-                populace_assets::to_glb(&roles::one_person(name)?, &WriteOptions::default())?;
+                populace_assets::to_glb(&built_in::person_of(name)?, &WriteOptions::default())?;
             return Ok(populace_assets::load_from_reader(
                 &file[..],
                 &format!("@{name}"),

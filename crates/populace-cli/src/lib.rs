@@ -9,6 +9,7 @@
 #[cfg(unix)]
 mod aborts;
 mod aim;
+mod built_in;
 mod camera;
 mod cli;
 mod commands;

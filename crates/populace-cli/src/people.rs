@@ -5,8 +5,9 @@ use populace::character::Character;
 use populace_locomotion::GaitSpace;
 use populace_variety::{Appearance, Variety};
 
+use crate::built_in;
 use crate::failure::Failure;
-use crate::roles::{self, CrowdRole};
+use crate::roles::CrowdRole;
 
 /// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
 pub(crate) const EYES: f32 = 0.935;
@@ -20,7 +21,7 @@ pub(crate) fn gaits(crowd: &mut Crowd, roles: &[CrowdRole]) -> Result<Vec<GaitSp
         if let Ok(gaits) = own {
             return Ok(gaits);
         }
-        for clip in &roles::built_in_clips("people")? {
+        for clip in &built_in::clips("people")? {
             // Clips that do not fit the body add nothing.
             let _ = crowd.character_mut(role.id)?.add_clip(clip);
         }

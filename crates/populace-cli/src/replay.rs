@@ -16,6 +16,7 @@ use populace_scene::{Motions, Replay};
 use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
+use crate::built_in;
 use crate::camera::{Cameras, View};
 use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
@@ -144,7 +145,7 @@ impl ReplayJob<'_> {
     fn given(&self) -> Vec<&Path> {
         let files = self.cast.iter().chain(&self.picture.clips).chain(&self.read.geometry);
         let files = files.map(PathBuf::as_path).chain([self.file]);
-        files.filter(|file| roles::built_in_name(file).is_none()).collect()
+        files.filter(|file| built_in::name_of(file).is_none()).collect()
     }
 
     /// Brings the people into the crowd, with levels of detail if they are drawn.

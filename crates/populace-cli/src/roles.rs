@@ -1,8 +1,7 @@
 //! Loads the characters of a crowd, from files or from the built-in people.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use populace::character::Character;
 use populace::clip::{Clip, RootMotion};
@@ -11,9 +10,9 @@ use populace::retarget::Binding;
 use populace::{
     BindingReport, CharacterId, ClipId, Crowd, MotionOrigin, MotionSettings, MotionSource,
 };
-use populace_cast::{Look, dress, dress_with_options, person};
 use rayon::prelude::*;
 
+use crate::built_in;
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
@@ -113,8 +112,10 @@ pub(crate) fn load(
         progress.step();
     }
     for input in &inputs {
-        match built_in_name(input) {
-            Some(name) => drawn.extend(built_in(name, options)?.into_iter().map(|c| (c, vec![]))),
+        match built_in::name_of(input) {
+            Some(name) => {
+                drawn.extend(built_in::dressed(name, options)?.into_iter().map(|c| (c, vec![])))
+            }
             None => {
                 let known = loader.referenced.len();
                 let character = loader.load(input)?;
@@ -163,62 +164,11 @@ pub(crate) fn load(
     Ok(LoadedRoles { roles, files: loader.referenced })
 }
 
-/// Returns the name of a built-in person given in place of a file: `people` for `@people`.
-pub(crate) fn built_in_name(input: &Path) -> Option<&str> {
-    input.to_str()?.strip_prefix('@')
-}
-
-/// Number of outfits of each person among `@people`.
-const OUTFITS: usize = 3;
-
-/// Returns the looks of built-in people: all of them in several outfits for `people`, otherwise the
-/// one with this name.
-fn looks(name: &str) -> Result<Vec<Look>, Failure> {
-    let presets = Look::presets();
-    if name == "people" {
-        let outfits =
-            (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
-        return Ok(outfits.collect());
-    }
-    let list =
-        presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
-    let look = presets.into_iter().find(|look| look.name == name).ok_or_else(|| {
-        Failure::usage(format!(
-            "there is no built-in \"@{name}\"; choose one of \"@people\", {list}"
-        ))
-    })?;
-    Ok(vec![look])
-}
-
-/// Returns the built-in person of this name.
-pub(crate) fn one_person(name: &str) -> Result<Character, Failure> {
-    match &looks(name)?[..] {
-        [look] => create_person(look),
-        _ => Err(Failure::usage(format!("@{name} are several; name one, such as @man"))),
-    }
-}
-
-fn create_person(look: &Look) -> Result<Character, Failure> {
-    person(look).map_err(|e| Failure::Run(e.into()))
-}
-
-/// Returns the people of this name, each in one outfit; all of them for `people`.
-#[cfg(feature = "bench")]
-pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
-    let looks = if name == "people" { Look::presets() } else { looks(name)? };
-    looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
-}
-
-fn built_in(name: &str, options: bool) -> Result<Vec<Character>, Failure> {
-    let make = if options { dress_with_options } else { dress };
-    make(&looks(name)?).map_err(|e| Failure::Run(e.into()))
-}
-
 /// Returns the inputs with folders replaced by the glTF files in them, by name.
 fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
     let mut files = Vec::new();
     for input in inputs {
-        if built_in_name(input).is_some() || !input.is_dir() {
+        if built_in::name_of(input).is_some() || !input.is_dir() {
             files.push(input.clone());
             continue;
         }
@@ -244,24 +194,10 @@ fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
 
 /// Loads the clips of a file or of a built-in person; `@people` stands for the first of them.
 pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Clip>>, Failure> {
-    match built_in_name(file) {
-        Some(name) => built_in_clips(name),
+    match built_in::name_of(file) {
+        Some(name) => built_in::clips(name),
         None => Ok(loader.load(file)?.clips.clone()),
     }
-}
-
-/// Returns the clips of a built-in person; `people` stands for the first of them. They are made
-/// once.
-pub(crate) fn built_in_clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
-    static MADE: Mutex<BTreeMap<String, Vec<Arc<Clip>>>> = Mutex::new(BTreeMap::new());
-    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(clips) = made.get(name) {
-        return Ok(clips.clone());
-    }
-    let looks = looks(name)?;
-    let clips = looks.first().map(create_person).transpose()?.map_or(vec![], |p| p.clips.clone());
-    made.insert(name.to_owned(), clips.clone());
-    Ok(clips)
 }
 
 /// Adds a character and the clips of others to the crowd. A humanoid that then has no clips gets
@@ -288,7 +224,7 @@ fn add_role(
     }
     let clipless = crowd.character(id)?.clips().is_empty();
     if clipless && RoleMap::detect(&character.skeleton).is_some() {
-        for clip in &built_in_clips("people")? {
+        for clip in &built_in::clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
     }

@@ -14,6 +14,7 @@ use populace_scene::plan::{CastPlan, PropPlan, ScenePlan};
 use populace_scene::{SceneFileError, StreetSettings};
 use serde_json::json;
 
+use crate::built_in;
 use crate::camera::{Keys, View};
 use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
@@ -213,7 +214,7 @@ impl SceneSource<'_> {
     /// The files that the scene reads, as far as they are known.
     fn given(&self) -> Vec<PathBuf> {
         let casts = self.plan.casts.iter().flat_map(|cast| self.inputs(cast));
-        let files = casts.filter(|file| roles::built_in_name(file).is_none());
+        let files = casts.filter(|file| built_in::name_of(file).is_none());
         let clips = self.picture.clips.iter().cloned();
         let props = self.plan.props.iter().filter_map(|prop| prop.file.as_deref());
         let props = props.map(|file| self.path(file));

@@ -14,6 +14,7 @@ use populace_bench::{
 };
 use serde_json::{Value, json};
 
+use crate::built_in;
 use crate::cli::BenchArgs;
 use crate::crowd_renderer::devices_and_shares;
 use crate::failure::Failure;
@@ -92,8 +93,8 @@ fn scenes(args: &BenchArgs) -> Result<Vec<Scene>, Failure> {
     }
     let (mut characters, mut loader) = (Vec::new(), roles::Loader::new(&args.input));
     for file in &args.files {
-        match roles::built_in_name(file) {
-            Some(name) => characters.extend(roles::people(name)?),
+        match built_in::name_of(file) {
+            Some(name) => characters.extend(built_in::people(name)?),
             None => characters.push(Arc::new(loader.load(file)?)),
         }
     }

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
+use crate::built_in;
 use crate::cli::{FrameRange, PlanArgs};
 use crate::failure::Failure;
 use crate::film_length;
 use crate::report;
-use crate::roles;
 use crate::scene;
 use crate::trajectory;
 
@@ -50,7 +50,7 @@ fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
 }
 
 fn check_exists(input: &Path) -> Result<(), Failure> {
-    if input == Path::new("-") || roles::built_in_name(input).is_some() {
+    if input == Path::new("-") || built_in::name_of(input).is_some() {
         return Ok(());
     }
     let cannot = |e| Failure::Input(anyhow::anyhow!("cannot read {}: {e}", input.display()));

@@ -10,6 +10,7 @@ use populace::model::RoleMap;
 use populace_bench::SkateDocument;
 use populace_locomotion::GaitClips;
 
+use crate::built_in;
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
 use crate::progress::Progress;
@@ -43,8 +44,8 @@ fn load(args: &BenchArgs) -> Result<(Vec<Walker>, Vec<Arc<Clip>>), Failure> {
     let (mut walkers, mut shared) = (Vec::new(), Vec::new());
     let mut loader = roles::Loader::new(&args.input);
     for file in files {
-        if let Some(name) = roles::built_in_name(file) {
-            for look in roles::people(name)? {
+        if let Some(name) = built_in::name_of(file) {
+            for look in built_in::people(name)? {
                 walkers.push(Walker { name: look.name.clone(), character: look, built_in: true });
             }
             continue;
@@ -94,7 +95,7 @@ fn measure(
     if *built_in {
         return Ok(());
     }
-    let clips = GaitClips::among(character, &roles::built_in_clips("people")?);
+    let clips = GaitClips::among(character, &built_in::clips("people")?);
     let clips = clips.ok_or_else(|| {
         Failure::Run(anyhow!("{name} does not walk with the clips of the built-in people"))
     })?;

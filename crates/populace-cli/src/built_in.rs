@@ -1,0 +1,78 @@
+//! The built-in people, who stand for files by name: `@man`, or `@people` for all of them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use populace::character::Character;
+use populace::clip::Clip;
+use populace_cast::{Look, dress, dress_with_options, person};
+
+use crate::failure::Failure;
+
+/// Returns the name of a built-in person given in place of a file: `people` for `@people`.
+pub(crate) fn name_of(input: &Path) -> Option<&str> {
+    input.to_str()?.strip_prefix('@')
+}
+
+/// Number of outfits of each person among `@people`.
+const OUTFITS: usize = 3;
+
+/// Returns the looks of built-in people: all of them in several outfits for `people`, otherwise the
+/// one with this name.
+fn looks(name: &str) -> Result<Vec<Look>, Failure> {
+    let presets = Look::presets();
+    if name == "people" {
+        let outfits =
+            (0..OUTFITS).flat_map(|number| presets.iter().map(move |look| look.in_outfit(number)));
+        return Ok(outfits.collect());
+    }
+    let list =
+        presets.iter().map(|look| format!("\"@{}\"", look.name)).collect::<Vec<_>>().join(", ");
+    let look = presets.into_iter().find(|look| look.name == name).ok_or_else(|| {
+        Failure::usage(format!(
+            "there is no built-in \"@{name}\"; choose one of \"@people\", {list}"
+        ))
+    })?;
+    Ok(vec![look])
+}
+
+/// Returns the built-in person of this name.
+pub(crate) fn person_of(name: &str) -> Result<Character, Failure> {
+    match &looks(name)?[..] {
+        [look] => create_person(look),
+        _ => Err(Failure::usage(format!("@{name} are several; name one, such as @man"))),
+    }
+}
+
+fn create_person(look: &Look) -> Result<Character, Failure> {
+    person(look).map_err(|e| Failure::Run(e.into()))
+}
+
+/// Returns the people of this name, each in one outfit; all of them for `people`.
+#[cfg(feature = "bench")]
+pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
+    let looks = if name == "people" { Look::presets() } else { looks(name)? };
+    looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
+}
+
+/// Returns the people of this name in their outfits. With `options`, they have what they could wear
+/// besides what they wear.
+pub(crate) fn dressed(name: &str, options: bool) -> Result<Vec<Character>, Failure> {
+    let make = if options { dress_with_options } else { dress };
+    make(&looks(name)?).map_err(|e| Failure::Run(e.into()))
+}
+
+/// Returns the clips of a built-in person; `people` stands for the first of them. They are made
+/// once.
+pub(crate) fn clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
+    static MADE: Mutex<BTreeMap<String, Vec<Arc<Clip>>>> = Mutex::new(BTreeMap::new());
+    let mut made = MADE.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(clips) = made.get(name) {
+        return Ok(clips.clone());
+    }
+    let looks = looks(name)?;
+    let clips = looks.first().map(create_person).transpose()?.map_or(vec![], |p| p.clips.clone());
+    made.insert(name.to_owned(), clips.clone());
+    Ok(clips)
+}
