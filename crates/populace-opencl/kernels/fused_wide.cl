@@ -36,6 +36,34 @@ INLINE float16 line_of(const Real *numbers, uint lane)
 #endif
 }
 
+// Turns sixteen numbers in lanes into lines of the members.
+INLINE void turn_lines(const Real *numbers, Real lines[16])
+{
+#pragma unroll
+    for (uint i = 0; i < 16; i++) lines[i] = numbers[i];
+#pragma unroll
+    for (uint i = 0; i < 16; i += LANES) transpose(lines + i);
+}
+
+// Writes sixteen numbers of each member, `first` numbers after the beginning of its palette. With a
+// member in each lane, lines stay in registers on the way.
+INLINE void write_lines(const Company *all, const Real *numbers, __global float *const *to,
+                        uint first, bool streamed)
+{
+    if (streamed && all->count == LANES) {
+        Real lines[16];
+        turn_lines(numbers, lines);
+#pragma unroll
+        for (uint lane = 0; lane < LANES; lane++)
+            write_line(line_of(lines, lane), to[lane] + first, true);
+        return;
+    }
+    Real lines[16];
+    turn_lines(numbers, lines);
+    for (uint lane = 0; lane < all->count; lane++)
+        write_line(line_of(lines, lane), to[lane] + first, streamed);
+}
+
 // Takes a free desk, which holds the matrices of the members in the lanes of a work-item. Few desks,
 // used again and again, stay in the caches.
 INLINE uint take_desk(volatile __global uint *is_taken, uint count)
@@ -120,14 +148,8 @@ INLINE void write_block(const Company *all, __global const Entry *entries, Hiera
         matrix_product(&models, &bind, &palettes[e]);
     }
     // Four matrices are 48 numbers, or three lines of the cache.
-    Real *numbers = palettes->m;
-    for (uint i = 0; i < 48; i += LANES) transpose(numbers + i);
-    for (uint lane = 0; lane < all->count; lane++) {
-        __global float *lines = to[lane] + 12 * block;
-#pragma unroll
-        for (uint i = 0; i < 48; i += 16)
-            write_line(line_of(numbers + i, lane), lines + i, streamed);
-    }
+    for (uint i = 0; i < 48; i += 16)
+        write_lines(all, palettes->m + i, to, 12 * block + i, streamed);
 }
 
 // Writes the members' palettes from an entry on, up to the first block with a joint from `joint_end`

@@ -289,6 +289,10 @@ faults! {
 
 faults! {
     Form::Wide { lanes: 8 };
+    check_growth {
+        small_groups_write_one_palette:
+            "to[lane] + first, streamed" => "to[0] + first, streamed";
+    }
     check_override_layers {
         palettes_do_not_wait: "entries[e].joint < joint_end" => "true";
         layers_at_rest_do_not_cover:
@@ -304,6 +308,8 @@ faults! {
         far_rotations_count_as_near: "slot.columns.block.flags & NEAR_REST" => "true";
     }
     check_blends {
+        full_groups_write_one_palette: "to[lane] + first, true" => "to[0] + first, true";
+        lines_repeat_a_number: "lines[i] = numbers[i]" => "lines[i] = numbers[i & 7]";
         second_spans_have_the_rows_of_the_first: "slot.columns.lane += LANES;" => "";
         second_spans_have_the_ranges_of_the_first: "slot.range += LANES;" => "";
         spans_are_not_weighted: "unit_of(q, stored_quat(rest, 0)) * weight" =>
