@@ -1,4 +1,4 @@
-//! Sorting of instances into draws: one per run of equal model, page and handedness.
+//! Sorting of instances into runs of equal model, level, page and handedness.
 
 use std::cmp::Reverse;
 
@@ -34,7 +34,7 @@ pub struct PassCounts {
     /// Number of their triangles, without hidden parts and contact shadows.
     pub triangles: usize,
     /// Number of draw calls. One call draws all that has the same shader, page of palettes,
-    /// material and textures.
+    /// material and textures; for software rasterizers such calls are divided.
     pub draw_calls: usize,
 }
 
