@@ -43,6 +43,9 @@ const BEHIND: f32 = 2.2;
 /// Distance of the camera `eye` before the axis of the body, so that no face is in the picture, in
 /// heights of the eyes.
 const BEFORE: f32 = 0.12;
+/// Distance in heights of the eyes within which such cameras see nothing: people would see the visors
+/// of their own caps.
+const EYE_NEAR: f32 = 0.15;
 /// Half of the time over which the way of a person is averaged for a camera that goes with it.
 const SMOOTH_SECS: f64 = 0.6;
 /// Half of the time over which it is averaged for the camera `eye`.
@@ -207,7 +210,8 @@ impl Cameras {
         let (feet, forward, eye_m) = (Vec3::from(pose.position), pose.forward(), pose.eye_m);
         let eye = feet + eye_m * (Vec3::Y + BEFORE * forward);
         // People look slightly down as they walk.
-        self.looking(eye, eye + forward - 0.06 * Vec3::Y, EYE_FOV_RAD)
+        let camera = self.looking(eye, eye + forward - 0.06 * Vec3::Y, EYE_FOV_RAD);
+        Camera { near: EYE_NEAR * eye_m, ..camera }
     }
 }
 

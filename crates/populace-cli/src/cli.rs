@@ -20,6 +20,7 @@ use crate::aim::{Point, ReachArg};
 use crate::input::InputArgs;
 use crate::mix::{LayerArg, SlotArg};
 use crate::trajectory::ReadArgs;
+#[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
 pub(crate) use devices::{DeviceArgs, build};
 pub(crate) use film::{FrameRange, ImageKind, MOST_FRAMES};
@@ -27,9 +28,7 @@ pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use picture::PictureArgs;
 pub(crate) use trajectories::OverlayArgs;
 use trajectories::TrajectoryArgs;
-pub(crate) use values::Size;
-#[cfg(feature = "bench")]
-pub(crate) use values::VertexId;
+pub(crate) use values::{Size, VertexId};
 #[cfg(feature = "viewer")]
 pub(crate) use view::ViewArgs;
 

@@ -176,7 +176,8 @@ impl ReplayJob<'_> {
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);
-        let subject = Agents::new(&recording, motions.clone());
+        let heights = people::body_heights(&people, roles);
+        let subject = Agents::new(&recording, motions.clone(), heights);
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
         let overlays = Overlays::new(self.overlay, &recording, replay.motions(), roles, people)?;

@@ -104,6 +104,7 @@ fn cameras_go_with_people() {
     assert!(follow.eye[0] < -3.0 && follow.target[0] > 1.0, "behind, looking ahead");
     let eye = camera("eye:1", 5.0);
     assert!((eye.eye[1] - 1.7).abs() < 1e-4 && eye.target[2] > eye.eye[2]);
+    assert!(eye.near > 0.2, "a cap reaches 0.15 m farther than the eyes");
     let still = camera("crowd", 0.0);
     assert_eq!((still, still), (camera("crowd", 9.0), camera("crowd", 0.1)));
 }

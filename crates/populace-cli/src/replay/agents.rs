@@ -16,23 +16,21 @@ const LARGEST_M: f32 = 120.0;
 const SQUARE_M: f32 = 40.0;
 /// Height and half the width of a person in metres, for framing.
 const FIGURE_M: [f32; 2] = [1.8, 0.3];
-/// Height of the eyes as a fraction of that of the body, and the height of bodies that have none.
+/// Height of the eyes as a fraction of that of the body.
 const EYES: f32 = 0.93;
-const BODY_M: f32 = 1.72;
 
 /// The agents of a recording.
 pub(super) struct Agents {
     motions: Motions,
     ids: Vec<String>,
+    /// Heights of bodies in metres.
     heights: Vec<f32>,
     from_secs: f64,
 }
 
 impl Agents {
-    pub(super) fn new(recording: &Recording, motions: Motions) -> Self {
-        let agents = recording.agents.iter();
-        let (ids, heights) =
-            agents.map(|agent| (agent.id.clone(), agent.height_m.unwrap_or(BODY_M))).unzip();
+    pub(super) fn new(recording: &Recording, motions: Motions, heights: Vec<f32>) -> Self {
+        let ids = recording.agents.iter().map(|agent| agent.id.clone()).collect();
         Self { motions, ids, heights, from_secs: recording.secs()[0] }
     }
 

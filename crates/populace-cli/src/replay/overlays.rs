@@ -8,6 +8,7 @@ use populace_scene::{Motion, Motions, Person, Replay};
 use populace_trajectory::{Column, Recording, Values};
 use populace_variety::Dye;
 
+use super::people::body_heights;
 use crate::cli::OverlayArgs;
 use crate::failure::Failure;
 use crate::names::hint;
@@ -24,8 +25,6 @@ const TRAIL_STEP_SECS: f64 = 0.1;
 /// Height of trails above the ground, and of labels above heads, in metres.
 const TRAIL_M: f32 = 0.02;
 const LABEL_M: f32 = 0.12;
-/// Height of bodies whose height is not known, in metres.
-const BODY_M: f32 = 1.72;
 
 /// The quantity that colours people.
 enum Quantity {
@@ -49,6 +48,8 @@ pub(super) struct Overlays {
     /// The clothes of each character, and each agent's character and look.
     dyes: Vec<(CharacterId, Dye)>,
     people: Vec<Person>,
+    /// Heights of bodies in metres.
+    heights: Vec<f32>,
     trail_secs: Option<f64>,
     ids: bool,
     /// The time in seconds that the clock counts from, if it is shown.
@@ -70,7 +71,8 @@ impl Overlays {
         let dyes = if colours.is_some() { roles.iter().map(dye).collect() } else { Vec::new() };
         let OverlayArgs { trails: trail_secs, ids, clock, .. } = *args;
         let clock_from_secs = clock.then(|| recording.secs()[0]);
-        Ok(Self { colours, dyes, people, trail_secs, ids, clock_from_secs })
+        let heights = body_heights(&people, roles);
+        Ok(Self { colours, dyes, people, heights, trail_secs, ids, clock_from_secs })
     }
 
     /// Returns true if something is drawn over pictures.
@@ -125,7 +127,7 @@ impl Overlays {
         }
         if self.ids {
             let style = TextStyle::new(0.8 * canvas.text_size());
-            canvas.labels(&labels(camera, size, recording, replay), &style);
+            canvas.labels(&self.labels(camera, size, recording, replay), &style);
         }
         if let Some(colours) = &self.colours {
             canvas.legend(&colours.legend, Corner::TopRight);
@@ -163,21 +165,26 @@ impl Overlays {
         present.sort_unstable_by_key(|(agent, _)| *agent);
         present.into_iter().map(trail).collect()
     }
-}
 
-/// Returns the ids of people above their heads.
-fn labels(camera: &Camera, size: [u32; 2], recording: &Recording, replay: &Replay) -> Vec<Label> {
-    let mut present: Vec<_> = replay.present().collect();
-    present.sort_unstable_by_key(|(agent, _)| *agent);
-    let label = |(agent, _): (usize, _)| {
-        let of: &populace_trajectory::Agent = &recording.agents[agent];
-        let moment = replay.motions().agents[agent].at(replay.secs())?;
-        let [x, y] = moment.position;
-        let top = moment.elevation_m + of.height_m.unwrap_or(BODY_M) + LABEL_M;
-        let at = camera.project([x, top, -y], size)?.map(f64::from);
-        Some(Label { text: of.id.clone(), at })
-    };
-    present.into_iter().filter_map(label).collect()
+    /// Returns the ids of people above their heads.
+    fn labels(
+        &self,
+        camera: &Camera,
+        size: [u32; 2],
+        recording: &Recording,
+        replay: &Replay,
+    ) -> Vec<Label> {
+        let mut present: Vec<_> = replay.present().map(|(agent, _)| agent).collect();
+        present.sort_unstable();
+        let label = |agent: usize| {
+            let moment = replay.motions().agents[agent].at(replay.secs())?;
+            let [x, y] = moment.position;
+            let top = moment.elevation_m + self.heights[agent] + LABEL_M;
+            let at = camera.project([x, top, -y], size)?.map(f64::from);
+            Some(Label { text: recording.agents[agent].id.clone(), at })
+        };
+        present.into_iter().filter_map(label).collect()
+    }
 }
 
 impl Colours {

@@ -50,6 +50,15 @@ pub(crate) fn cast(
     chosen.iter().enumerate().map(person).collect()
 }
 
+/// Returns the heights of bodies in metres.
+pub(crate) fn body_heights(people: &[Person], roles: &[CrowdRole]) -> Vec<f32> {
+    let height = |person: &Person| {
+        let role = roles.iter().find(|role| role.id == person.character);
+        role.map_or(0.0, |role| person.scale * role.character.height_m())
+    };
+    people.iter().map(height).collect()
+}
+
 /// Returns the heights of agents in metres, where they are known.
 fn heights(recording: &Recording, asked_m: Option<f32>) -> Vec<Option<f32>> {
     let of = |agent: &Agent| agent.height_m.filter(|_| agent.kind == Kind::Person);

@@ -171,6 +171,27 @@ fn pictures_show_the_people_of_a_recording() {
 }
 
 #[cfg(feature = "mp4")]
+/// Labels stand above the heads of bodies, however high those are.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn ids_stand_above_heads() {
+    let folder = Folder::new();
+    let file = write(&folder, "a.csv", &rows());
+    let top = |height: &str| {
+        let [plain, labelled] = [&[][..], &["--ids"]].map(|more| {
+            let out = folder.text("x.png");
+            let args = ["render", &file, "--at", "1", "--height", height, "--out", &out];
+            let camera = ["--camera", "1,2,8,1,1,-2"];
+            stderr_of(&[&args[..], &camera, &SMALL, more].concat());
+            colours(&out)
+        });
+        let rows = plain.enumerate_pixels().zip(labelled.pixels());
+        rows.filter(|((.., a), b)| a != b).map(|((_, y, _), _)| y).min().expect("labels")
+    };
+    let [child, adult] = ["0.8", "1.8"].map(top);
+    assert!(child > adult + 5, "labels begin in rows {child} and {adult}");
+}
+
 /// A picture of a time after the file's end shows nobody, and the program says so.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
