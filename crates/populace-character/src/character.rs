@@ -284,15 +284,21 @@ impl Character {
         self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
     }
 
+    /// Returns `model_from_bind` of each palette entry at rest.
+    #[must_use]
+    pub fn rest_binds(&self) -> Vec<DAffine3> {
+        let models = self.skeleton.rest_models();
+        let bind =
+            |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
+        self.palette.iter().map(bind).collect()
+    }
+
     /// Returns the positions in model space of a part's vertices at rest, in metres. Empty if there
     /// is no such part.
     #[must_use]
     pub fn rest_positions(&self, part: usize) -> Vec<[f32; 3]> {
         let Some(Part { mesh, .. }) = self.parts.get(part) else { return Vec::new() };
-        let models = self.skeleton.rest_models();
-        let bind =
-            |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
-        let binds: Vec<_> = self.palette.iter().map(bind).collect();
+        let binds = self.rest_binds();
         let place = |vertex| f64math::to_f32(rest_place(mesh, vertex, &binds).to_array());
         (0..mesh.positions.len()).map(place).collect()
     }

@@ -1,7 +1,5 @@
 //! Parts that the rest pose mirrors.
 
-use populace_model::f64math;
-
 use crate::{Character, Part};
 
 impl Character {
@@ -11,13 +9,9 @@ impl Character {
     #[must_use]
     pub fn is_mirrored(&self, part: usize) -> bool {
         let Some(Part { mesh, .. }) = self.parts.get(part) else { return false };
-        let models = self.skeleton.rest_models();
-        let mirrors: Vec<bool> = self
-            .palette
-            .iter()
-            .map(|e| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind))
-            .map(|model_from_bind| model_from_bind.matrix3.determinant() < 0.0)
-            .collect();
+        let binds = self.rest_binds();
+        let mirrors: Vec<bool> =
+            binds.iter().map(|bind| bind.matrix3.determinant() < 0.0).collect();
         let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
         let signed = |(&entry, &weight): (&u16, &f32)| {
             if mirrors[usize::from(entry)] { weight } else { -weight }

@@ -177,10 +177,11 @@ impl ReplayJob<'_> {
         let people = people::cast(&recording, roles, &settings);
         let every = capacity(&motions).div_ceil(METERED);
         let heights = people::body_heights(&people, roles);
-        let subject = Agents::new(&recording, motions.clone(), heights);
+        let subject = Agents::new(&recording, motions.clone(), heights.clone());
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
-        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), roles, people)?;
+        let bodies = (people, heights);
+        let overlays = Overlays::new(self.overlay, &recording, replay.motions(), roles, bodies)?;
         message!(
             "{} on {}, {}",
             trajectory::people(&recording),

@@ -10,7 +10,7 @@ use glam::{DMat3, Vec3};
 use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
-use populace_character::{Character, Influences, Mesh, PaletteEntry};
+use populace_character::{Character, Influences, Mesh};
 use populace_model::convert::place_bits;
 use populace_model::f64math;
 
@@ -110,11 +110,7 @@ pub(crate) fn out(character: &Character, parts: &[Simplifier<'_>]) -> Vec<Vec<Op
 
 /// Returns the matrix of each palette entry at rest.
 fn binds(character: &Character) -> Vec<DMat3> {
-    let models = character.skeleton.rest_models();
-    let bind = |e: &PaletteEntry| {
-        (models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind)).matrix3
-    };
-    character.palette.iter().map(bind).collect()
+    character.rest_binds().iter().map(|bind| bind.matrix3).collect()
 }
 
 /// Returns the blended matrix of a vertex at rest. `binds` holds that of each palette entry.

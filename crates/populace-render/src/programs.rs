@@ -49,6 +49,16 @@ pub(crate) enum Kind {
     Interface,
 }
 
+impl Kind {
+    /// Returns the textures beside the base colour that the shader of a member samples.
+    pub(crate) fn maps(self) -> Maps {
+        match self {
+            Self::Member(kind) => kind.maps,
+            _ => Maps::default(),
+        }
+    }
+}
+
 const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
 const LOOK: &str = include_str!("shaders/look.glsl");

@@ -1,7 +1,7 @@
 //! Regions of vertices: by their material's name, or by texture and joints.
 
 use glam::{DAffine3, DVec3};
-use populace_model::{Role, RoleMap, Side, f64math};
+use populace_model::{Role, RoleMap, Side};
 
 use super::Region;
 use crate::character::rest_place;
@@ -62,10 +62,7 @@ impl<'a> RegionFinder<'a> {
             above.into_iter().find_map(|j| map.iter().find(|(_, of)| *of == j).map(|(r, _)| r))
         };
         let roles = character.palette.iter().map(|entry| role_of(entry.joint)).collect();
-        let bind = |entry: &crate::PaletteEntry| {
-            models[entry.joint.index()] * f64math::affine_from(&entry.joint_from_bind)
-        };
-        let binds = character.palette.iter().map(bind).collect();
+        let binds = character.rest_binds();
         let place = |role| Some(models[map.as_ref()?.joint(role)?.index()].translation);
         let joint = place(Role::Head).unwrap_or_default();
         let crown_y = character.rest_bounds().map_or(joint.y, |bounds| f64::from(bounds.high[1]));

@@ -8,7 +8,6 @@ use populace_scene::{Motion, Motions, Person, Replay};
 use populace_trajectory::{Column, Recording, Values};
 use populace_variety::Dye;
 
-use super::people::body_heights;
 use crate::cli::OverlayArgs;
 use crate::failure::Failure;
 use crate::names::hint;
@@ -63,7 +62,7 @@ impl Overlays {
         recording: &Recording,
         motions: &Motions,
         roles: &[CrowdRole],
-        people: Vec<Person>,
+        (people, heights): (Vec<Person>, Vec<f32>),
     ) -> Result<Self, Failure> {
         let colours = args.colour_by.as_deref().map(|name| colours(name, recording, motions));
         let colours = colours.transpose()?;
@@ -71,7 +70,6 @@ impl Overlays {
         let dyes = if colours.is_some() { roles.iter().map(dye).collect() } else { Vec::new() };
         let OverlayArgs { trails: trail_secs, ids, clock, .. } = *args;
         let clock_from_secs = clock.then(|| recording.secs()[0]);
-        let heights = body_heights(&people, roles);
         Ok(Self { colours, dyes, people, heights, trail_secs, ids, clock_from_secs })
     }
 

@@ -17,18 +17,23 @@ fn the_street_says_what_happened() {
     assert!(std::path::Path::new(&out).is_file(), "--at writes the file that was named");
 }
 
+/// Draws a scene file with this text, and returns the path of the picture.
+fn draw(folder: &Folder, text: &str, args: &[&str]) -> String {
+    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+    std::fs::write(&scene, format!("schema = 1\n{text}")).expect("a file");
+    let drawn = populace(&[&["render", &scene, "--out", &out], args].concat());
+    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    out
+}
+
 /// Draws a scene whose camera looks down from 10 m above 0, and returns the depth of its middle in
 /// centimetres.
 fn depth_below(text: &str) -> u16 {
     let folder = Folder::new();
-    let [scene, out, depth] = ["scene.toml", "out.png", "out.depth.png"].map(|n| folder.text(n));
     let camera = "[[camera]]\nname = \"a\"\nkey = [{ from = [0, 10, 0.1], to = [0, 0, 0] }]\n";
-    std::fs::write(&scene, format!("schema = 1\n[output]\nsize = [48, 32]\n{text}\n{camera}"))
-        .expect("a file");
-    let args = ["render", &scene, "--out", &out, "--images", "depth", "--device", "native"];
-    let drawn = populace(&args);
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
-    let depth = image::open(depth).expect("a picture").to_luma16();
+    let text = format!("[output]\nsize = [48, 32]\n{text}\n{camera}");
+    draw(&folder, &text, &["--images", "depth", "--device", "native"]);
+    let depth = image::open(folder.path("out.depth.png")).expect("a picture").to_luma16();
     assert_eq!(depth.dimensions(), (48, 32), "the size is that of the file");
     depth.get_pixel(24, 16).0[0]
 }
@@ -64,7 +69,7 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
-/// What is wrong with the values of a scene file is said with its name.
+/// Errors about values of a scene file begin with the name of the file.
 #[test]
 fn values_of_scene_files_are_refused_with_the_file() {
     let folder = Folder::new();
@@ -88,15 +93,12 @@ fn values_of_scene_files_are_refused_with_the_file() {
 /// Draws a meadow of a size under an evening sky, and returns its colour 3 m before the camera.
 fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
     let folder = Folder::new();
-    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
     let text = format!(
-        "schema = 1\n[light]\nsky = \"evening\"\n[[prop]]\nkind = \"meadow\"\nat = [0, 0, 0]\n\
+        "[light]\nsky = \"evening\"\n[[prop]]\nkind = \"meadow\"\nat = [0, 0, 0]\n\
          size_m = [{size_m}]\n[[camera]]\nname = \"a\"\n\
          key = [{{ from = [0, 3, 3], to = [0, 0, 0] }}]\n"
     );
-    std::fs::write(&scene, text).expect("a file");
-    let drawn = populace(&[&["render", &scene, "--out", &out], &SMALL[..4], args].concat());
-    assert!(drawn.status.success(), "{}", String::from_utf8_lossy(&drawn.stderr));
+    let out = draw(&folder, &text, &[&SMALL[..4], args].concat());
     let picture = image::open(out).expect("a picture").to_rgb8();
     picture.get_pixel(picture.width() / 2, picture.height() / 2).0
 }

@@ -78,7 +78,7 @@ fn corners(capsule: &Capsule) -> impl Iterator<Item = Contact> {
 /// Returns the two lowest capsules at rest, which are the feet of a standing body, and then the
 /// largest ones.
 fn capsules(character: &Character, hide: &dyn Fn(&Part) -> bool) -> Vec<Capsule> {
-    let models = character.skeleton.rest_models();
+    let binds = character.rest_binds();
     let mut points: Vec<Vec<DVec3>> = vec![Vec::new(); character.palette.len()];
     for mesh in character.parts.iter().filter(|part| !hide(part)).map(|part| &part.mesh) {
         let width = mesh.influences.per_vertex;
@@ -92,11 +92,10 @@ fn capsules(character: &Character, hide: &dyn Fn(&Part) -> bool) -> Vec<Capsule>
             }
         }
     }
-    let entries = (0..=u16::MAX).zip(&character.palette).zip(&points);
+    let entries = (0..=u16::MAX).zip(&binds).zip(&points);
     let mut all: Vec<Capsule> = entries
         .filter(|(_, points)| points.len() >= LEAST_VERTICES)
-        .filter_map(|((index, entry), points)| {
-            let model = models[entry.joint.index()] * f64math::affine_from(&entry.joint_from_bind);
+        .filter_map(|((index, model), points)| {
             let capsule = around(index, points);
             let ends = [capsule.from, capsule.to].map(|end| model.transform_point3(end));
             let scale = model.transform_vector3(DVec3::X).length();

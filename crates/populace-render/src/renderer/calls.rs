@@ -7,7 +7,7 @@ use std::rc::Rc;
 use crate::batch::Run;
 use crate::gl::{Buffer, Cull, DrawCommand, DrawCommands, Texture};
 use crate::layout::Surface;
-use crate::model::{Alpha, Maps, Model, ModelLevel, ModelPart};
+use crate::model::{Alpha, Model, ModelLevel, ModelPart};
 use crate::programs::{Kind, MemberKind};
 
 /// A pass over the members.
@@ -78,16 +78,6 @@ impl Pass {
                 contacts: !vertex_lit && self == (Self::Opaque { on_members: true }),
                 maps: part.sampled_maps(),
             }),
-        }
-    }
-}
-
-impl Kind {
-    /// Returns the textures beside the base colour that the shader of a member samples.
-    pub(super) fn maps(self) -> Maps {
-        match self {
-            Self::Member(kind) => kind.maps,
-            _ => Maps::default(),
         }
     }
 }

@@ -169,7 +169,7 @@ fn marks_say_what_each_pixel_shows() {
     assert!(marks.coverage.iter().all(|share| *share == 0));
 }
 
-/// What lies between y = 0 and a lower ground is seen.
+/// Marks show a body between y = 0 and a lower ground.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn marks_are_those_of_a_ground_that_lies_lower() {

@@ -1,4 +1,4 @@
-use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
+use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs, f64math};
 
 use super::*;
 use crate::{CharacterSource, Image, Influences, PaletteEntry, Part, TextureFilter, Wrap};
