@@ -31,6 +31,8 @@ const ORBIT_DIRECTIONS: u8 = 32;
 const ISO_ELEVATION_RAD: f32 = 0.615_479_7;
 /// Field of view of the camera `iso`, narrow so that parallels stay nearly parallel.
 const ISO_FOV_RAD: f32 = 0.16;
+/// The least side of what cameras of a place show, in metres.
+const LEAST_M: f32 = 4.0;
 const TOP_FOV_RAD: f32 = 0.5;
 const ABOVE_FOV_RAD: f32 = 0.6;
 const ORBIT_FOV_RAD: f32 = 0.7;
@@ -86,9 +88,12 @@ impl Cameras {
     /// Chooses the camera of a view for pictures whose width is `aspect` times their height.
     /// Refuses a person that is not among those of the subject.
     pub(crate) fn new(view: &View, subject: &dyn Subject, aspect: f32) -> Result<Self, Failure> {
-        let bounds: Vec<Vec3> = subject.bounds().into_iter().map(Vec3::from).collect();
+        let mut bounds: Vec<Vec3> = subject.bounds().into_iter().map(Vec3::from).collect();
         let framed = match subject.elevation_rad() {
-            Some(elevation_rad) => from_above(&bounds, elevation_rad, aspect),
+            Some(elevation_rad) => {
+                widen(&mut bounds);
+                from_above(&bounds, elevation_rad, aspect)
+            }
             None => Camera::framing(bounds.iter().map(|point| point.to_array()), aspect),
         };
         let known = |id: &str| {
@@ -219,6 +224,18 @@ impl Cameras {
 /// nor the people that a camera frames.
 fn far_m(framed: &Camera, eye: Vec3, target: Vec3) -> f32 {
     framed.far.max(12.0 * eye.distance(target))
+}
+
+/// Adds the ground around points that cover less than a square of [`LEAST_M`], so that one person is
+/// not alone in the picture.
+fn widen(points: &mut Vec<Vec3>) {
+    let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
+    let high = points.iter().copied().reduce(Vec3::max).unwrap_or_default();
+    if (high.x - low.x).max(high.z - low.z) < LEAST_M {
+        let middle = (0.5 * (low + high)).with_y(low.y);
+        let sides = [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z];
+        points.extend(sides.map(|side| middle + 0.5 * LEAST_M * side));
+    }
 }
 
 /// Returns a camera that shows all points from an elevation. The longer side of what they cover goes

@@ -71,7 +71,7 @@ pub(crate) fn is_scene(input: &Path) -> bool {
 
 /// Returns the rate of a scene's films: the one that was asked for, or the scene's own.
 pub(crate) fn film_rate(plan: &ScenePlan, asked: Option<FrameRate>) -> Result<FrameRate, Failure> {
-    Ok(asked.map_or_else(|| FrameRate::new(plan.output.fps, 1), Ok)?)
+    Ok(asked.map_or_else(|| FrameRate::nearest(plan.output.fps), Ok)?)
 }
 
 /// Returns the height at which the plain ground is drawn, in metres. Roads reach below the ground, and

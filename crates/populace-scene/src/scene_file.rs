@@ -177,8 +177,8 @@ impl ScenePlan {
         if size.iter().any(|side| !(1..=16384).contains(side)) {
             return Some(Fault::within("output", "size", "from 1 to 16384 pixels"));
         }
-        if !(1..=1000).contains(&self.output.fps) {
-            return Some(Fault::within("output", "fps", "from 1 to 1000"));
+        if !(0.001..=1000.0).contains(&self.output.fps) {
+            return Some(Fault::within("output", "fps", "from 0.001 to 1000"));
         }
         None
     }

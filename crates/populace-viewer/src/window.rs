@@ -57,7 +57,7 @@ pub struct Closed {
 /// driver.
 pub fn run(opener: Box<dyn Opener + '_>, settings: WindowSettings) -> Result<Closed, Error> {
     let no_display = |cause: String| Error::NoDisplay { cause };
-    let event_loop = EventLoop::new().map_err(|error| no_display(error.to_string()))?;
+    let event_loop = EventLoop::new().map_err(|error| no_display(cause_of(&error)))?;
     let run = Run::new(settings.script.clone());
     let mut app = App {
         settings,
@@ -104,6 +104,14 @@ struct App<'a> {
     layout: Layout,
 }
 
+/// Returns the message of an error of the system without the line of winit's source in which it was
+/// noticed, which such errors begin with: "os error at PATH:LINE: ".
+fn cause_of(error: &impl std::fmt::Display) -> String {
+    let text = error.to_string();
+    let cause = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    cause.map_or_else(|| text.clone(), |(_, cause)| cause.trim_end_matches('.').to_owned())
+}
+
 impl App<'_> {
     fn open(&mut self, event_loop: &ActiveEventLoop) -> Result<(), Error> {
         let Some(opener) = self.opener.take() else { return Ok(()) };
@@ -115,7 +123,7 @@ impl App<'_> {
             Some([width, height]) => attributes.with_inner_size(PhysicalSize::new(width, height)),
             None => attributes.with_inner_size(LogicalSize::new(layout.width, layout.height)),
         };
-        let cause = |error: winit::error::OsError| Error::Window { cause: error.to_string() };
+        let cause = |error: winit::error::OsError| Error::Window { cause: cause_of(&error) };
         let window = Arc::new(event_loop.create_window(attributes).map_err(cause)?);
         let PhysicalSize { width, height } = window.inner_size();
         let size = [width.max(1), height.max(1)];

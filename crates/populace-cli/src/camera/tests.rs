@@ -121,3 +121,47 @@ fn unknown_people_are_refused_with_those_that_exist() {
     let message = refused.error().unwrap().to_string();
     assert!(message.contains('7') && message.contains("0 and 1"), "{message}");
 }
+
+/// A place with nobody, or with one person who stands.
+struct Alone(Option<[f32; 3]>);
+
+impl Subject for Alone {
+    fn bounds(&self) -> Vec<[f32; 3]> {
+        self.0.iter().flat_map(|[x, y, z]| [[*x, *y, *z], [*x, y + 1.8, *z]]).collect()
+    }
+
+    fn elevation_rad(&self) -> Option<f32> {
+        Some(0.6)
+    }
+
+    fn figure_m(&self) -> [f32; 2] {
+        [1.8, 0.4]
+    }
+
+    fn closest(&self) -> Option<u64> {
+        None
+    }
+
+    fn pose(&self, _id: u64, _secs: f64) -> Option<Pose> {
+        None
+    }
+
+    fn describe_ids(&self) -> String {
+        String::new()
+    }
+}
+
+#[test]
+fn ground_around_one_person_is_in_the_picture() {
+    for place in [None, Some([3.0, 1.0, -7.0])] {
+        let [x, y, z] = place.unwrap_or_default();
+        for view in ["crowd", "top", "iso", "orbit"] {
+            let camera = Cameras::new(&view.parse().unwrap(), &Alone(place), 1.5).unwrap();
+            let camera = camera.at(&Alone(place), 0.0);
+            for side in [-1.8, 1.8] {
+                let [right, up, depth] = seen(&camera, [x + side, y, z]);
+                assert!(right.abs() < 1.0 && up.abs() < 1.0 && depth > 0.0, "{view}: {camera:?}");
+            }
+        }
+    }
+}

@@ -28,6 +28,8 @@ pub(super) struct LiveScene {
     /// Positions, headings and heights of the eyes of people.
     poses: Vec<Pose>,
     eyes_m: Vec<f32>,
+    /// Corners of the boxes around things.
+    things: Vec<[f32; 3]>,
 }
 
 /// The roles of each cast, by its name.
@@ -58,6 +60,7 @@ impl LiveScene {
             Ok(Arc::new(character))
         };
         let stage = Stage::new(crowd, plan, &props, &prepare)?;
+        let things = things(crowd)?;
         let mut all_gaits: Vec<GaitSpace> = Vec::new();
         for roles in casts.values() {
             all_gaits.extend(gaits(crowd, roles)?);
@@ -75,7 +78,7 @@ impl LiveScene {
         }
         source.announce(crowd, people.len());
         let roles = casts.into_values().flatten().collect();
-        let mut scene = Self { behaviours, stage, people, poses: Vec::new(), eyes_m };
+        let mut scene = Self { behaviours, stage, people, poses: Vec::new(), eyes_m, things };
         scene.note_poses(crowd)?;
         Ok((scene, LoadedRoles { roles, files }))
     }
@@ -90,6 +93,23 @@ impl LiveScene {
         }
         Ok(())
     }
+}
+
+/// Returns the corners of the boxes around all members at rest.
+fn things(crowd: &Crowd) -> Result<Vec<[f32; 3]>, Failure> {
+    let mut points = Vec::new();
+    for member in crowd.members() {
+        let Some(around) = crowd.character(member.character())?.asset().rest_bounds() else {
+            continue;
+        };
+        let world_from_model = member.placement().world_from_model();
+        let sides = [around.low, around.high];
+        points.extend((0..8).map(|corner: usize| {
+            let axis = |axis: usize| sides[corner >> axis & 1][axis];
+            world_from_model.transform_point([axis(0), axis(1), axis(2)])
+        }));
+    }
+    Ok(points)
 }
 
 /// Loads the characters of all casts, and names the files that they refer to.
@@ -179,7 +199,11 @@ fn dress(
 }
 
 impl Subject for LiveScene {
+    /// The people; without any, the things.
     fn bounds(&self) -> Vec<[f32; 3]> {
+        if self.poses.is_empty() {
+            return self.things.clone();
+        }
         let around = |pose: &Pose| {
             let [x, y, z] = pose.position;
             [[x, y, z], [x, y + pose.eye_m, z]]

@@ -90,6 +90,19 @@ fn values_of_scene_files_are_refused_with_the_file() {
     }
 }
 
+/// A scene without people shows its things, from all around.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn things_without_people_are_in_the_picture() {
+    let folder = Folder::new();
+    let text = "[[prop]]\nkind = \"bench\"\nat = [40, 0, 3]\n[output]\nfps = 29.97\n";
+    let args = ["--size", "64x64", "--images", "alpha", "--device", "native"];
+    let out = draw(&folder, text, &args);
+    let alpha = image::open(out.replace(".png", ".alpha.png")).expect("a picture").to_luma8();
+    let seen = alpha.pixels().filter(|pixel| pixel.0[0] > 0).count();
+    assert!((50..2000).contains(&seen), "{seen} of 4096 pixels show the bench");
+}
+
 /// Draws a meadow of a size under an evening sky, and returns its colour 3 m before the camera.
 fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
     let folder = Folder::new();

@@ -162,5 +162,5 @@ pub(super) fn misses_a_display() -> Result<(), Failed> {
     for words in ["no display", "DISPLAY", "populace render", "--out"] {
         ensure(stderr.contains(words), || format!("no {words:?} in: {stderr}"))?;
     }
-    Ok(())
+    ensure(!stderr.contains(".rs:"), || format!("a line of source in: {stderr}"))
 }

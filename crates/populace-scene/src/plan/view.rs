@@ -26,8 +26,8 @@ impl Default for LightPlan {
 pub struct OutputPlan {
     /// Width and height in pixels.
     pub size: [u32; 2],
-    /// Frames in a second.
-    pub fps: u32,
+    /// Frames in a second, from 0.001 to 1000.
+    pub fps: f64,
     /// Length of a film.
     pub seconds: f32,
     /// Seconds before the first picture.
@@ -36,7 +36,7 @@ pub struct OutputPlan {
 
 impl Default for OutputPlan {
     fn default() -> Self {
-        Self { size: [1280, 720], fps: 30, seconds: 10.0, lead_in_s: 0.0 }
+        Self { size: [1280, 720], fps: 30.0, seconds: 10.0, lead_in_s: 0.0 }
     }
 }
 
