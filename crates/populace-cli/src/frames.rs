@@ -61,8 +61,9 @@ pub(crate) struct Moment {
 }
 
 impl Frames {
-    /// Returns the only frame of a picture at `secs`, 0 or later.
+    /// Returns the only frame of a picture at `secs`; at 0 if that is before the first frame.
     pub(crate) fn still(secs: f64, rate: FrameRate) -> Self {
+        let secs = secs.max(0.0);
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -133,6 +134,13 @@ mod tests {
         let rate = FrameRate::new(10, 1).expect("a rate");
         let shutter = Shutter::degrees(degrees);
         Frames { first: 1, last: 2, rate, shutter, late_secs: 0.0 }
+    }
+
+    #[test]
+    fn pictures_before_the_first_frame_show_it() {
+        let rate = FrameRate::new(10, 1).expect("a rate");
+        let last_of = |secs| Frames::still(secs, rate).last;
+        assert_eq!([-5.0, f64::NAN, 0.0, 0.04, 0.06, 0.1].map(last_of), [0, 0, 0, 0, 0, 1]);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Levels of detail of loaded characters, and their cache.
 //!
-//! The levels of `NAME.glb` are kept in `NAME.levels.glb` beside it: the character without its clips
-//! but with levels. The file's generator names a hash of the source and of all files that it refers to.
+//! The levels of `NAME.glb` are kept in `NAME.levels.glb` beside it, and those of `NAME.gltf` in
+//! `NAME.gltf.levels.glb`: the character without its clips but with levels. The file's generator names a hash of the source and of all files that it refers to.
 //! If the hash differs from the present one, the levels are made again.
 
 use std::hash::Hasher;
@@ -68,23 +68,50 @@ impl Levels {
         if self == Self::Made || source == Path::new("-") {
             return made(character);
         }
-        let (cache, generator) = (source.with_extension(ENDING), generator(files)?);
-        let cached = input.load(&cache).ok().filter(|c| c.generator.as_deref() == Some(&generator));
+        let (cache, generator) = (cache_of(source), generator(files)?);
+        let cached = input.load(&cache).ok();
+        let is_other = cache.exists()
+            && !cached.as_ref().is_some_and(|c| is_made_here(c.generator.as_deref()));
+        let cached = cached.filter(|c| c.generator.as_deref() == Some(&generator));
         if let Some(levels) = cached.and_then(|cached| levels_for(&character, &cached.character)) {
             return character.with_levels(levels).map_err(|e| Failure::Run(e.into()));
         }
         let character = made(character)?;
+        let not_cached = |reason: &dyn std::fmt::Display| {
+            let source = source.display();
+            message!("warning: levels of detail of {source} are not cached: {reason}");
+        };
+        if is_other {
+            not_cached(&format_args!(
+                "{} is another file; rename it, or leave out --cache-levels",
+                cache.display()
+            ));
+            return Ok(character);
+        }
         let options = WriteOptions { generator: &generator, ..WriteOptions::default() };
         let written = to_glb(&character, &options).map_err(Failure::from);
         if let Err(error) = written.and_then(|bytes| output::write(&cache, &bytes)) {
-            message!(
-                "warning: levels of detail of {} are not cached: {error}; make its folder \
-                 writable, or leave out --cache-levels",
-                source.display()
-            );
+            not_cached(&format_args!(
+                "{error}; make its folder writable, or leave out --cache-levels"
+            ));
         }
         Ok(character)
     }
+}
+
+/// Returns the path of the cache of a file.
+fn cache_of(source: &Path) -> PathBuf {
+    let is_glb = source.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("glb"));
+    let stem = if is_glb { source.with_extension("") } else { source.to_owned() };
+    let mut name = stem.into_os_string();
+    name.push(".");
+    name.push(ENDING);
+    name.into()
+}
+
+/// Returns true for files that this program wrote as a cache, of this or another version.
+fn is_made_here(generator: Option<&str>) -> bool {
+    generator.is_some_and(|text| text.starts_with("populace ") && text.contains(", levels, "))
 }
 
 /// Returns the name by which a cache says what it was made from.

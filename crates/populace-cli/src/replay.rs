@@ -242,7 +242,8 @@ impl ReplayJob<'_> {
                 Frames::film(&(0..=last), rate, shutter)
             }
             None => {
-                let busiest = || people::busiest(motions) - recording.secs()[0];
+                let since_start = |secs: f64| secs - recording.secs()[0];
+                let busiest = || people::busiest(motions).map_or(0.0, since_start);
                 let secs = film.at.unwrap_or_else(busiest);
                 Frames { shutter, ..Frames::still(secs, rate) }
             }

@@ -27,8 +27,6 @@ use crate::report::{counted, message};
 use crate::roles::{self, LoadedRoles};
 use live::{FilmedScene, LiveScene};
 
-/// Members besides people: props, and vehicles.
-const BESIDES: usize = 4096;
 /// Clips that a member plays at the same time: three of a gait and two on each layer above.
 const SLOTS: usize = 8;
 /// How far the plain ground is drawn below that of the scene where props cover it, in metres.
@@ -189,8 +187,11 @@ impl SceneSource<'_> {
     fn sizes(&self) -> [usize; 2] {
         let holds = self.plan.casts.iter().map(|cast| cast.holds.len()).max().unwrap_or(0);
         let people = self.plan.member_count();
-        // One in two may hold a phone at once.
-        [people * (1 + holds) + people / 2 + self.plan.props.len() + BESIDES, SLOTS]
+        // Everybody may carry a parcel or hold a phone, but not both.
+        let with_things = people * (2 + holds);
+        let driven: usize = self.plan.lanes.iter().map(|lane| lane.vehicles).sum();
+        let things = self.plan.props.len() + self.plan.bays.len();
+        [with_things + driven + things, SLOTS]
     }
 
     /// The camera that was asked for: one of the scene by its name, or the scene's first.

@@ -62,6 +62,16 @@ pub enum Error {
         /// The part of the body, as a scene file names it.
         part: &'static str,
     },
+    /// Roads so far apart that the heights of the ground around them would fill the memory.
+    #[error(
+        "the roads lie within {} by {} m, and heights of the ground are kept for a square \
+         kilometre; bring the roads closer together",
+        size_m[0].ceil(), size_m[1].ceil()
+    )]
+    RoadsTooFarApart {
+        /// The sides of the box around all roads, in metres along X and Z.
+        size_m: [f32; 2],
+    },
     /// Another number of people than of agents.
     #[error("{people} people were given for {agents} agents; give one for each")]
     UnequalLengths {
@@ -94,6 +104,7 @@ impl Error {
             | Self::UnequalCrowd { .. }
             | Self::TooFewSeats { .. }
             | Self::NoSuchPart { .. }
+            | Self::RoadsTooFarApart { .. }
             | Self::TooManyLayers { .. } => ErrorKind::InvalidInput,
         }
     }

@@ -4,14 +4,16 @@ use std::collections::BTreeMap;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-use glam::Vec2;
 use populace::character::Character;
 use populace::{CharacterId, ClipId, Crowd, Ground, MemberId, MemberLook, Placement};
 use populace_props::{CarKind, Crossing, CrossingKind, Lamp, Road, RoadPlan};
 use rayon::prelude::*;
 
+use self::ground::PlacedRoad;
 use crate::Error;
 use crate::plan::{BehaviourPlan, CrowdPlan, LeanPlan, PropPlan, ScenePlan, SeatPlan, SpotPlan};
+
+mod ground;
 
 /// The kinds of props that are made by code.
 pub const PROP_KINDS: [&str; 15] = [
@@ -52,10 +54,6 @@ const VEHICLES: [(CarKind, u64); 6] = [
     (CarKind::Saloon, 5),
     (CarKind::Hatchback, 6),
 ];
-/// Distance of two points at which the height of the ground is given, in metres.
-const GROUND_M: f32 = 0.25;
-/// How far the ground reaches beyond roads, in metres.
-const MARGIN_M: f32 = 1.0;
 
 /// The lights of a crossing.
 #[non_exhaustive]
@@ -180,14 +178,15 @@ impl Stage {
         for (key, made) in &made {
             ids.insert(key, crowd.add_character(Arc::clone(&made.character))?);
         }
-        let mut roads: Vec<(&Road, [f32; 3])> = Vec::new();
+        let mut roads = Vec::new();
         for prop in &plan.props {
             let key = key(prop);
             let Some((id, made)) = ids.get(&key).zip(made.get(&key)) else { continue };
             stage.put(crowd, prop, (*id, made))?;
-            roads.extend(made.road.as_ref().map(|road| (road, prop.at)));
+            let placement = placement(prop);
+            roads.extend(made.road.as_ref().map(|road| PlacedRoad { road, placement }));
         }
-        if let Some(ground) = ground(&roads)? {
+        if let Some(ground) = ground::of_roads(&roads, plan.ground.height_m)? {
             stage.ground = ground;
         }
         crowd.set_ground(&stage.ground)?;
@@ -239,7 +238,7 @@ impl Stage {
         prop: &PropPlan,
         (character, made): (CharacterId, &Made),
     ) -> Result<(), Error> {
-        let placement = Placement::at(prop.at).facing(prop.facing_deg.to_radians());
+        let placement = placement(prop);
         let member = crowd.spawn(character, placement)?;
         let world = placement.world_from_model();
         for (stand, yaw_rad, look_at) in &made.windows {
@@ -390,43 +389,16 @@ fn things(
     Ok(all)
 }
 
+fn placement(prop: &PropPlan) -> Placement {
+    Placement::at(prop.at).facing(prop.facing_deg.to_radians())
+}
+
 /// Returns the plan of a road with a crossing in its middle: a zebra for an even seed, one with
 /// signals for an odd one.
 fn road_plan(seed: u64, length_m: f32, sidewalk_m: f32, parking_m: f32) -> RoadPlan {
     let kind = if seed.is_multiple_of(2) { CrossingKind::Zebra } else { CrossingKind::Signals };
     let crossing = Crossing { x_m: 0.0, width_m: 4.0, kind };
     RoadPlan { length_m, sidewalk_m, parking_m, crossings: vec![crossing] }
-}
-
-/// Returns the heights of the ground on and beside roads along X; `None` without roads.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousands")]
-fn ground(roads: &[(&Road, [f32; 3])]) -> Result<Option<Ground>, Error> {
-    let reach = |(road, at): &(&Road, [f32; 3])| {
-        let half = Vec2::new(0.5 * road.length_m(), road.front_m());
-        let at = Vec2::new(at[0], at[2]);
-        (at - half, at + half)
-    };
-    let bounds = roads.iter().map(reach).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let Some((low, high)) = bounds else { return Ok(None) };
-    let (low, high) = (low - MARGIN_M, high + MARGIN_M);
-    let counts = ((high - low) / GROUND_M).ceil() + 1.0;
-    let (count_x, count_z) = (counts.x as usize, counts.y as usize);
-    let mut heights = vec![0.0; count_x * count_z];
-    for of in roads {
-        let (from, to) = reach(of);
-        let (road, at) = of;
-        let first = ((from.x - low.x) / GROUND_M).floor().max(0.0) as usize;
-        let last = ((to.x - low.x) / GROUND_M).ceil() as usize;
-        for row in 0..count_z {
-            let z = low.y + row as f32 * GROUND_M - at[2];
-            for column in first..=last.min(count_x - 1) {
-                let x = low.x + column as f32 * GROUND_M - at[0];
-                heights[row * count_x + column] = at[1] + road.height_m(x, z);
-            }
-        }
-    }
-    let field = Ground::height_field(low.to_array(), GROUND_M, count_x, heights);
-    Ok(Some(field.map_err(populace::Error::from)?))
 }
 
 /// Brings the characters of vehicles into a crowd.

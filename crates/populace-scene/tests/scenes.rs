@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use populace::{Crowd, Device};
+use populace::{Crowd, Device, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_scene::plan::{BehaviourPlan, ScenePlan};
 use populace_scene::{Behaviours, Counts, Error, Person, Stage};
@@ -94,4 +94,53 @@ fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
     // A shield, a spear and a helmet for each.
     let held = live.crowd.members().filter(|member| member.attached_to().is_some()).count();
     assert_eq!(held, 3 * 80);
+}
+
+/// A street of 80 m with a crossing in its middle, on which people may be, and vehicles close together.
+const DENSE: &str = r#"
+schema = 1
+[[prop]]
+kind = "road"
+at = [0, 0, 0]
+size_m = [80, 4, 0]
+[[footway]]
+name = "f"
+points = [[-30, 5], [30, 5]]
+width_m = 3
+[[crossing]]
+width_m = 3
+ends = [[0, -4], [0, 4]]
+lights = false
+[[lane]]
+name = "l"
+ends = [[-40, 1.6], [40, 1.6]]
+vehicles = 9
+[[cast]]
+name = "c"
+from = ["@man"]
+[[crowd]]
+cast = "c"
+count = 4
+does.stroll = { footways = ["f"] }
+"#;
+
+/// Vehicles that would stand on the crossing when people are on it stand before it, one behind the
+/// other.
+#[test]
+fn vehicles_begin_one_behind_the_other() {
+    let plan = ScenePlan::parse(DENSE).unwrap();
+    let live = live(&plan).unwrap();
+    let in_lane = |[_, _, z]: &[f32; 3]| (z - 1.6).abs() < 1e-3;
+    let people: Vec<MemberId> = live.behaviours.people().collect();
+    let things = live.crowd.members().filter(|member| !people.contains(&member.id()));
+    let places = things.map(|thing| thing.placement().position());
+    let mut along: Vec<f32> = places.filter(in_lane).map(|[x, ..]| x).collect();
+    assert_eq!(along.len(), 9);
+    along.sort_by(f32::total_cmp);
+    let nearest = along.windows(2).map(|pair| pair[1] - pair[0]).fold(f32::MAX, f32::min);
+    assert!(nearest > 4.0, "two vehicles stand in each other: {along:?}");
+    assert!(
+        along.iter().all(|x| !(-3.0..3.0).contains(x)),
+        "one stands on the crossing: {along:?}"
+    );
 }

@@ -1,72 +1,116 @@
-//! Nearest members on the ground, by a grid.
+//! Nearest members on the ground, by a k-d tree.
 
-use std::collections::HashMap;
+use std::cmp::Ordering;
+use std::ops::Range;
 
 /// Returns the numbers of the `count` nearest other members of each member, nearest first. Of equally
-/// near ones the lower number comes first.
+/// near ones the lower number comes first. Members whose position is not finite are near to nobody.
 pub(crate) fn nearest(members: &[(usize, [f32; 3])], count: usize) -> Vec<Vec<usize>> {
-    let mut places: Vec<[f64; 2]> =
+    let places: Vec<[f64; 2]> =
         members.iter().map(|(_, [x, _, z])| [f64::from(*x), f64::from(*z)]).collect();
-    // Counted from the corner, numbers of cells stay below twice the number of members.
-    let corner = places.iter().copied().reduce(|a, b| [a[0].min(b[0]), a[1].min(b[1])]);
-    let [low_x, low_z] = corner.unwrap_or_default();
-    places.iter_mut().for_each(|[x, z]| (*x, *z) = (*x - low_x, *z - low_z));
-    let Some(cell) = cell_m(&places) else { return vec![Vec::new(); members.len()] };
-    let cell_of = |place: [f64; 2]| {
-        place.map(|along| {
-            #[expect(clippy::cast_possible_truncation, reason = "a small number, see above")]
-            let number = (along / cell).floor() as i64;
-            number
-        })
-    };
-    let mut cells: HashMap<[i64; 2], Vec<usize>> = HashMap::new();
-    for (member, place) in places.iter().enumerate() {
-        cells.entry(cell_of(*place)).or_default().push(member);
-    }
-    let wanted = count.min(members.len() - 1);
+    let is_known = |member: &usize| places[*member].iter().all(|along| along.is_finite());
+    let mut order: Vec<usize> = (0..places.len()).filter(is_known).collect();
+    split(&places, &mut order, 0);
+    let mut lowest = order.clone();
+    note_lowest(&order, &mut lowest, 0..order.len());
+    let tree = Tree { places: &places, order: &order, lowest: &lowest };
     let around = |member: usize| {
-        let [cx, cz] = cell_of(places[member]);
-        let mut found: Vec<(f64, usize)> = Vec::new();
-        for ring in 0.. {
-            for x in cx - ring..=cx + ring {
-                let edge = (x - cx).abs() == ring;
-                let step = if edge || ring == 0 { 1 } else { 2 * ring };
-                for z in (cz - ring..=cz + ring).step_by(usize::try_from(step).unwrap_or(1)) {
-                    let there = cells.get(&[x, z]).into_iter().flatten();
-                    found.extend(there.filter(|other| **other != member).map(|other| {
-                        let [dx, dz] =
-                            [0, 1].map(|axis: usize| places[*other][axis] - places[member][axis]);
-                        (dx * dx + dz * dz, *other)
-                    }));
-                }
-            }
-            // All members within `ring` cells are known by now.
-            let known_m = ring as f64 * cell;
-            let near = found.iter().filter(|(squared, _)| *squared <= known_m * known_m).count();
-            if near >= wanted || found.len() == members.len() - 1 {
-                break;
-            }
+        let mut found = Found { wanted: count, nearest: Vec::with_capacity(count + 1) };
+        if is_known(&member) {
+            tree.search(member, (0..order.len(), 0), 0.0, &mut found);
         }
-        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        found.into_iter().take(wanted).map(|(_, other)| other).collect()
+        found.nearest.into_iter().map(|(_, other)| other).collect()
     };
-    (0..members.len()).map(around).collect()
+    (0..places.len()).map(around).collect()
 }
 
-/// Returns the side of cells of which nine hold some 20 members, in metres; `None` for fewer than two
-/// members and for positions that are not finite.
-fn cell_m(places: &[[f64; 2]]) -> Option<f64> {
-    if places.len() < 2 || places.as_flattened().iter().any(|x| !x.is_finite()) {
-        return None;
+/// Sorts members into a tree: the middle one splits a range along an axis, and those before and after
+/// it are split along the other one.
+fn split(places: &[[f64; 2]], order: &mut [usize], axis: usize) {
+    if order.len() < 2 {
+        return;
     }
-    let extent = |axis: usize| {
-        let values = || places.iter().map(|place| place[axis]);
-        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
-    };
-    let (width, depth) = (extent(0), extent(1));
-    let by_area = (width * depth / places.len() as f64 * 2.5).max(0.0).sqrt();
-    let by_length = width.max(depth) / places.len() as f64;
-    Some(by_area.max(by_length).max(1e-3))
+    let along =
+        |a: &usize, b: &usize| places[*a][axis].total_cmp(&places[*b][axis]).then_with(|| a.cmp(b));
+    let (before, _, after) = order.select_nth_unstable_by(order.len() / 2, along);
+    split(places, before, 1 - axis);
+    split(places, after, 1 - axis);
+}
+
+/// Notes the lowest number of each range at its middle, and returns that of the whole range.
+fn note_lowest(order: &[usize], lowest: &mut [usize], range: Range<usize>) -> usize {
+    if range.is_empty() {
+        return usize::MAX;
+    }
+    let middle = middle_of(&range);
+    let before = note_lowest(order, lowest, range.start..middle);
+    let after = note_lowest(order, lowest, middle + 1..range.end);
+    lowest[middle] = order[middle].min(before).min(after);
+    lowest[middle]
+}
+
+fn middle_of(range: &Range<usize>) -> usize {
+    range.start + range.len() / 2
+}
+
+/// The nearest members that are known, with the squares of their distances, in order.
+struct Found {
+    wanted: usize,
+    nearest: Vec<(f64, usize)>,
+}
+
+impl Found {
+    /// Returns whether a member at this squared distance would be among the nearest.
+    fn wants(&self, squared: f64, member: usize) -> bool {
+        let is_before = |worst: &(f64, usize)| order_of(&(squared, member), worst).is_lt();
+        self.nearest.len() < self.wanted || self.nearest.last().is_some_and(is_before)
+    }
+
+    fn add(&mut self, squared: f64, member: usize) {
+        let at = self.nearest.partition_point(|of| order_of(of, &(squared, member)).is_lt());
+        self.nearest.insert(at, (squared, member));
+        self.nearest.truncate(self.wanted);
+    }
+}
+
+fn order_of(a: &(f64, usize), b: &(f64, usize)) -> Ordering {
+    a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))
+}
+
+/// Members in the order of [`split`].
+struct Tree<'a> {
+    places: &'a [[f64; 2]],
+    order: &'a [usize],
+    /// The lowest number of a range, at its middle. Of many members at one place, only the first
+    /// are searched.
+    lowest: &'a [usize],
+}
+
+impl Tree<'_> {
+    /// Searches a range that is split along an axis, and whose members are at least `squared` away.
+    fn search(
+        &self,
+        member: usize,
+        (range, axis): (Range<usize>, usize),
+        squared: f64,
+        found: &mut Found,
+    ) {
+        let middle = middle_of(&range);
+        if range.is_empty() || !found.wants(squared, self.lowest[middle]) {
+            return;
+        }
+        let other = self.order[middle];
+        let [dx, dz] = [0, 1].map(|axis| self.places[other][axis] - self.places[member][axis]);
+        let between = dx * dx + dz * dz;
+        if other != member && found.wants(between, other) {
+            found.add(between, other);
+        }
+        let across = [dx, dz][axis];
+        let (before, after) = (range.start..middle, middle + 1..range.end);
+        let [near, far] = if across >= 0.0 { [before, after] } else { [after, before] };
+        self.search(member, (near, 1 - axis), squared, found);
+        self.search(member, (far, 1 - axis), squared.max(across * across), found);
+    }
 }
 
 #[cfg(test)]
@@ -74,7 +118,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_grid_finds_the_members_that_a_search_of_all_finds() {
+    fn the_tree_finds_the_members_that_a_search_of_all_finds() {
         let mut random = fastrand::Rng::with_seed(3);
         for (count, width) in [(1, 1.0), (2, 1.0), (15, 3.0), (300, 40.0), (300, 0.0)] {
             let at = |random: &mut fastrand::Rng| random.f32() * width;
@@ -86,15 +130,28 @@ mod tests {
                     let [dx, dz] = [x - ox, z - oz].map(f64::from);
                     dx * dx + dz * dz
                 };
-                let mut expected: Vec<f64> =
-                    (0..count).filter(|other| *other != member).map(squared).collect();
-                expected.sort_by(f64::total_cmp);
+                let mut expected: Vec<usize> =
+                    (0..count).filter(|other| *other != member).collect();
+                expected.sort_by(|a, b| squared(*a).total_cmp(&squared(*b)).then(a.cmp(b)));
                 expected.truncate(20);
-                assert_eq!(found.len(), expected.len());
-                for (found, expected) in found.into_iter().map(squared).zip(expected) {
-                    assert!((found - expected).abs() < 1e-4, "{found} {expected}");
-                }
+                assert_eq!(found, expected, "{count} {width}");
             }
         }
+    }
+
+    /// A search that looks at all members of a place would take minutes.
+    #[test]
+    fn members_at_one_place_are_found_as_fast_as_others() {
+        let members = vec![(0, [3.0, 0.0, -2.0]); 50_000];
+        let found = nearest(&members, 20);
+        assert_eq!(found[5], [0, 1, 2, 3, 4].into_iter().chain(6..21).collect::<Vec<_>>());
+        assert_eq!(found[49_999], (0..20).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn positions_that_are_not_finite_are_near_to_nobody() {
+        let members = [[0.0, 0.0, 0.0], [f32::NAN, 0.0, 0.0], [1.0, 0.0, 0.0]].map(|at| (0, at));
+        let found = nearest(&members, 20);
+        assert_eq!(found, [vec![2], vec![], vec![0]]);
     }
 }

@@ -58,6 +58,14 @@ fn levels_are_kept_beside_a_file_until_it_changes() {
     let renewed = populace_assets::load(&cache).expect("a cache");
     assert_ne!(renewed.generator.as_ref(), Some(&generator));
 
+    let other = glb(&man, "another program");
+    std::fs::write(&cache, &other).expect("written");
+    let output = populace(&args);
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    assert!(stderr.contains("one.levels.glb is another file"), "{stderr}");
+    assert!(std::fs::read(&cache).expect("a file") == other, "it is left as it was");
+
     std::fs::remove_file(&cache).expect("removed");
     std::fs::create_dir(&cache).expect("a folder in its place");
     let output = populace(&args);

@@ -2,6 +2,7 @@
 //! runs of steps, overrides, constraints, links and targets.
 
 mod compile;
+mod epochs;
 mod foot;
 mod ground;
 mod interned;
@@ -14,7 +15,7 @@ mod targets;
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use compile::Program;
+use compile::{FeetJoints, Program};
 use populace_model::Skeleton;
 use populace_model::convert::u32_from;
 
@@ -25,9 +26,7 @@ use super::soles::Soles;
 use super::{Space, Table, Tables};
 use crate::Error;
 use crate::control::Controls;
-use crate::layout::{
-    Control, FOOT_STATE_BITS, Float4, NONE, STATES_PER_CONTROL, Target, WATCHED_ELEMENTS,
-};
+use crate::layout::{Control, Float4, NONE, STATES_PER_CONTROL, Target, WATCHED_ELEMENTS};
 use crate::place::Place;
 
 pub use ground::Ground;
@@ -44,11 +43,19 @@ struct Runs {
     program: u32,
     /// Joints that the program needs, counted from the first.
     joint_count: u32,
+    /// The feet that the program plants.
+    feet: Option<FeetJoints>,
 }
 
 impl Runs {
-    const NONE: Self =
-        Self { overrides: (0, 0), targets: (0, 0), values: (0, 0), program: NONE, joint_count: 0 };
+    const NONE: Self = Self {
+        overrides: (0, 0),
+        targets: (0, 0),
+        values: (0, 0),
+        program: NONE,
+        joint_count: 0,
+        feet: None,
+    };
 }
 
 /// Allocation of controls and of their runs.
@@ -97,22 +104,6 @@ impl ControlSpaces {
     /// Returns how many joints, counted from the first, a member with this control needs.
     pub(super) fn joints_needed(&self, control: u32) -> u32 {
         self.runs.get(control as usize).map_or(0, |runs| runs.joint_count)
-    }
-
-    /// Returns the number of the last owner of history state.
-    pub(super) const fn last_epoch(&self) -> u32 {
-        self.epoch
-    }
-
-    /// Gives the next owners numbers after this one.
-    pub(super) fn continue_after(&mut self, epoch: u32) {
-        self.epoch = self.epoch.max(epoch);
-    }
-
-    /// Returns a number for the next owner of history state.
-    fn next_epoch(&mut self) -> u32 {
-        self.epoch = self.epoch.wrapping_add(1) & (u32::MAX >> FOOT_STATE_BITS);
-        self.epoch
     }
 }
 
@@ -221,14 +212,6 @@ impl Tables {
         member.control
     }
 
-    /// Makes devices ignore the history state of a constraint program.
-    pub(super) fn renew_epoch(&mut self, control: u32) {
-        let epoch = self.control_spaces.next_epoch();
-        let mut row = self.all.controls.as_slice()[control as usize];
-        row.epoch = epoch;
-        self.all.controls.set(control as usize, row);
-    }
-
     /// Returns whether a member has a constraint program.
     ///
     /// # Panics
@@ -283,6 +266,7 @@ impl Tables {
     }
 
     fn write_program(&mut self, control: usize, mut program: Program) {
+        self.forget_feet_before(control, &program);
         self.control_spaces.runs[control].joint_count = program.joints_needed();
         self.set_shape(control, &program.shape());
         let runs = self.control_spaces.runs[control];

@@ -162,9 +162,9 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             } else if before < 0.0 || before.floor() < after.floor() {
                 let right = if (1.0..2.0).contains(&after) { -1.0 } else { 1.0 };
                 let heading = heading_rad(&world.crossings[crossing], side) + right * FRAC_PI_2;
-                let [x, y, z] = world.eyes(who);
+                let [x, y, z] = world.above(crowd, who, 0.6)?;
                 let (sin, cos) = heading.sin_cos();
-                world.look(crowd, who, [x + sin * ALONG_M, 0.6 * y, z + cos * ALONG_M])?;
+                world.look(crowd, who, [x + sin * ALONG_M, y, z + cos * ALONG_M])?;
             }
         }
         Doing::Waits { crossing, side } if may_cross(world, crossing) => {

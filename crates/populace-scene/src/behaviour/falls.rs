@@ -132,8 +132,8 @@ fn stumble(world: &mut World, crowd: &mut Crowd, who: usize, victim: usize) -> R
     world.halt(who)?;
     let once = ClipPlayback::once().fade_in_secs(0.1);
     world.play(crowd, who, Use::Hit, (UPPER, once))?;
-    let [x, y, z] = world.eyes(victim);
-    world.look(crowd, who, [x, 0.2 * y, z])?;
+    let at = world.above(crowd, victim, 0.2)?;
+    world.look(crowd, who, at)?;
     world.people[who].doing = Doing::Stops { until: world.now + STOP_SECS };
     Ok(())
 }

@@ -201,7 +201,7 @@ fn converse(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<boo
         let phase = world.people[who].random.unit();
         let playback = ClipPlayback::looping().phase(phase).fade_in_secs(FADE_SECS);
         world.play(crowd, who, usage, (UPPER, playback))?;
-        let at = world.eyes(if who == speaker { listener } else { speaker });
+        let at = world.above(crowd, if who == speaker { listener } else { speaker }, 1.0)?;
         world.look(crowd, who, at)?;
     }
     show(world, crowd, talk)?;

@@ -287,29 +287,33 @@ impl Traffic {
         Ok(())
     }
 
-    /// Lets a vehicle that begins on a stretch of a lane, or cannot stop before it, stand there.
+    /// Lets vehicles that begin on a stretch of a lane, or cannot stop before it, stand before it
+    /// one behind the other.
     pub(crate) fn hold(
         &mut self,
         crowd: &mut Crowd,
         lane: usize,
         [from_m, until_m]: [f32; 2],
     ) -> Result<(), Error> {
-        for index in 0..self.vehicles.len() {
+        self.sort();
+        let mut front_m = from_m;
+        for index in self.order.clone().into_iter().rev() {
             let half = 0.5 * self.models[self.vehicles[index].model].length_m;
             let vehicle = &mut self.vehicles[index];
             let needed = vehicle.speed.powi(2) / (2.0 * LOSS);
-            let is_near = vehicle.along_m + half > from_m - needed;
-            if vehicle.lane == lane
-                && vehicle.drive == Drive::Cruises
-                && is_near
-                && vehicle.along_m - half < until_m
+            let is_near = vehicle.along_m + half > front_m - needed;
+            if vehicle.lane != lane
+                || vehicle.drive != Drive::Cruises
+                || !is_near
+                || vehicle.along_m - half >= until_m
             {
-                (vehicle.along_m, vehicle.speed) = (from_m - half, 0.0);
-                let along_m = vehicle.along_m;
-                let placement = self.placement(lane, along_m, Drive::Cruises);
-                self.vehicles[index].placement = placement;
-                crowd.member_mut(self.vehicles[index].member)?.set_placement(placement)?;
+                continue;
             }
+            (vehicle.along_m, vehicle.speed) = (front_m - half, 0.0);
+            front_m = vehicle.along_m - half - JAM_M;
+            let placement = self.placement(lane, self.vehicles[index].along_m, Drive::Cruises);
+            self.vehicles[index].placement = placement;
+            crowd.member_mut(self.vehicles[index].member)?.set_placement(placement)?;
         }
         Ok(())
     }

@@ -174,10 +174,11 @@ impl World {
         self.people[who].member
     }
 
-    /// Returns a point at the height of somebody's eyes.
-    pub(crate) fn eyes(&self, who: usize) -> [f32; 3] {
+    /// Returns a point above somebody's feet, at a share of the height of the eyes.
+    pub(crate) fn above(&self, crowd: &Crowd, who: usize, share: f32) -> Result<[f32; 3], Error> {
         let at = self.position(who);
-        [at.x, EYES * self.height_m(who), at.y]
+        let [_, feet_m, _] = crowd.member(self.member(who))?.placement().position();
+        Ok([at.x, feet_m + share * EYES * self.height_m(who), at.y])
     }
 
     /// Sends a person to a point.

@@ -288,7 +288,7 @@ impl Constraints {
         let aimed = self.controls.get(member.number()).into_iter().flat_map(|state| &state.aimed);
         let mut of_goal = aimed.filter(|(other, _)| *other == goal);
         let ticks = populace_clip::ticks_from_secs(f64::from(secs));
-        of_goal.any(|(_, tick)| base.clock.tick - tick < ticks)
+        of_goal.any(|(_, tick)| (*tick..tick + ticks).contains(&base.clock.tick))
     }
 
     pub(super) fn is_empty(&self) -> bool {

@@ -27,6 +27,8 @@ pub(super) struct RootMotion {
 struct Moving {
     /// The tick at which it began.
     since: u64,
+    /// The crowd's frame in which it began. A jump back in time does not undo it.
+    since_frame: u64,
     /// The readback of its root joint.
     watch: Watch,
     /// The root's offset from the placement when palettes were last acquired, in metres.
@@ -64,7 +66,8 @@ impl RootMotion {
             Ok(())
         });
         if changed.is_ok() {
-            let moving = Moving { since: base.clock.tick, watch, moved: [0.0; 3] };
+            let (since, since_frame) = (base.clock.tick, base.clock.frame);
+            let moving = Moving { since, since_frame, watch, moved: [0.0; 3] };
             self.moving.insert(member.number(), moving);
             base.members.all[member.number() as usize].moves = true;
         } else if known.is_none() {
@@ -144,9 +147,19 @@ impl RootMotion {
         let moving = self.moving.get(member.number())?;
         let control = base.tables.members().as_slice()[member.number() as usize].control;
         let motion = constraints.motion(member)?;
-        let has_moved = moving.since < base.clock.tick && control != NONE;
+        let has_moved = moving.since_frame < base.clock.frame && control != NONE;
         let first = control as usize * STATES_PER_CONTROL as usize + MOTION_STATE as usize;
         has_moved.then_some(MotionState { motion, first })
+    }
+
+    /// The number of the last motion that has begun.
+    pub(super) fn last_number(&self) -> u32 {
+        self.begun
+    }
+
+    /// Gives the next motions numbers after this one.
+    pub(super) fn continue_after(&mut self, number: u32) {
+        self.begun = self.begun.max(number);
     }
 
     /// A number that no other motion has. Devices keep it as the bits of a number, 0 for none yet.

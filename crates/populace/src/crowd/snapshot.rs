@@ -65,8 +65,10 @@ impl Crowd {
             self.device.backend_mut().set_stages(then.as_slice())?;
         }
         let epochs = self.state.base.tables.epochs();
+        let last_motion = self.state.motion.last_number();
         self.state.clone_from(&snapshot.state);
         self.state.base.tables.continue_epochs(epochs);
+        self.state.motion.continue_after(last_motion);
         self.state.base.tables.mark_dirty();
         self.device.take_history(snapshot.history.clone());
         Ok(())

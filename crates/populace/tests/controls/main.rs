@@ -12,6 +12,7 @@ mod determinism;
 mod feet;
 mod fixture;
 mod gaze;
+mod history;
 mod moves;
 mod overrides;
 mod reach;

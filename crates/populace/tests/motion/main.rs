@@ -308,6 +308,41 @@ fn restored_members_begin_where_they_were_placed() {
     });
 }
 
+/// A motion that begins after the snapshot takes nothing from one that was begun and undone.
+#[test]
+fn motions_of_an_undone_time_are_forgotten() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        let member = walker(scene, walk);
+        let joints = character().skeleton.joint_count();
+        scene.edit(member).stop_root_motion().expect("a member");
+        scene.edit(member).set_proportions(&vec![1.0; joints]).expect("proportions");
+        let start = scene.crowd.snapshot().expect("a snapshot");
+        for _ in 0..3 {
+            scene.update(0.1);
+            scene.edit(member).start_root_motion().expect("a member");
+            scene.update(0.25);
+            scene.update(0.25);
+            let z = scene.edit(member).moved_placement().expect("a member").position()[2];
+            assert!((z - 0.5).abs() < 1e-4, "{z}");
+            scene.crowd.restore(&start).expect("its own snapshot");
+        }
+    });
+}
+
+#[test]
+fn jumps_back_in_time_do_not_undo_motion() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        scene.update(1.0);
+        let member = walker(scene, walk);
+        scene.update(0.5);
+        scene.crowd.seek(0.25).expect("a time");
+        let z = scene.edit(member).moved_placement().expect("a member").position()[2];
+        assert!((z - 0.5).abs() < 1e-4, "{z}");
+    });
+}
+
 #[test]
 fn motion_of_a_walk_in_place_comes_from_its_feet() {
     let skeleton = character().skeleton.clone();

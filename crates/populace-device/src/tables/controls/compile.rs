@@ -18,6 +18,9 @@ use crate::layout::{
     STEP_ROTATION, STEP_STAGE, STEP_WATCH, Step, Target,
 };
 
+/// The joints by which planted feet differ from others: the pelvis, and the hip of each foot.
+pub(super) type FeetJoints = [u32; 1 + MAX_FEET as usize];
+
 /// The compiled constraint program of one member. Indices count from the program's own first
 /// elements until [`move_own`](Self::move_own) and [`move_shared`](Self::move_shared) are called.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +38,7 @@ pub(super) struct Program {
     pub(super) values: Vec<Float4>,
     pub(super) scale_first: u32,
     pub(super) motion_epoch: u32,
+    pub(super) feet: Option<FeetJoints>,
     rotation_count: usize,
 }
 
@@ -324,6 +328,12 @@ impl Program {
             self.step(foot.ankle, STEP_ROTATION, index, first_rotation + 2);
         }
         self.step(feet.pelvis, STEP_PELVIS, first, first_rotation);
+        let mut joints = [NONE; 1 + MAX_FEET as usize];
+        let hips = feet.feet.iter().map(|foot| foot.hip);
+        for (own, joint) in joints.iter_mut().zip(std::iter::once(feet.pelvis).chain(hips)) {
+            *own = joint.0;
+        }
+        self.feet = Some(joints);
         Ok(())
     }
 
