@@ -17,7 +17,7 @@ use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
 use crate::built_in;
-use crate::camera::{Cameras, View};
+use crate::camera::{Cameras, Subject, View};
 use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
@@ -345,8 +345,9 @@ impl Action for ReplayAction {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+        let poses = |id, secs| self.subject.pose(id, secs);
         let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.subject, secs)))
+        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
     }
 }
 

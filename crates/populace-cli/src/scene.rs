@@ -2,6 +2,7 @@
 
 mod counts;
 mod live;
+mod past;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -21,6 +21,20 @@ impl Pose {
     }
 }
 
+/// Returns points around somebody who stands at a point, for cameras that look from anywhere.
+pub(crate) fn figure([x, y, z]: [f32; 3], [height_m, half_m]: [f32; 2]) -> [[f32; 3]; 5] {
+    [
+        [x - half_m, y, z],
+        [x + half_m, y, z],
+        [x, y, z - half_m],
+        [x, y, z + half_m],
+        [x, y + height_m, z],
+    ]
+}
+
+/// Where people are: the pose of a number at a time in seconds, as [`Subject::pose`] gives it.
+pub(crate) type Poses<'a> = dyn Fn(u64, f64) -> Option<Pose> + 'a;
+
 /// People that cameras look at.
 pub(crate) trait Subject {
     /// Returns points that the picture of all people contains, such as feet and heads, in metres.

@@ -34,7 +34,7 @@ impl Subject for Two {
 
 fn camera(view: &str, secs: f64) -> Camera {
     let view = view.parse().unwrap();
-    Cameras::new(&view, &Two, 1.5).unwrap().at(&Two, secs)
+    Cameras::new(&view, &Two, 1.5).unwrap().at(&|id, secs| Two.pose(id, secs), secs)
 }
 
 /// Returns where a point is in the picture, from -1 to 1 to the right and upwards, and its depth.
@@ -157,7 +157,7 @@ fn ground_around_one_person_is_in_the_picture() {
         let [x, y, z] = place.unwrap_or_default();
         for view in ["crowd", "top", "iso", "orbit"] {
             let camera = Cameras::new(&view.parse().unwrap(), &Alone(place), 1.5).unwrap();
-            let camera = camera.at(&Alone(place), 0.0);
+            let camera = camera.at(&|_, _| None, 0.0);
             for side in [-1.8, 1.8] {
                 let [right, up, depth] = seen(&camera, [x + side, y, z]);
                 assert!(right.abs() < 1.0 && up.abs() < 1.0 && depth > 0.0, "{view}: {camera:?}");

@@ -6,7 +6,8 @@ use std::f32::consts::FRAC_PI_2;
 use populace_scene::{Moment, Motions};
 use populace_trajectory::Recording;
 
-use crate::camera::{Pose, Subject};
+use crate::camera::{Pose, Subject, figure};
+use crate::people::EYES;
 
 /// Seconds between positions that the camera frames.
 const FRAMED_SECS: f64 = 1.0;
@@ -16,8 +17,6 @@ const LARGEST_M: f32 = 120.0;
 const SQUARE_M: f32 = 40.0;
 /// Height and half the width of a person in metres, for framing.
 const FIGURE_M: [f32; 2] = [1.8, 0.3];
-/// Height of the eyes as a fraction of that of the body.
-const EYES: f32 = 0.93;
 
 /// The agents of a recording.
 pub(super) struct Agents {
@@ -47,8 +46,9 @@ impl Agents {
 
 impl Subject for Agents {
     fn bounds(&self) -> Vec<[f32; 3]> {
+        let height_m = self.heights.iter().copied().reduce(f32::max).unwrap_or(FIGURE_M[0]);
         let around = |Moment { position: [x, y], elevation_m, .. }: Moment| {
-            [[x, elevation_m, -y], [x, elevation_m + FIGURE_M[0], -y]]
+            figure([x, elevation_m, -y], [height_m, FIGURE_M[1]])
         };
         let ways = self.motions.agents.iter().flat_map(|motion| {
             motion.secs().flat_map(move |[from, until]| {

@@ -12,7 +12,8 @@ use populace_scene::plan::CastPlan;
 use populace_scene::{Behaviours, Counts, Person, Stage};
 
 use super::SceneSource;
-use crate::camera::{Cameras, Pose, Subject, View};
+use super::past::Past;
+use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
 use crate::filming::check_hidden;
 use crate::frame_loop::{Action, in_foot_steps};
@@ -20,13 +21,16 @@ use crate::levels::Levels;
 use crate::people::{EYES, appearances, gaits};
 use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
 
+/// Half the width of a person in metres, for framing.
+const HALF_M: f32 = 0.4;
+
 /// A scene in a crowd.
 pub(super) struct LiveScene {
     behaviours: Behaviours,
     stage: Stage,
     people: Vec<MemberId>,
     /// Positions, headings and heights of the eyes of people.
-    poses: Vec<Pose>,
+    poses: Past,
     eyes_m: Vec<f32>,
     /// Corners of the boxes around things.
     things: Vec<[f32; 3]>,
@@ -78,19 +82,20 @@ impl LiveScene {
         }
         source.announce(crowd, people.len());
         let roles = casts.into_values().flatten().collect();
-        let mut scene = Self { behaviours, stage, people, poses: Vec::new(), eyes_m, things };
-        scene.note_poses(crowd)?;
+        let mut scene = Self { behaviours, stage, people, poses: Past::default(), eyes_m, things };
+        scene.note_poses(crowd, 0.0)?;
         Ok((scene, LoadedRoles { roles, files }))
     }
 
-    /// Notes where people are.
-    fn note_poses(&mut self, crowd: &Crowd) -> Result<(), Failure> {
-        self.poses.clear();
+    /// Notes where people are, `secs` after the last time.
+    fn note_poses(&mut self, crowd: &Crowd, secs: f64) -> Result<(), Failure> {
+        let mut poses = Vec::with_capacity(self.people.len());
         for (member, eye_m) in self.people.iter().zip(&self.eyes_m) {
             let placement = crowd.member(*member)?.placement();
             let (position, heading_rad) = (placement.position(), placement.yaw_rad());
-            self.poses.push(Pose { position, heading_rad, eye_m: *eye_m });
+            poses.push(Pose { position, heading_rad, eye_m: *eye_m });
         }
+        self.poses.pass(secs, poses);
         Ok(())
     }
 }
@@ -201,14 +206,11 @@ fn dress(
 impl Subject for LiveScene {
     /// The people; without any, the things.
     fn bounds(&self) -> Vec<[f32; 3]> {
-        if self.poses.is_empty() {
+        if self.poses.now.is_empty() {
             return self.things.clone();
         }
-        let around = |pose: &Pose| {
-            let [x, y, z] = pose.position;
-            [[x, y, z], [x, y + pose.eye_m, z]]
-        };
-        self.poses.iter().flat_map(around).collect()
+        let around = |pose: &Pose| figure(pose.position, [pose.eye_m / EYES, HALF_M]);
+        self.poses.now.iter().flat_map(around).collect()
     }
 
     fn elevation_rad(&self) -> Option<f32> {
@@ -216,20 +218,20 @@ impl Subject for LiveScene {
     }
 
     fn figure_m(&self) -> [f32; 2] {
-        [self.eyes_m.iter().copied().fold(0.0, f32::max) / EYES, 0.4]
+        [self.eyes_m.iter().copied().fold(0.0, f32::max) / EYES, HALF_M]
     }
 
     fn closest(&self) -> Option<u64> {
-        (!self.poses.is_empty()).then_some(0)
+        (!self.poses.now.is_empty()).then_some(0)
     }
 
     /// The pose of the last step, whatever the time: nobody knows where people will walk.
     fn pose(&self, id: u64, _secs: f64) -> Option<Pose> {
-        self.poses.get(usize::try_from(id).ok()?).copied()
+        self.poses.now.get(usize::try_from(id).ok()?).copied()
     }
 
     fn describe_ids(&self) -> String {
-        format!("people have the numbers from 0 to {}", self.poses.len().saturating_sub(1))
+        format!("people have the numbers from 0 to {}", self.poses.now.len().saturating_sub(1))
     }
 }
 
@@ -279,7 +281,7 @@ impl Action for FilmedScene {
             self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
             Ok(crowd.update(secs)?)
         })?;
-        self.live.note_poses(crowd)
+        self.live.note_poses(crowd, f64::from(secs))
     }
 
     fn take_behave_ms(&mut self) -> f64 {
@@ -291,8 +293,9 @@ impl Action for FilmedScene {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+        let poses = |id, at: f64| self.live.poses.before(id, secs - at);
         let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&self.live, secs)))
+        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {
@@ -305,6 +308,7 @@ impl Action for FilmedScene {
 impl crate::watched::Watched for FilmedScene {
     fn rewind(&mut self) {
         (self.live.behaviours, self.live.stage) = self.first.clone();
+        self.live.poses.forget();
     }
 
     fn leads_members(&self) -> bool {
