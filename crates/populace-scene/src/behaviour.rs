@@ -60,8 +60,8 @@ impl Behaviours {
     ///
     /// # Errors
     ///
-    /// Lists of other lengths, names that nothing in the plan has, and errors of the crowd, such as
-    /// one without room for all people and vehicles.
+    /// Lists of other lengths, names that nothing in the plan has, footways without length, and
+    /// errors of the crowd, such as one without room for all people and vehicles.
     pub fn new(
         crowd: &mut Crowd,
         plan: &ScenePlan,
@@ -69,6 +69,7 @@ impl Behaviours {
         people: &[Vec<CastPerson>],
         gaits: Vec<GaitSpace>,
     ) -> Result<Self, Error> {
+        let footways = plan.footways.iter().map(Footway::new).collect::<Result<Vec<_>, _>>()?;
         let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, &stage.vehicles)?;
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
@@ -79,7 +80,6 @@ impl Behaviours {
         walkers.set_ground(stage.ground().clone());
         let mut ragdolls = Ragdolls::new(GRAVITY)?;
         ragdolls.set_floor(plan.ground.height_m)?;
-        let footways: Vec<_> = plan.footways.iter().filter_map(Footway::new).collect();
         let crossings = plan.crossings.iter().map(|plan| crossing(plan, &footways, &traffic));
         let world = World {
             now: 0.0,

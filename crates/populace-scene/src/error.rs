@@ -34,6 +34,12 @@ pub enum Error {
         /// The number that the plan says.
         count: usize,
     },
+    /// A footway whose points are fewer than two, all equal, or not finite.
+    #[error("the footway \"{name}\" has no length; give it two different, finite points or more")]
+    FootwayWithoutLength {
+        /// The name of the footway.
+        name: String,
+    },
     /// Fewer free seats than people who sit.
     #[error("{people} people watch from {seats} seats; add stands or take fewer people")]
     TooFewSeats {
@@ -102,6 +108,7 @@ impl Error {
             Self::UnequalLengths { .. }
             | Self::UnknownName { .. }
             | Self::UnequalCrowd { .. }
+            | Self::FootwayWithoutLength { .. }
             | Self::TooFewSeats { .. }
             | Self::NoSuchPart { .. }
             | Self::RoadsTooFarApart { .. }

@@ -73,6 +73,21 @@ fn more_spectators_than_seats_are_refused() {
     assert!(error.to_string().contains("600 people watch from 500 seats"), "{error}");
 }
 
+/// Plans that are made in code are not those of a file, which refuses such footways itself.
+#[test]
+fn footways_without_length_are_refused() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\
+                [[footway]]\nname = \"path\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n\
+                [[crowd]]\ncast = \"a\"\ncount = 6\ndoes.stroll = {}\n";
+    let mut plan = ScenePlan::parse(text).unwrap();
+    assert!(live(&plan).is_ok());
+    for points in [vec![[1.0, 2.0]; 3], vec![[1.0, 2.0]], Vec::new(), vec![[0.0, f32::NAN]; 2]] {
+        plan.footways[0].points = points;
+        let error = live(&plan).err().unwrap();
+        assert_eq!(error, Error::FootwayWithoutLength { name: "path".into() });
+    }
+}
+
 #[test]
 fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
     let mut plan = ScenePlan::parse(include_str!("../../../scenes/battle.toml")).unwrap();

@@ -2,6 +2,7 @@
 
 use glam::Vec2;
 
+use crate::Error;
 use crate::plan::FootwayPlan;
 
 /// Distance that people keep from the edge of a footway, in metres.
@@ -27,8 +28,8 @@ pub(crate) struct Place {
 }
 
 impl Footway {
-    /// Makes a footway of a plan; `None` unless it has a length.
-    pub(crate) fn new(plan: &FootwayPlan) -> Option<Self> {
+    /// Makes a footway of a plan. One without length is an error.
+    pub(crate) fn new(plan: &FootwayPlan) -> Result<Self, Error> {
         let mut points: Vec<Vec2> = plan.points.iter().map(|point| Vec2::from(*point)).collect();
         points.dedup();
         let mut lengths = vec![0.0];
@@ -38,7 +39,10 @@ impl Footway {
             lengths.push(length);
         }
         let half_m = (0.5 * plan.width_m - EDGE_M).max(0.1);
-        (length > 0.0 && length.is_finite()).then_some(Self { points, lengths, half_m })
+        if length > 0.0 && length.is_finite() {
+            return Ok(Self { points, lengths, half_m });
+        }
+        Err(Error::FootwayWithoutLength { name: plan.name.clone() })
     }
 
     pub(crate) fn length_m(&self) -> f32 {
