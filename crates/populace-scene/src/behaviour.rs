@@ -38,6 +38,7 @@ use hands::Phones;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
+pub(crate) use body::use_keys;
 pub use world::Counts;
 
 /// Acceleration of gravity in metres per second squared.

@@ -8,6 +8,7 @@ mod heading;
 mod motion;
 mod place;
 pub mod plan;
+mod prop_sizes;
 mod replay;
 mod scene_file;
 mod smoothing;

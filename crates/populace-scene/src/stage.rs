@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use self::ground::PlacedRoad;
 use crate::Error;
 use crate::plan::{BehaviourPlan, CrowdPlan, LeanPlan, PropPlan, ScenePlan, SeatPlan, SpotPlan};
+use crate::prop_sizes::size_of;
 
 mod ground;
 
@@ -313,17 +314,17 @@ fn make(
         seats = made.seats.iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
         made.character
     };
-    let size = |nth: usize, usual: f32| prop.size_m.get(nth).copied().unwrap_or(usual);
+    let size = |nth: usize| size_of(prop, nth);
     let character = match prop.kind.as_str() {
         "bench" => props::bench().map(&mut seating),
         "bin" => props::bin(),
         "bollard" => props::bollard(),
         "cafe_table" => props::cafe_table().map(&mut seating),
-        "earth" => props::ground(props::GroundKind::Earth, size(0, 100.0)),
-        "lawn" => props::ground(props::GroundKind::Lawn, size(0, 100.0)),
-        "meadow" => props::ground(props::GroundKind::Meadow, size(0, 100.0)),
+        "earth" => props::ground(props::GroundKind::Earth, size(0)),
+        "lawn" => props::ground(props::GroundKind::Lawn, size(0)),
+        "meadow" => props::ground(props::GroundKind::Meadow, size(0)),
         "planter" => props::planter(prop.seed),
-        "stand" => props::stand(whole(size(0, 10.0)), whole(size(1, 40.0))).map(|made| {
+        "stand" => props::stand(whole(size(0)), whole(size(1))).map(|made| {
             seats = made.seats().iter().map(|seat| (seat.position, seat.yaw_rad)).collect();
             made.character
         }),
@@ -331,9 +332,9 @@ fn make(
         "traffic_light" => props::traffic_light(),
         "tree" => props::tree(prop.seed),
         "walk_light" => props::walk_light(),
-        "road" => props::road(&road_plan(prop.seed, size(0, 60.0), size(1, 4.0), size(2, 0.0)))
+        "road" => props::road(&road_plan(prop.seed, size(0), size(1), size(2)))
             .map(|made| road.insert(made).character.clone()),
-        "shopfront" => props::shopfront(prop.seed, size(0, 7.0)).map(|made| {
+        "shopfront" => props::shopfront(prop.seed, size(0)).map(|made| {
             windows = made.windows.iter().map(|at| (at.stand, at.yaw_rad, at.look_at)).collect();
             wall = Some(made.pier);
             made.character

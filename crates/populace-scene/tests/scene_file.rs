@@ -34,7 +34,8 @@ fn refused(text: &str, line: usize, words: &str) {
 
 #[test]
 fn a_street_is_written_and_read_again() {
-    let plan = street(StreetSettings { members: 500, seed: 3 });
+    let [large, plan] = [20_000, 500].map(|members| street(StreetSettings { members, seed: 3 }));
+    assert!(large.to_toml().is_ok(), "{:?}", large.to_toml().err());
     let text = plan.to_toml().unwrap();
     assert_eq!(ScenePlan::parse(&text).unwrap(), plan);
     assert!(text.starts_with("schema = 1\n"), "{text}");
@@ -74,14 +75,18 @@ fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
     );
     refused(&GOOD.replace("width_m = 4", "width_m = -4"), 10, "`width_m` of a [[footway]]");
     refused(&GOOD.replace(", [20, 0]", ""), 9, "at least two points");
-    refused(&GOOD.replace("[20, 0]", "[2e7, 0]"), 9, "of at most 1000000 metres");
+    refused(
+        &GOOD.replace("[20, 0]", "[2e7, 0]"),
+        9,
+        "from -1000000 to 1000000 metres, not 20000000",
+    );
     let twice = format!("{GOOD}\n[[cast]]\nname = \"people\"\nfrom = [\"@man\"]\n");
     refused(&twice, 18, "must be unique");
     let bay = format!("{GOOD}\n[[bay]]\nlane = \"north\"\nat = [0, 0]\n");
     refused(&bay, 18, "none is \"north\"");
     let camera =
         "\n[[camera]]\nname = \"a\"\n[[camera.key]]\nfrom = [0, 1, 2]\nto = [0, 1, 0]\nfov = 0\n";
-    refused(&format!("{GOOD}{camera}"), 19, "`fov` from 1 to 170");
+    refused(&format!("{GOOD}{camera}"), 22, "`fov` of `key` of a [[camera]] must be from 1 to 170");
     let stroll = GOOD.replace("speed = 1.2", "footways = [\"road\"]");
     refused(&stroll, 15, "none is \"road\"");
 }

@@ -62,6 +62,11 @@ const USES: [(Use, &str, &str); 22] = [
     (Use::Thrust, "thrust", "Spear_Thrust"),
 ];
 
+/// Returns the keys by which scene files name the uses of clips.
+pub(crate) fn use_keys() -> impl Iterator<Item = &'static str> {
+    USES.iter().map(|(_, key, _)| *key)
+}
+
 /// A clip and its length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UsedClip {

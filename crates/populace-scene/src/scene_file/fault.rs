@@ -1,0 +1,102 @@
+//! Values of scene files that are refused, and the lines on which they stand.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use populace::model::{did_you_mean, nearest_names};
+use toml::de::{DeTable, DeValue};
+
+use super::{SceneFileError, line};
+
+/// A value that is refused.
+pub(super) struct Fault {
+    key: Cow<'static, str>,
+    /// The tables around the value, from the innermost on. One of a list has a number from 0 on.
+    around: Vec<(&'static str, Option<usize>)>,
+    rule: String,
+}
+
+impl Fault {
+    /// The value of a key, which must be as a rule says.
+    pub(super) fn of(key: impl Into<Cow<'static, str>>, rule: impl Into<String>) -> Self {
+        Self { key: key.into(), around: Vec::new(), rule: rule.into() }
+    }
+
+    /// Puts a table around the value. Dots stand between the names of several.
+    pub(super) fn within(mut self, table: &'static str) -> Self {
+        self.around.push((table, None));
+        self
+    }
+
+    /// Puts a table of a list around the value.
+    pub(super) fn nth(mut self, table: &'static str, nth: usize) -> Self {
+        self.around.push((table, Some(nth)));
+        self
+    }
+
+    pub(super) fn message(&self) -> String {
+        let Self { key, around, rule } = self;
+        let mut of = String::new();
+        for (table, _) in around.split_last().map_or(&[][..], |(_, inner)| inner) {
+            of += &format!(" of `{table}`");
+        }
+        of += &match around.last() {
+            Some((table, Some(_))) => format!(" of a [[{table}]]"),
+            Some((table, None)) => format!(" of [{table}]"),
+            None => String::new(),
+        };
+        format!("`{key}`{of} must be {rule}")
+    }
+
+    /// Finds the line of the value, or of the table around it if it is not written there.
+    pub(super) fn at_its_line(&self, text: &str) -> SceneFileError {
+        let span = DeTable::parse(text).ok().and_then(|root| self.span(root.get_ref()));
+        SceneFileError { line: line(text, span.unwrap_or_default()), message: self.message() }
+    }
+
+    /// Returns where the innermost of the tables and the value is written that is.
+    fn span(&self, root: &DeTable<'_>) -> Option<Range<usize>> {
+        let (mut table, mut span) = (Some(root), None);
+        let own = (self.key.as_ref(), None);
+        for (names, nth) in self.around.iter().rev().copied().chain([own]) {
+            for name in names.split('.') {
+                let Some(mut value) = table.and_then(|table| table.get(name)) else { return span };
+                if let (DeValue::Array(all), Some(nth)) = (value.get_ref(), nth) {
+                    value = all.get(nth)?;
+                }
+                span = Some(value.span());
+                table = value.get_ref().as_table();
+            }
+        }
+        span
+    }
+}
+
+/// Returns the first fault of the entries of a list of tables.
+pub(super) fn first_of<'a, T: 'a>(
+    table: &'static str,
+    all: impl IntoIterator<Item = &'a T>,
+    check: impl Fn(&'a T) -> Option<Fault>,
+) -> Option<Fault> {
+    let mut all = all.into_iter().enumerate();
+    all.find_map(|(nth, one)| check(one).map(|fault| fault.nth(table, nth)))
+}
+
+/// Returns the first fault.
+pub(super) fn first(faults: impl IntoIterator<Item = Option<Fault>>) -> Option<Fault> {
+    faults.into_iter().flatten().next()
+}
+
+/// Says that a name is not among those that are known.
+pub(super) fn unknown<'a>(
+    what: &str,
+    name: &str,
+    known: impl IntoIterator<Item = &'a str>,
+) -> Option<String> {
+    let known: Vec<&str> = known.into_iter().collect();
+    if known.contains(&name) {
+        return None;
+    }
+    let nearest = did_you_mean(&nearest_names(name, known));
+    Some(format!("{what}, and none is \"{name}\"{nearest}"))
+}

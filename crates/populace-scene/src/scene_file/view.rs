@@ -1,0 +1,56 @@
+//! Checks of how a scene is seen.
+
+use super::fault::{Fault, first, first_of, unknown};
+use super::limits::{
+    COORDINATE, FIELD_OF_VIEW, FILM_SECS, FPS, HEADING, KEY_SECS, PIXELS, SUN_HEIGHT,
+};
+use crate::plan::{CameraKey, CameraPlan, LightPlan, OutputPlan, ScenePlan};
+
+/// The skies, by name.
+const SKIES: [&str; 4] = ["day", "evening", "overcast", "studio"];
+
+pub(super) fn check(plan: &ScenePlan) -> Option<Fault> {
+    check_light(&plan.light)
+        .map(|fault| fault.within("light"))
+        .or_else(|| check_output(&plan.output).map(|fault| fault.within("output")))
+        .or_else(|| first_of("camera", &plan.cameras, check_camera))
+}
+
+fn check_light(light: &LightPlan) -> Option<Fault> {
+    first([
+        unknown("one of the skies", &light.sky, SKIES).map(|rule| Fault::of("sky", rule)),
+        light.sun_height_deg.and_then(|height| SUN_HEIGHT.check("sun_height_deg", height)),
+        light.sun_facing_deg.and_then(|facing| HEADING.check("sun_facing_deg", facing)),
+    ])
+}
+
+fn check_output(output: &OutputPlan) -> Option<Fault> {
+    first([
+        PIXELS.check_all("size", &output.size),
+        FPS.check("fps", output.fps),
+        FILM_SECS.check("seconds", output.seconds),
+        FILM_SECS.check("lead_in_s", output.lead_in_s),
+    ])
+}
+
+fn check_camera(camera: &CameraPlan) -> Option<Fault> {
+    let keys = &camera.keys;
+    if keys.is_empty() {
+        return Some(Fault::of("key", "at least one key"));
+    }
+    let before = |nth: usize| nth.checked_sub(1).and_then(|before| keys.get(before));
+    let mut all = keys.iter().enumerate();
+    all.find_map(|(nth, key)| check_key(key, before(nth)).map(|fault| fault.nth("key", nth)))
+}
+
+fn check_key(key: &CameraKey, before: Option<&CameraKey>) -> Option<Fault> {
+    let is_early = before.is_some_and(|before| before.time >= key.time);
+    first([
+        KEY_SECS.check("time", key.time),
+        is_early.then(|| Fault::of("time", "later than that of the key before")),
+        COORDINATE.check_all("from", &key.from),
+        COORDINATE.check_all("to", &key.to),
+        (key.from == key.to).then(|| Fault::of("to", "another point than `from`")),
+        FIELD_OF_VIEW.check("fov", key.fov),
+    ])
+}
