@@ -127,6 +127,20 @@ fn sizes_to_which_props_are_cut_are_refused() {
 }
 
 #[test]
+fn cameras_that_cannot_be_chosen_are_refused() {
+    for name in ["top", "crowd", "close", "iso", "orbit", "follow", "eye"] {
+        let words = format!("not \"{name}\": `--camera` takes those for other cameras");
+        refused("[[camera]]", "name", &format!("\"{name}\""), &words);
+    }
+    for name in ["", "1st", "a:b", "a,b", "a/b", "a.b"] {
+        refused("[[camera]]", "name", &format!("\"{name}\""), "begins with a letter");
+    }
+    let second = FULL.replace("name = \"second\"", "name = \"first\"");
+    let error = ScenePlan::parse(&second).expect_err("two cameras of a name");
+    assert!(error.message.contains("unique, and another is \"first\""), "{error}");
+}
+
+#[test]
 fn keys_of_cameras_are_in_order_and_look_somewhere() {
     let (first, last) = ("[[camera.key]]", "# The last key.");
     for (after, key, value, words) in [

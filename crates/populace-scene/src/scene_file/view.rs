@@ -8,6 +8,9 @@ use crate::plan::{CameraKey, CameraPlan, LightPlan, OutputPlan, ScenePlan};
 
 /// The skies, by name.
 const SKIES: [&str; 4] = ["day", "evening", "overcast", "studio"];
+/// What `--camera` takes for something else than the name of a camera.
+const TAKEN_NAMES: [&str; 7] = ["crowd", "close", "top", "iso", "orbit", "follow", "eye"];
+const TAKEN_CHARS: [char; 4] = [':', ',', '/', '.'];
 
 pub(super) fn check(plan: &ScenePlan) -> Option<Fault> {
     check_light(&plan.light)
@@ -34,7 +37,16 @@ fn check_output(output: &OutputPlan) -> Option<Fault> {
 }
 
 fn check_camera(camera: &CameraPlan) -> Option<Fault> {
-    let keys = &camera.keys;
+    let CameraPlan { name, keys } = camera;
+    let is_taken = TAKEN_NAMES.contains(&name.as_str());
+    if is_taken || !name.starts_with(char::is_alphabetic) || name.contains(TAKEN_CHARS) {
+        let taken = TAKEN_NAMES.join(", ");
+        let rule = format!(
+            "a name that begins with a letter, has no colon, comma, slash or dot, and is none of \
+             {taken}, not \"{name}\": `--camera` takes those for other cameras"
+        );
+        return Some(Fault::of("name", rule));
+    }
     if keys.is_empty() {
         return Some(Fault::of("key", "at least one key"));
     }
