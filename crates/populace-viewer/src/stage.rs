@@ -37,9 +37,6 @@ pub(crate) struct Stage {
     start: Snapshot,
     scene: Scene,
     secs: f64,
-    /// Number of the frame whose time it is, if all steps since the beginning went from frame to
-    /// frame.
-    frame: Option<u32>,
     /// Where a replay goes that has not arrived.
     target_secs: Option<f64>,
     /// Milliseconds of the last step.
@@ -76,7 +73,6 @@ impl Stage {
             start,
             scene,
             secs: 0.0,
-            frame: None,
             target_secs: None,
             animate_ms: 0.0,
         };
@@ -132,7 +128,7 @@ impl Stage {
     fn begin(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
         self.look(0.0, seen)?;
         self.show.advance(&mut self.crowd, 0.0).map_err(Error::Show)?;
-        (self.secs, self.frame) = (0.0, Some(0));
+        self.secs = 0.0;
         Ok(())
     }
 
@@ -175,23 +171,10 @@ impl Stage {
         if next_secs <= self.secs + SAME_SECS {
             return Ok(secs <= 0.0);
         }
-        match self.next_frame() {
-            Some((frame, at)) if (at - next_secs).abs() < SAME_SECS => {
-                self.step(at, steering, seen)?;
-                self.frame = Some(frame);
-            }
-            _ => {
-                self.step(next_secs, steering, seen)?;
-                self.frame = None;
-            }
-        }
+        let frame_secs = self.neighbour_secs(true);
+        let is_frame = (frame_secs - next_secs).abs() < SAME_SECS;
+        self.step(if is_frame { frame_secs } else { next_secs }, steering, seen)?;
         Ok(next_secs < end_secs)
-    }
-
-    /// Returns number and time of the next frame, if it is known which one this is.
-    fn next_frame(&self) -> Option<(u32, f64)> {
-        let next = self.frame?.checked_add(1)?;
-        Some((next, self.rate().secs(next)))
     }
 
     /// Evaluates the present time again, for changes that are seen in a pause.
@@ -202,12 +185,12 @@ impl Stage {
         Ok(())
     }
 
-    /// Begins to replay to a time: frame by frame, as films are made. What people did to the crowd
-    /// is undone if the time is an earlier one.
+    /// Begins to replay to a time: from frame to frame, as films are made. An earlier time is
+    /// reached from the beginning, which undoes what people did to the crowd.
     pub(crate) fn seek(&mut self, secs: f64) -> Result<(), Error> {
         let end_secs = self.show.length_secs().unwrap_or(f64::INFINITY);
         let secs = secs.clamp(0.0, end_secs);
-        if self.frame.is_none() || secs < self.secs - SAME_SECS {
+        if secs < self.secs - SAME_SECS {
             self.rewind()?;
         }
         self.target_secs = Some(secs);
@@ -221,7 +204,7 @@ impl Stage {
         self.falls = Falls::new(floor_m).map_err(|e| Error::Show(e.into()))?;
         self.crowd.restore(&self.start)?;
         self.show.rewind();
-        (self.secs, self.frame) = (-1.0, None);
+        self.secs = -1.0;
         Ok(())
     }
 
@@ -233,16 +216,10 @@ impl Stage {
             self.begin(seen)?;
         }
         while self.secs < target_secs - SAME_SECS {
-            match self.next_frame().filter(|(_, at)| *at <= target_secs + SAME_SECS) {
-                Some((frame, at)) => {
-                    self.step(at, Steering::default(), seen)?;
-                    self.frame = Some(frame);
-                }
-                None => {
-                    self.step(target_secs, Steering::default(), seen)?;
-                    self.frame = None;
-                }
-            }
+            let frame_secs = self.neighbour_secs(true);
+            let is_on_the_way = frame_secs <= target_secs + SAME_SECS;
+            let next_secs = if is_on_the_way { frame_secs } else { target_secs };
+            self.step(next_secs, Steering::default(), seen)?;
             if start.elapsed().as_secs_f64() * 1e3 > REPLAY_MS {
                 return Ok(false);
             }
@@ -313,3 +290,6 @@ impl Stage {
         Some(view.placement())
     }
 }
+
+#[cfg(test)]
+mod tests;

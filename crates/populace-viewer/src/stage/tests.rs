@@ -1,0 +1,120 @@
+use std::sync::{Arc, Mutex};
+
+use populace::Device;
+use populace_cast::Look;
+
+use super::*;
+
+/// The time from frame to frame in seconds.
+const FRAME_SECS: f64 = 1.0 / 30.0;
+const SEEN: Seen<'static> = Seen { camera: &|shown| *shown, size: [64, 64] };
+
+/// A show that notes how it is advanced.
+#[derive(Default)]
+struct Noted {
+    steps: Arc<Mutex<Vec<f32>>>,
+    rewinds: Arc<Mutex<u32>>,
+}
+
+impl Show for Noted {
+    fn title(&self) -> String {
+        "noted".into()
+    }
+
+    fn rate(&self) -> FrameRate {
+        FrameRate::new(30, 1).expect("a rate")
+    }
+
+    fn length_secs(&self) -> Option<f64> {
+        None
+    }
+
+    fn scene(&self) -> Scene {
+        Scene::default()
+    }
+
+    fn detail_px(&self) -> Option<f32> {
+        None
+    }
+
+    fn set_aspect(&mut self, _aspect: f32) -> Result<(), ShowError> {
+        Ok(())
+    }
+
+    fn camera(&self, _secs: f64) -> Result<Camera, ShowError> {
+        Ok(Camera::default())
+    }
+
+    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
+        self.steps.lock().expect("the steps").push(secs);
+        Ok(crowd.update(secs)?)
+    }
+
+    fn rewind(&mut self) {
+        *self.rewinds.lock().expect("the count") += 1;
+    }
+
+    fn person(&self, _member: MemberId) -> Option<u64> {
+        None
+    }
+
+    fn leads_members(&self) -> bool {
+        false
+    }
+}
+
+/// Opens a show with two people who stand at a height in metres.
+fn open(show: Noted, at_m: f32) -> (Stage, [MemberId; 2]) {
+    let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
+    let man = populace_cast::person(&Look::man()).expect("a person");
+    let man = crowd.add_character(man).expect("a character");
+    let members = [0.0, 3.0]
+        .map(|x| crowd.spawn(man, Placement::at([x, at_m, 0.0])).expect("room for a member"));
+    let opened = Opened { crowd, show: Box::new(show) };
+    (Stage::new(opened, &SEEN).expect("a stage"), members)
+}
+
+/// Plays for a time in seconds, in steps as long as pictures take on some machine.
+fn play(stage: &mut Stage, secs: f64) {
+    let end_secs = stage.secs() + secs;
+    while stage.secs() < end_secs {
+        stage.play(0.0217, Steering::default(), &SEEN).expect("a step");
+    }
+}
+
+fn seek(stage: &mut Stage, secs: f64) {
+    stage.seek(secs).expect("a time");
+    while !stage.replay(&SEEN).expect("a replay") {}
+}
+
+#[test]
+fn going_on_from_real_time_keeps_what_people_did() {
+    let show = Noted::default();
+    let (steps, rewinds) = (show.steps.clone(), show.rewinds.clone());
+    let (mut stage, [falling, driven]) = open(show, 0.0);
+    play(&mut stage, 0.2);
+    stage.falls.fall(&stage.crowd, falling, [0.0, 1.0]).expect("a fall");
+    stage.drive(driven).expect("a driven member");
+    play(&mut stage, 0.3);
+    let next_secs = stage.neighbour_secs(true);
+    assert!(next_secs - stage.secs() < FRAME_SECS - 1e-3, "the time is between two frames");
+
+    steps.lock().expect("the steps").clear();
+    seek(&mut stage, next_secs);
+    assert_eq!(stage.secs(), next_secs);
+    assert_eq!(steps.lock().expect("the steps").len(), 1, "one step leads to the next frame");
+    seek(&mut stage, next_secs + 10.5 * FRAME_SECS);
+    let taken = std::mem::take(&mut *steps.lock().expect("the steps"));
+    assert_eq!(taken.len(), 12, "from frame to frame, and half a frame: {taken:?}");
+    let longest = taken.iter().copied().fold(0.0, f32::max);
+    assert!(f64::from(longest) < FRAME_SECS + 1e-6, "a step of {longest} s");
+    assert!(stage.falls.is_down(falling));
+    assert_eq!(stage.you(), Some(driven));
+    assert_eq!(*rewinds.lock().expect("the count"), 0);
+
+    let before_secs = stage.neighbour_secs(false);
+    seek(&mut stage, before_secs);
+    assert_eq!((stage.secs(), stage.you()), (before_secs, None));
+    assert!(!stage.falls.is_down(falling), "going back undoes the fall");
+    assert_eq!(*rewinds.lock().expect("the count"), 1);
+}
