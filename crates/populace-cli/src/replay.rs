@@ -122,6 +122,7 @@ impl ReplayJob<'_> {
             action,
             roles,
             scene,
+            floor_m: 0.0,
             rate,
             length_secs: Some(until - from),
         })

@@ -164,8 +164,15 @@ impl SceneSource<'_> {
         self.light(&mut scene)?;
         let action = Box::new(FilmedScene::new(live, self.view()?));
         let rate = film_rate(&self.plan, self.picture.film.fps)?;
-        let roles = loaded.roles;
-        Ok(crate::watched::Staged { crowd, action, roles, scene, rate, length_secs: None })
+        Ok(crate::watched::Staged {
+            crowd,
+            action,
+            roles: loaded.roles,
+            scene,
+            floor_m: self.plan.ground.height_m,
+            rate,
+            length_secs: None,
+        })
     }
 
     /// Brings the plan into a crowd. What is wrong in it is named with the scene file.

@@ -171,6 +171,7 @@ impl<'a> CommandLine<'a> {
             action: Box::new(action),
             roles: loaded.roles,
             scene: filming::scene(args),
+            floor_m: 0.0,
             rate,
             length_secs: None,
         })
@@ -181,11 +182,11 @@ impl Opener for CommandLine<'_> {
     fn open(&mut self, wish: &Wish, renderer: &mut Renderer) -> Result<Opened, ShowError> {
         self.measure(renderer)?;
         let (staged, title) = self.stage(wish, renderer)?;
-        let Staged { mut crowd, action, roles, scene, rate, length_secs } = staged;
+        let Staged { mut crowd, action, roles, scene, floor_m, rate, length_secs } = staged;
         let hide = &self.args.picture.hide;
         connect(renderer, &mut crowd, &roles, hide)?;
         let detail_px = self.args.picture.detail_px();
-        let show = ActionShow { action, title, scene, rate, length_secs, detail_px };
+        let show = ActionShow { action, title, scene, floor_m, rate, length_secs, detail_px };
         Ok(Opened { crowd, show: Box::new(show) })
     }
 }
@@ -200,6 +201,7 @@ struct ActionShow {
     action: Box<dyn Watched>,
     title: String,
     scene: Scene,
+    floor_m: f32,
     rate: FrameRate,
     length_secs: Option<f64>,
     detail_px: Option<f32>,
@@ -220,6 +222,10 @@ impl Show for ActionShow {
 
     fn scene(&self) -> Scene {
         filming::in_clear_air(self.scene, &*self.action)
+    }
+
+    fn floor_m(&self) -> f32 {
+        self.floor_m
     }
 
     fn detail_px(&self) -> Option<f32> {
@@ -256,5 +262,29 @@ impl Show for ActionShow {
 
     fn leads_members(&self) -> bool {
         self.action.leads_members()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{Args, FromArgMatches};
+    use populace::Device;
+    use populace_scene::plan::ScenePlan;
+
+    use super::*;
+
+    #[test]
+    fn people_of_scenes_stand_above_the_ground_that_is_drawn() {
+        let matches = ViewArgs::augment_args(clap::Command::new("view"))
+            .try_get_matches_from(["view"])
+            .expect("arguments");
+        let args = ViewArgs::from_arg_matches(&matches).expect("arguments");
+        let text = "schema = 1\n[ground]\nheight_m = -3.0\n\
+                    [[prop]]\nkind = \"road\"\nat = [0.0, -3.0, 0.0]\n";
+        let plan = ScenePlan::parse(text).expect("a scene");
+        let source = SceneSource { plan, file: None, cast: &[], picture: &args.picture };
+        let staged = source.stage(Crowd::builder().device(Device::native())).expect("a crowd");
+        assert_eq!(staged.floor_m, -3.0);
+        assert_eq!(staged.scene.ground.map(|ground| ground.height_m), Some(-3.4));
     }
 }

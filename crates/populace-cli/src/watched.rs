@@ -27,6 +27,8 @@ pub(crate) struct Staged {
     pub(crate) action: Box<dyn Watched>,
     pub(crate) roles: Vec<CrowdRole>,
     pub(crate) scene: Scene,
+    /// The height on which people stand, in metres. The ground of the scene may be drawn lower.
+    pub(crate) floor_m: f32,
     pub(crate) rate: FrameRate,
     /// `None` if it goes on for ever.
     pub(crate) length_secs: Option<f64>,

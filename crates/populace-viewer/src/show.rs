@@ -25,6 +25,10 @@ pub trait Show {
     /// [`set_aspect`](Self::set_aspect).
     fn scene(&self) -> Scene;
 
+    /// Returns the height in metres at which people stand and come to lie. The ground of the
+    /// [`scene`](Self::scene) may be drawn lower, beneath roads.
+    fn floor_m(&self) -> f32;
+
     /// Returns the error of levels of detail in pixels; `None` to evaluate and draw everyone in
     /// full detail.
     fn detail_px(&self) -> Option<f32>;

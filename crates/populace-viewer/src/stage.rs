@@ -63,8 +63,7 @@ impl Stage {
         let Opened { mut crowd, show } = opened;
         let start = crowd.snapshot()?;
         let scene = show.scene();
-        let floor_m = scene.ground.map_or(0.0, |ground| ground.height_m.max(0.0));
-        let falls = Falls::new(floor_m).map_err(|e| Error::Show(e.into()))?;
+        let falls = Falls::new(show.floor_m()).map_err(|e| Error::Show(e.into()))?;
         let mut stage = Self {
             crowd,
             show,
@@ -200,8 +199,7 @@ impl Stage {
     /// Returns to the time before frame 0.
     fn rewind(&mut self) -> Result<(), Error> {
         self.you = None;
-        let floor_m = self.scene.ground.map_or(0.0, |ground| ground.height_m.max(0.0));
-        self.falls = Falls::new(floor_m).map_err(|e| Error::Show(e.into()))?;
+        self.falls = Falls::new(self.show.floor_m()).map_err(|e| Error::Show(e.into()))?;
         self.crowd.restore(&self.start)?;
         self.show.rewind();
         self.secs = -1.0;

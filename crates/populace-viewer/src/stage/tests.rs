@@ -12,6 +12,7 @@ const SEEN: Seen<'static> = Seen { camera: &|shown| *shown, size: [64, 64] };
 /// A show that notes how it is advanced.
 #[derive(Default)]
 struct Noted {
+    floor_m: f32,
     steps: Arc<Mutex<Vec<f32>>>,
     rewinds: Arc<Mutex<u32>>,
 }
@@ -31,6 +32,10 @@ impl Show for Noted {
 
     fn scene(&self) -> Scene {
         Scene::default()
+    }
+
+    fn floor_m(&self) -> f32 {
+        self.floor_m
     }
 
     fn detail_px(&self) -> Option<f32> {
@@ -63,13 +68,14 @@ impl Show for Noted {
     }
 }
 
-/// Opens a show with two people who stand at a height in metres.
-fn open(show: Noted, at_m: f32) -> (Stage, [MemberId; 2]) {
+/// Opens a show with two people who stand on its floor.
+fn open(show: Noted) -> (Stage, [MemberId; 2]) {
     let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
     let man = populace_cast::person(&Look::man()).expect("a person");
     let man = crowd.add_character(man).expect("a character");
+    let floor_m = show.floor_m;
     let members = [0.0, 3.0]
-        .map(|x| crowd.spawn(man, Placement::at([x, at_m, 0.0])).expect("room for a member"));
+        .map(|x| crowd.spawn(man, Placement::at([x, floor_m, 0.0])).expect("room for a member"));
     let opened = Opened { crowd, show: Box::new(show) };
     (Stage::new(opened, &SEEN).expect("a stage"), members)
 }
@@ -91,7 +97,7 @@ fn seek(stage: &mut Stage, secs: f64) {
 fn going_on_from_real_time_keeps_what_people_did() {
     let show = Noted::default();
     let (steps, rewinds) = (show.steps.clone(), show.rewinds.clone());
-    let (mut stage, [falling, driven]) = open(show, 0.0);
+    let (mut stage, [falling, driven]) = open(show);
     play(&mut stage, 0.2);
     stage.falls.fall(&stage.crowd, falling, [0.0, 1.0]).expect("a fall");
     stage.drive(driven).expect("a driven member");
@@ -117,4 +123,33 @@ fn going_on_from_real_time_keeps_what_people_did() {
     assert_eq!((stage.secs(), stage.you()), (before_secs, None));
     assert!(!stage.falls.is_down(falling), "going back undoes the fall");
     assert_eq!(*rewinds.lock().expect("the count"), 1);
+}
+
+/// Returns the height of the highest joint of a member above 0 in metres.
+fn top_m(stage: &mut Stage, member: MemberId) -> f32 {
+    let mut view = stage.crowd.member_mut(member).expect("a member");
+    let joints = view.model_from_joints().expect("its joints");
+    let at_m = view.placement().position()[1];
+    joints.iter().map(|joint| at_m + joint.transform_point([0.0; 3])[1]).fold(f32::MIN, f32::max)
+}
+
+#[test]
+fn who_falls_lies_on_the_floor_of_the_show() {
+    for floor_m in [-3.0, 2.0] {
+        let (mut stage, [member, _]) = open(Noted { floor_m, ..Noted::default() });
+        for again in ["first", "rewound"] {
+            let (mut lowest_m, mut highest_m) = (f32::MAX, f32::MIN);
+            stage.falls.fall(&stage.crowd, member, [0.0, 1.0]).expect("a fall");
+            for _ in 0..150 {
+                play(&mut stage, 0.02);
+                let top_m = top_m(&mut stage, member) - floor_m;
+                (lowest_m, highest_m) = (lowest_m.min(top_m), highest_m.max(top_m));
+            }
+            let heights = format!("{again}, floor at {floor_m} m: {lowest_m} to {highest_m} m");
+            assert!(highest_m < 1.9, "nobody is flung up; {heights}");
+            assert!((0.1..0.8).contains(&lowest_m), "who lies is on the floor; {heights}");
+            stage.rewind().expect("a beginning");
+            seek(&mut stage, 0.0);
+        }
+    }
 }
