@@ -40,6 +40,15 @@ pub(crate) struct Input {
     pub(crate) one_frame: bool,
 }
 
+/// Changes of the crowd in a frame of the window.
+#[derive(Clone, Copy, Default)]
+struct Changes {
+    /// True if it was evaluated.
+    is_evaluated: bool,
+    /// True if time has been played, which makes a frame of a film. A replay plays nothing.
+    is_played: bool,
+}
+
 /// A window's contents.
 pub(crate) struct Viewer<'a> {
     context: Context,
@@ -151,7 +160,7 @@ impl<'a> Viewer<'a> {
         pressed.into_iter().for_each(|key| self.press(key));
         let raw = self.raw_input(&mut input);
         let context = self.context.clone();
-        let mut result = Ok(false);
+        let mut result = Ok(Changes::default());
         let mut panels_ms = 0.0;
         let output = context.run(raw, |context| {
             self.rect = panels::lay_out(context, &mut self.stage, &mut self.desk);
@@ -161,14 +170,14 @@ impl<'a> Viewer<'a> {
                 result = self.advance(&input).inspect(|_| self.mark(ui));
             });
         });
-        let animated = result?;
+        let changes = result?;
         self.cursor = output.platform_output.cursor_icon;
         let draw_start = Instant::now();
-        let passes = self.draw()?;
+        let passes = self.draw(changes)?;
         let place = self.place();
         paint::paint(&mut self.renderer, &context, output, &place)?;
         let draw = draw_start.elapsed().as_secs_f64() * 1e3;
-        let animate = if animated { self.stage.animate_ms() } else { 0.0 };
+        let animate = if changes.is_evaluated { self.stage.animate_ms() } else { 0.0 };
         let whole = input.wall_ms;
         self.desk.add_times(Times { whole, animate, draw, panels: panels_ms, passes });
         Ok(())
@@ -223,9 +232,8 @@ impl<'a> Viewer<'a> {
         Ok(self.desk.rig.camera(&self.stage.shown_camera()?))
     }
 
-    /// Does what the panels wished for, and lets time pass. Returns true if the crowd was
-    /// evaluated.
-    fn advance(&mut self, input: &Input) -> Result<bool, Error> {
+    /// Does what the panels wished for, and lets time pass.
+    fn advance(&mut self, input: &Input) -> Result<Changes, Error> {
         self.fit()?;
         let mut refresh = false;
         for command in std::mem::take(&mut self.desk.commands) {
@@ -241,26 +249,27 @@ impl<'a> Viewer<'a> {
         };
         let rig = self.desk.rig;
         let seen = Seen { camera: &|shown| rig.camera(shown), size: self.pixels().1 };
-        let mut animated = false;
+        let mut changes = Changes { is_evaluated: true, is_played: false };
         if self.stage.target_secs().is_some() {
             self.stage.replay(&seen)?;
-            animated = true;
         } else if secs > 0.0 {
             let steering = self.held.steering().with(input.sticks.steering());
+            let before_secs = self.stage.secs();
             if !self.stage.play(secs, steering, &seen)? {
                 self.desk.clock.plays = false;
             }
-            animated = true;
+            changes.is_played = self.stage.secs() > before_secs;
         } else if refresh || self.drawn != Some(self.camera()?) {
             // A camera that has moved sees other members, in other detail.
             self.stage.refresh(&seen)?;
-            animated = true;
+        } else {
+            changes.is_evaluated = false;
         }
         self.follow(input.secs);
-        if animated {
+        if changes.is_evaluated {
             self.drawn = None;
         }
-        Ok(animated)
+        Ok(changes)
     }
 
     /// Sets the targets of members where they are now.
@@ -306,8 +315,9 @@ impl<'a> Viewer<'a> {
         }
     }
 
-    /// Draws the picture, if it would differ from the last one, and adds it to the film.
-    fn draw(&mut self) -> Result<PassTimes, Error> {
+    /// Draws the picture, if it would differ from the last one, and adds what was played to the
+    /// film.
+    fn draw(&mut self, changes: Changes) -> Result<PassTimes, Error> {
         let camera = self.camera()?;
         let mut passes = self.desk.times.back().map(|times| times.passes).unwrap_or_default();
         let is_new = self.drawn != Some(camera);
@@ -322,7 +332,7 @@ impl<'a> Viewer<'a> {
         }
         let size = self.renderer.size();
         if let Some(film) = self.film.as_mut().filter(|film| film.takes(size)) {
-            if self.desk.clock.plays {
+            if changes.is_played {
                 let picture = match &self.over {
                     Some(over) => over.clone(),
                     None => self.renderer.read_image()?,

@@ -3,6 +3,7 @@
 //! The display is Xvfb, which `make setup-tests` installs. Without it the tests show as ignored.
 
 mod display;
+mod files;
 mod people;
 mod time;
 
@@ -42,6 +43,7 @@ fn main() -> ExitCode {
         trial("another schedule shows the same moment", time::reopens),
         trial("a film is recorded", time::records),
         trial("the demo opens the street", time::opens_the_street),
+        trial("a film has each frame once, and the last one", files::records_each_frame_once),
         trial("the layout is remembered", time::remembers),
         trial("input is shown by the next picture", time::shows_input_at_once),
         Trial::test("a missing display says what to do", time::misses_a_display),
@@ -64,7 +66,7 @@ impl Desk {
         self.folder.path().join(name)
     }
 
-    /// Runs `populace view` with a script.
+    /// Runs `populace view` with a script, in the folder.
     fn try_view(&self, args: &[&str], script: &str) -> Result<Output, Failed> {
         std::fs::write(self.path("script.txt"), script)?;
         let [width, height] = SIZE;
@@ -73,8 +75,7 @@ impl Desk {
             .args(args)
             .args(["--size", &format!("{width}x{height}"), "--json", "--script"])
             .arg(self.path("script.txt"))
-            .arg("--film")
-            .arg(self.path("film.mp4"))
+            .current_dir(self.path(""))
             .env("DISPLAY", self.display.name())
             .env_remove("WAYLAND_DISPLAY")
             .env("XDG_CONFIG_HOME", self.path("config"))

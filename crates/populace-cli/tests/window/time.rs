@@ -30,7 +30,7 @@ pub(super) fn seeks_crowds(desk: &Desk) -> Result<(), Failed> {
 }
 
 /// Writes a recording of people who cross a place, and returns its path.
-fn recording(desk: &Desk) -> Result<String, Failed> {
+pub(super) fn recording(desk: &Desk) -> Result<String, Failed> {
     let mut table = "id,t,x,y\n".to_owned();
     for row in 0..=60 {
         let secs = f64::from(row) / 10.0;
@@ -92,7 +92,7 @@ pub(super) fn records(desk: &Desk) -> Result<(), Failed> {
         return Ok(());
     }
     desk.view(&CROWD, "at 0.1 key v\nat 0.6 key v\nat 0.7 press Record\nat 1 quit\n")?;
-    for name in ["film-1.mp4", "film-2.mp4"] {
+    for name in ["populace-1.mp4", "populace-2.mp4"] {
         let bytes = std::fs::metadata(desk.path(name))?.len();
         ensure(bytes > 5_000, || format!("{name} has {bytes} bytes"))?;
     }
