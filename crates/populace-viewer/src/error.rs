@@ -30,6 +30,14 @@ pub enum Error {
         /// What is wrong, and what would be right.
         fault: String,
     },
+    /// A line of a layout cannot be read.
+    #[error("line {line}: {fault}")]
+    Layout {
+        /// Number of the line, from 1.
+        line: usize,
+        /// What is wrong.
+        fault: String,
+    },
     /// A line of a script expected something else.
     #[error("line {line} of the script expected {expected}, but found {found}")]
     Expected {

@@ -2,12 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::Error;
+
 /// Smallest and largest side of a window in points.
 const SIDES: [f32; 2] = [320.0, 16384.0];
 
 /// Size and panels of a window.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(default)]
+#[serde(default, deny_unknown_fields)]
 pub struct Layout {
     /// Width of the window in points, which are pixels on most screens.
     pub width: f32,
@@ -44,14 +46,27 @@ impl Layout {
     /// open a window.
     #[must_use]
     pub fn from_toml(text: &str) -> Self {
-        let mut layout: Self = toml::from_str(text).unwrap_or_default();
+        Self::parse(text).unwrap_or_default()
+    }
+
+    /// Reads a layout from TOML. A size that no window has is as usual.
+    ///
+    /// # Errors
+    ///
+    /// [`Error::Layout`] for text that is no layout, with the first line that cannot be read.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let mut layout: Self = toml::from_str(text).map_err(|error| {
+            let start = error.span().map_or(0, |span| span.start).min(text.len());
+            let line = text.as_bytes()[..start].iter().filter(|byte| **byte == b'\n').count() + 1;
+            Error::Layout { line, fault: error.message().to_owned() }
+        })?;
         let usual = Self::default();
         let [least, most] = SIDES;
         let fits = |side: f32| (least..=most).contains(&side);
         if !(fits(layout.width) && fits(layout.height)) {
             (layout.width, layout.height) = (usual.width, usual.height);
         }
-        layout
+        Ok(layout)
     }
 
     /// Returns the layout as TOML.
@@ -79,6 +94,22 @@ mod tests {
     fn broken_files_are_no_error() {
         for text in ["", "width = ", "width = \"wide\"", "width = -3.0", "width = nan", "a = 1"] {
             assert_eq!(Layout::from_toml(text), Layout::default(), "{text}");
+        }
+    }
+
+    #[test]
+    fn other_files_are_no_layouts() {
+        for (text, message) in [
+            ("panels = true\nwidth = ", "line 2: "),
+            ("# people\n\nmembers = 3\n", "line 3: unknown field `members`"),
+            ("[ground]\nheight_m = 1.0\n", "line 1: unknown field `ground`"),
+            ("panels = 1\n", "line 1: invalid type"),
+        ] {
+            let error = Layout::parse(text).expect_err(text).to_string();
+            assert!(error.starts_with(message), "{error}");
+        }
+        for text in ["", "# nothing yet\n", "panels = false\n", "width = -3.0\n"] {
+            Layout::parse(text).expect(text);
         }
     }
 }

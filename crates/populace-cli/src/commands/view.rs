@@ -1,5 +1,6 @@
 //! `populace view`
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use etcetera::BaseStrategy as _;
@@ -8,6 +9,7 @@ use serde_json::json;
 
 use crate::cli::ViewArgs;
 use crate::failure::Failure;
+use crate::output;
 use crate::report::{self, message};
 use crate::view::CommandLine;
 
@@ -16,9 +18,15 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
     let script = args.script.as_deref().map(read_script).transpose()?;
     let usual = || layout_file().filter(|_| script.is_none());
     let file = args.layout.clone().or_else(usual);
-    let text = file.as_ref().and_then(|file| std::fs::read_to_string(file).ok());
+    let layout = match &args.layout {
+        Some(asked) => read_layout(asked)?,
+        None => {
+            let text = file.as_ref().and_then(|file| std::fs::read_to_string(file).ok());
+            Layout::from_toml(&text.unwrap_or_default())
+        }
+    };
     let settings = WindowSettings {
-        layout: Layout::from_toml(&text.unwrap_or_default()),
+        layout,
         size: args.picture.size.map(|size| size.0),
         at_secs: args.picture.film.at.unwrap_or_default(),
         script,
@@ -43,11 +51,35 @@ fn layout_file() -> Option<PathBuf> {
     Some(folder.join("populace").join("viewer.toml"))
 }
 
-/// Writes the layout. A folder that cannot be written is no reason to complain.
+/// Reads the layout that was asked for, if it exists. The window writes its layout into this file,
+/// so that another one, named by mistake, would be lost.
+fn read_layout(file: &Path) -> Result<Layout, Failure> {
+    let name = file.display();
+    let bytes = match std::fs::read(file) {
+        Ok(bytes) => bytes,
+        Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Layout::default()),
+        Err(error) => return Err(Failure::Input(anyhow::anyhow!("cannot read {name}: {error}"))),
+    };
+    let refusal = |fault: String| {
+        Failure::Input(anyhow::anyhow!(
+            "{name} is no layout of a window, and closing the window would write one over it \
+             ({fault}); name another file after --layout, or remove this one"
+        ))
+    };
+    let text = String::from_utf8(bytes).map_err(|_| refusal("it is no text".into()))?;
+    Layout::parse(&text).map_err(|error| refusal(error.to_string()))
+}
+
+/// Writes the layout, whole or not at all.
 fn remember(file: &Path, layout: &Layout) {
-    if let Some(folder) = file.parent() {
-        let _ = std::fs::create_dir_all(folder);
-        let _ = std::fs::write(file, layout.to_toml());
+    let written = match file.parent().map_or(Ok(()), std::fs::create_dir_all) {
+        Ok(()) => output::write(file, layout.to_toml().as_bytes()),
+        Err(error) => {
+            Err(Failure::Run(anyhow::anyhow!("cannot write {}: {error}", file.display())))
+        }
+    };
+    if let Err(failure) = written {
+        message!("warning: the window will not open as it was closed: {failure}");
     }
 }
 

@@ -7,6 +7,9 @@ use libtest_mimic::Failed;
 use super::time::recording;
 use super::{Desk, ensure};
 
+/// The crowd of these tests.
+const CROWD: [&str; 3] = ["@woman", "--members", "1"];
+
 /// Returns the number of frames of a film: the table of their sizes counts them.
 fn frames(film: &Path) -> Result<u32, Failed> {
     let bytes = std::fs::read(film)?;
@@ -30,6 +33,41 @@ pub(super) fn records_each_frame_once(desk: &Desk) -> Result<(), Failed> {
     for (name, wanted) in [("populace-1.mp4", 5), ("populace-2.mp4", 8)] {
         let found = frames(&desk.path(name))?;
         ensure(found == wanted, || format!("{name} has {found} frames in place of {wanted}"))?;
+    }
+    Ok(())
+}
+
+pub(super) fn refuses_other_files(desk: &Desk) -> Result<(), Failed> {
+    let model = b"glTF\x02\x00\x00\x00\xff\xfe";
+    for (name, content, fault) in [
+        ("model.glb", &model[..], "it is no text"),
+        ("scene.toml", b"[ground]\nheight_m = 1.0\n", "line 1: unknown field `ground`"),
+        ("broken.toml", b"panels = true\nwidth = \"broken\n", "line 2: "),
+    ] {
+        let file = desk.path(name);
+        std::fs::write(&file, content)?;
+        let args = [&CROWD[..], &["--layout", name]].concat();
+        let output = desk.try_view(&args, "at 0.1 shot opened.png\n")?;
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        ensure(output.status.code() == Some(1), || format!("{:?}: {stderr}", output.status))?;
+        for words in [name, fault, "name another file after --layout"] {
+            ensure(stderr.contains(words), || format!("no {words:?} in: {stderr}"))?;
+        }
+        ensure(std::fs::read(&file)? == content, || format!("{name} was changed"))?;
+        ensure(!desk.path("opened.png").exists(), || format!("{name}: a window was opened"))?;
+    }
+    Ok(())
+}
+
+pub(super) fn warns_of_a_lost_layout(desk: &Desk) -> Result<(), Failed> {
+    // The folder that the link leads to is missing.
+    std::os::unix::fs::symlink("missing/layout.toml", desk.path("link.toml"))?;
+    let args = [&CROWD[..], &["--layout", "link.toml"]].concat();
+    let output = desk.try_view(&args, "at 0.1 quit\n")?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    ensure(output.status.success(), || stderr.clone().into_owned())?;
+    for words in ["warning: ", "cannot write", "link.toml"] {
+        ensure(stderr.contains(words), || format!("no {words:?} in: {stderr}"))?;
     }
     Ok(())
 }

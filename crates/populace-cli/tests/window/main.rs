@@ -45,6 +45,8 @@ fn main() -> ExitCode {
         trial("the demo opens the street", time::opens_the_street),
         trial("a film has each frame once, and the last one", files::records_each_frame_once),
         trial("the layout is remembered", time::remembers),
+        trial("files that are no layouts stay as they are", files::refuses_other_files),
+        trial("a layout that cannot be written is warned of", files::warns_of_a_lost_layout),
         trial("input is shown by the next picture", time::shows_input_at_once),
         Trial::test("a missing display says what to do", time::misses_a_display),
     ];

@@ -128,11 +128,7 @@ pub(super) fn remembers(desk: &Desk) -> Result<(), Failed> {
     ensure(text.contains("panels = false") && text.contains("skeletons = true"), || text)?;
     desk.view(&args, "at 0.1 shot second.png\nat 0.1 key tab\n")?;
     let corner = desk.image("second.png")?.get_pixel(755, 735).0;
-    ensure(corner != [28, 31, 37, 255], || "the panels are shown again".into())?;
-    std::fs::write(&file, "width = \"broken")?;
-    desk.view(&args, "at 0.1 shot third.png\n")?;
-    let corner = desk.image("third.png")?.get_pixel(755, 735).0;
-    ensure(corner == [28, 31, 37, 255], || "a broken file hides the panels".into())
+    ensure(corner != [28, 31, 37, 255], || "the panels are shown again".into())
 }
 
 /// By the time stamps of the script.
