@@ -1,6 +1,6 @@
 //! Shows of `populace view`: the crowds of `populace render`, for the window to play.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use populace::character::Image;
 use populace::{Crowd, CrowdBuilder, MemberId};
@@ -13,6 +13,7 @@ use crate::crowd_renderer::{connect, devices_and_shares};
 use crate::draw::CrowdPlan;
 use crate::failure::Failure;
 use crate::filming::{self, build_crowd};
+use crate::output;
 use crate::replay::ReplayJob;
 use crate::report::{counted, message};
 use crate::scene::{self, SceneSource};
@@ -189,10 +190,14 @@ impl Opener for CommandLine<'_> {
         let show = ActionShow { action, title, scene, floor_m, rate, length_secs, detail_px };
         Ok(Opened { crowd, show: Box::new(show) })
     }
+
+    fn write(&mut self, path: &Path, bytes: &[u8]) -> Result<(), ShowError> {
+        Ok(output::write(path, bytes)?)
+    }
 }
 
 /// Returns the name of an input without its folder.
-fn name_of(input: &std::path::Path) -> String {
+fn name_of(input: &Path) -> String {
     input.file_name().unwrap_or(input.as_os_str()).to_string_lossy().into_owned()
 }
 

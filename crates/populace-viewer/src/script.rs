@@ -8,8 +8,6 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use egui::{Event, Modifiers, MouseWheelUnit, PointerButton, Pos2, Vec2};
-use populace::character::Image;
-use populace_film::{Pixels, write_png};
 
 use crate::Error;
 use crate::desk::Command;
@@ -165,9 +163,13 @@ impl Run {
             match &line.action {
                 Action::Shot(path) => {
                     let size = viewer.window();
-                    write(path, &viewer.renderer.read_window(size)?)?;
+                    let shot = viewer.renderer.read_window(size)?;
+                    viewer.write(path, &shot)?;
                 }
-                Action::Picture(path) => write(path, &viewer.picture()?)?,
+                Action::Picture(path) => {
+                    let picture = viewer.picture()?;
+                    viewer.write(path, &picture)?;
+                }
                 Action::Expect(expected) => check(viewer, &self.report, line.number, expected)?,
                 Action::Pace { is_real_time } => self.is_real_time = *is_real_time,
                 Action::Measure => self.report.begin_to_measure(),
@@ -299,10 +301,6 @@ fn held(keys: &[egui::Key], modifiers: Modifiers, frames: usize) -> Vec<Batch> {
     batches.extend((1..frames).map(|_| Batch { modifiers, ..Batch::default() }));
     batches.push(batch(false));
     batches
-}
-
-fn write(path: &Path, image: &Image) -> Result<(), Error> {
-    Ok(write_png(path, [image.width, image.height], Pixels::Rgba(&image.rgba))?)
 }
 
 /// Compares what is there with what was expected.

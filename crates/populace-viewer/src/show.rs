@@ -1,6 +1,6 @@
 //! The show of a window, provided by the program that opens it.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use populace::character::Image;
 use populace::{Crowd, Devices, MemberId, Schedule};
@@ -101,7 +101,7 @@ pub struct Wish {
     pub schedule: Option<Schedule>,
 }
 
-/// Opens shows.
+/// Opens shows, and writes what is kept of them.
 pub trait Opener {
     /// Builds a crowd for the renderer of a window, and what moves it.
     ///
@@ -110,4 +110,11 @@ pub trait Opener {
     /// Files that cannot be read, and devices that cannot be used. The window goes on with what it
     /// shows, if it shows something.
     fn open(&mut self, wish: &Wish, renderer: &mut Renderer) -> Result<Opened, ShowError>;
+
+    /// Writes the file of a picture. It appears whole or not at all.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written. One that is there stays as it is.
+    fn write(&mut self, path: &Path, bytes: &[u8]) -> Result<(), ShowError>;
 }

@@ -3,11 +3,12 @@
 mod commands;
 mod touch;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use egui::{CentralPanel, Context, Event, Frame as Border, Modifiers, RawInput, Rect, Ui};
 use populace::character::Image;
+use populace_film::{Pixels, encode_png};
 use populace_render::{Camera, PassTimes, Renderer, TexturePatch};
 
 use crate::Error;
@@ -350,6 +351,12 @@ impl<'a> Viewer<'a> {
             Some(over) => Ok(over.clone()),
             None => Ok(self.renderer.read_image()?),
         }
+    }
+
+    /// Writes a picture as PNG.
+    pub(crate) fn write(&mut self, path: &Path, image: &Image) -> Result<(), Error> {
+        let png = encode_png([image.width, image.height], Pixels::Rgba(&image.rgba))?;
+        self.opener.write(path, &png).map_err(Error::Show)
     }
 
     /// Reads the picture back and draws over it, if the show does so, for the window to show that

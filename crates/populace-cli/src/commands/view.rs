@@ -4,6 +4,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use etcetera::BaseStrategy as _;
+use populace_film::Format;
 use populace_viewer::{Closed, Layout, Script, WindowSettings};
 use serde_json::json;
 
@@ -25,6 +26,9 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
             Layout::from_toml(&text.unwrap_or_default())
         }
     };
+    if Format::of(&args.film).is_none() {
+        return Err(populace_film::Error::UnknownFormat { path: args.film.clone() }.into());
+    }
     let settings = WindowSettings {
         layout,
         size: args.picture.size.map(|size| size.0),

@@ -71,3 +71,38 @@ pub(super) fn warns_of_a_lost_layout(desk: &Desk) -> Result<(), Failed> {
     }
     Ok(())
 }
+
+/// Another name of the file that was there shows that nobody wrote into it.
+pub(super) fn replaces_files_whole(desk: &Desk) -> Result<(), Failed> {
+    let names = ["shot.png", "picture.png", "layout.toml"];
+    let other = |name: &str| desk.path(&format!("other-{name}"));
+    for name in names {
+        std::fs::write(desk.path(name), "")?;
+        std::fs::hard_link(desk.path(name), other(name))?;
+    }
+    let args = [&CROWD[..], &["--layout", "layout.toml"]].concat();
+    desk.view(&args, "at 0.1 shot shot.png\nat 0.1 picture picture.png\n")?;
+    for name in names {
+        ensure(std::fs::metadata(desk.path(name))?.len() > 0, || format!("{name} is empty"))?;
+        let is_kept = std::fs::metadata(other(name))?.len() == 0;
+        ensure(is_kept, || format!("{name} was written piece by piece"))?;
+    }
+    Ok(())
+}
+
+pub(super) fn refuses_other_formats(desk: &Desk) -> Result<(), Failed> {
+    for (args, script, words) in [
+        (
+            &[][..],
+            "at 0 quit\nat 1 shot a.glb\n",
+            "line 2 of the script: a.glb does not end in .png",
+        ),
+        (&["--film", "film.avi"], "at 0 quit\n", "film.avi does not end in .mp4 or .gif"),
+    ] {
+        let output = desk.try_view(&[&CROWD[..], args].concat(), script)?;
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        ensure(output.status.code() == Some(2), || format!("{:?}: {stderr}", output.status))?;
+        ensure(stderr.contains(words), || format!("no {words:?} in: {stderr}"))?;
+    }
+    Ok(())
+}

@@ -183,8 +183,8 @@ fn action(words: &[&str], folder: &Path) -> Result<Action, String> {
         }
         ["drop", name] => Action::Drop(path(name)),
         ["seek", secs] => Action::Seek(seconds(secs)?),
-        ["shot", name] => Action::Shot(path(name)),
-        ["picture", name] => Action::Picture(path(name)),
+        ["shot", name] => Action::Shot(png(folder, name)?),
+        ["picture", name] => Action::Picture(png(folder, name)?),
         ["expect", rest @ ..] => Action::Expect(expected(rest)?),
         ["pace", "real"] => Action::Pace { is_real_time: true },
         ["pace", "frames"] => Action::Pace { is_real_time: false },
@@ -195,6 +195,15 @@ fn action(words: &[&str], folder: &Path) -> Result<Action, String> {
             return Err(format!("\"{other}\" is unknown or lacks something; write {ACTIONS}"));
         }
     })
+}
+
+/// Returns the path of a picture, whose name says that it is PNG.
+fn png(folder: &Path, name: &str) -> Result<PathBuf, String> {
+    let path = folder.join(name);
+    match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+        true => Ok(path),
+        false => Err(format!("{name} does not end in .png; pictures are written as PNG")),
+    }
 }
 
 fn expected(words: &[&str]) -> Result<Expected, String> {
@@ -274,7 +283,8 @@ mod tests {
     #[test]
     fn lines_are_read() {
         let text = "# moves\n\nat 0 press \"left hand\" # now\nat 0.5 drag 1 2 3 4 middle\n\
-                    at 0.5 hold shift+up 0.25\nat 1 shot a.png\nat 1 expect picked none\n";
+                    at 0.5 hold shift+up 0.25\nat 1 shot a.png\nat 1 expect picked none\n\
+                    at 1 picture b.PNG\n";
         let lines = parse(text, Path::new("shots")).expect("a script");
         let actions: Vec<_> = lines.iter().map(|line| &line.action).collect();
         assert_eq!(actions[0], &Action::Press("left hand".into()));
@@ -283,6 +293,7 @@ mod tests {
         assert_eq!(actions[2], &Action::Hold { keys: vec![Key::ArrowUp], modifiers, secs: 0.25 });
         assert_eq!(actions[3], &Action::Shot("shots/a.png".into()));
         assert_eq!(actions[4], &Action::Expect(Expected::Picked(None)));
+        assert_eq!(actions[5], &Action::Picture("shots/b.PNG".into()));
         assert_eq!((lines[3].number, lines[3].at_secs), (6, 1.0));
     }
 
@@ -300,6 +311,8 @@ mod tests {
             ("at 1 stick up 0 1 2", "left or right"),
             ("at 1 stick left 0 2 1", "-1 to 1"),
             ("at 1 expect x", "picked"),
+            ("at 0 quit\nat 1 shot a.glb", "line 2 of the script: a.glb does not end in .png"),
+            ("at 1 picture png", "png does not end in .png"),
             ("at 1", "after the time"),
         ] {
             let message = parse(text, Path::new("")).expect_err(text).to_string();
