@@ -34,23 +34,30 @@ pub struct Place {
 }
 
 impl Polygon {
-    fn move_by(&mut self, by: [f64; 2]) {
-        let rings = std::iter::once(&mut self.outline).chain(&mut self.holes);
-        for at in rings.flatten() {
-            *at = [at[0] + by[0], at[1] + by[1]];
-        }
+    fn points_mut(&mut self) -> impl Iterator<Item = &mut [f64; 2]> {
+        std::iter::once(&mut self.outline).chain(&mut self.holes).flatten()
     }
 }
 
 impl Place {
     /// Returns the place with its points relative to an origin.
     pub(crate) fn relative_to(mut self, origin_m: [f64; 2]) -> Self {
+        let points = self.polygons_mut().flat_map(Polygon::points_mut);
+        points.for_each(|at| *at = [at[0] - origin_m[0], at[1] - origin_m[1]]);
+        self
+    }
+
+    /// Returns the place in metres, if one unit of its points is `metres`.
+    pub(crate) fn scaled(mut self, metres: f64) -> Self {
+        let points = self.polygons_mut().flat_map(Polygon::points_mut);
+        points.for_each(|at| *at = at.map(|v| v * metres));
+        self
+    }
+
+    fn polygons_mut(&mut self) -> impl Iterator<Item = &mut Polygon> {
         let areas = self.changes.iter_mut().flat_map(|change| &mut change.walkable);
         let others = [&mut self.obstacles, &mut self.sources, &mut self.targets];
-        for polygon in areas.chain(others.into_iter().flatten()) {
-            polygon.move_by(origin_m.map(|v| -v));
-        }
-        self
+        areas.chain(others.into_iter().flatten())
     }
 
     /// Returns the walkable area at a time in seconds; empty if nothing is known.

@@ -206,7 +206,7 @@ impl Rows {
     }
 
     /// Adds a footstep of an agent: when it begins and ends in seconds, and where the middle of the
-    /// body is then in metres.
+    /// body is then, in the unit of the file.
     pub(crate) fn push_step(&mut self, agent: u32, secs: [f64; 2], at: [[f64; 2]; 2]) {
         self.steps.push((agent, secs, at));
     }

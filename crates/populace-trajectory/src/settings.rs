@@ -9,14 +9,16 @@ use crate::{Format, HeadingSource, Unit};
 pub struct ReadSettings {
     /// The format; `None` recognises it by the content.
     pub format: Option<Format>,
-    /// The unit of positions; `None` takes that of the file, or the format's.
+    /// The unit of positions, and of the place in the file; `None` takes that of the file, or the
+    /// format's.
     pub unit: Option<Unit>,
     /// Frames per second by which the file counts; `None` takes that of the file. Without effect
     /// on formats that store seconds.
     pub fps: Option<f64>,
     /// The source of headings; `None` takes the file's headings where it has some.
     pub heading: Option<HeadingSource>,
-    /// A file with the walkable area as WKT; `None` takes that in the file or beside it.
+    /// A file with the walkable area in metres, as WKT or a scenario of Vadere; `None` takes that
+    /// in the file or beside it.
     pub geometry: Option<PathBuf>,
     /// Refuses files with warnings.
     pub strict: bool,

@@ -54,12 +54,16 @@ impl Rows {
         let heading = heading.unless_set(settings.heading.filter(|_| !has_headings));
         let count = self.clocks.len();
         let columns = self.columns(&order, count);
-        let steps = self.steps_of_agents(origin_m);
+        let steps = self.steps_of_agents(metres, origin_m);
         self.agents.retain(|agent| !agent.rows.is_empty());
         let recording = Recording {
             source: Source { format: found.format.0, version: found.format.1, unit, fps, heading },
             columns,
-            place: found.place.relative_to(origin_m),
+            // Unless the unit is told, places are in metres.
+            place: found
+                .place
+                .scaled(settings.unit.map_or(1.0, Unit::in_metres))
+                .relative_to(origin_m),
             origin_m,
             times: order.iter().map(|&row| self.clocks[row] / per_sec).collect(),
             positions: (order.iter())
@@ -211,7 +215,7 @@ impl Rows {
     }
 
     /// Returns the footsteps by agent and time, and gives each agent its range.
-    fn steps_of_agents(&mut self, origin_m: [f64; 2]) -> Vec<Footstep> {
+    fn steps_of_agents(&mut self, metres: f64, origin_m: [f64; 2]) -> Vec<Footstep> {
         let mut steps = std::mem::take(&mut self.steps);
         steps.sort_by(|a, b| a.0.cmp(&b.0).then(a.1[0].total_cmp(&b.1[0])));
         let mut from = 0;
@@ -220,10 +224,9 @@ impl Rows {
             agent.steps = from..until;
             from = until;
         }
+        let in_metres = |at: [f64; 2]| relative(at.map(|v| v * metres), origin_m);
         let steps = steps.into_iter();
-        steps
-            .map(|(_, secs, at)| Footstep { secs, at: at.map(|at| relative(at, origin_m)) })
-            .collect()
+        steps.map(|(_, secs, at)| Footstep { secs, at: at.map(in_metres) }).collect()
     }
 }
 

@@ -1,4 +1,4 @@
-use populace_trajectory::{Format, HeadingSource, ReadSettings, Unit};
+use populace_trajectory::{Format, HeadingSource, ReadSettings, Unit, parse};
 use rust_hdf5::{CompoundType, DatatypeMessage, H5Dataset, H5File};
 
 use super::{column, compressed, problem, problem_with, read, rows_of, warnings};
@@ -160,8 +160,7 @@ fn missing_facts_name_a_remedy() {
     });
     assert!(problem(&*no_rate).contains("--data-fps"));
     let settings = ReadSettings { fps: Some(2.0), ..ReadSettings::default() };
-    let name = std::path::Path::new("file");
-    let recording = populace_trajectory::parse(name, no_rate, &settings).expect("a row");
+    let recording = parse("file".as_ref(), no_rate, &settings).expect("a row");
     assert_eq!(recording.source.fps.value, 2.0);
     let other = file(|file| {
         table(file, "points", &members, &rows);
@@ -213,4 +212,12 @@ fn truncated_files_are_refused() {
         let text = problem(&bytes[..part]);
         assert!(text.contains("h5py"), "{part}: {text}");
     }
+}
+
+#[test]
+fn a_unit_that_is_told_holds_for_the_area() {
+    let settings = ReadSettings { unit: Some(Unit::Centimetres), ..ReadSettings::default() };
+    let recording = parse("file".as_ref(), jupedsim(), &settings).expect("rows");
+    assert_eq!(rows_of(&recording, "7")[0].1, [0.01, 0.02]);
+    assert_eq!(recording.place.walkable_at(0.0)[0].outline[2], [0.09; 2]);
 }

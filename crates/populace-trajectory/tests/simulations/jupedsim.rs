@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use populace_trajectory::{Format, HeadingSource, ReadSettings, load};
+use populace_trajectory::{Format, HeadingSource, ReadSettings, Unit, load, parse};
 use rusqlite::Connection;
 
 use super::{column, compressed, problem, problem_with, read, rows_of, warnings};
@@ -104,8 +104,7 @@ fn missing_facts_name_a_remedy() {
     let text = problem_with(bytes("CREATE TABLE trajectory_data(frame, id);"), &settings);
     assert!(text.to_string().contains("it has frame, id"), "{text}");
     let rows = format!("{table} INSERT INTO trajectory_data VALUES (1, 1, 2, 3), (11, 1, 3, 3);");
-    let recording =
-        populace_trajectory::parse(Path::new("file"), bytes(&rows), &settings).expect("rows");
+    let recording = parse(Path::new("file"), bytes(&rows), &settings).expect("rows");
     assert_eq!(recording.secs(), [0.2, 2.2]);
 }
 
@@ -191,4 +190,14 @@ fn truncated_files_are_refused() {
     let path = folder.path().join("cut.sqlite");
     std::fs::write(&path, &bytes[..bytes.len() / 3]).expect("a file");
     load(&path, &ReadSettings::default()).expect_err("refused");
+}
+
+#[test]
+fn a_unit_that_is_told_holds_for_the_area() {
+    let settings = ReadSettings { unit: Some(Unit::Feet), ..ReadSettings::default() };
+    let recording = parse(Path::new("file"), small(), &settings).expect("rows");
+    assert_eq!(rows_of(&recording, "7")[0].1, [0.3048, 0.6096]);
+    let area = &recording.place.walkable_at(0.2)[0];
+    assert_eq!(area.outline[2], [9.0 * 0.3048; 2]);
+    assert_eq!(area.holes[0][0], [3.0 * 0.3048; 2]);
 }

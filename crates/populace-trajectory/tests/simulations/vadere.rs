@@ -98,3 +98,30 @@ fn the_only_scenario_beside_a_file_is_its_place() {
     std::fs::remove_file(folder.path().join("a.scenario")).expect("a file");
     assert!(warnings(&place())[0].contains("b.scenario: no topography"));
 }
+
+#[test]
+fn a_unit_that_is_told_holds_for_steps_and_the_scenario() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("postvis.traj");
+    let text =
+        format!("{HEADER}\n1 0 0.5 500000 700 500050 650 8\n1 0.5 1 500050 650 500050 600 8\n");
+    std::fs::write(&path, text).expect("a file");
+    let scenario = r#"{"topography": {"attributes": {"bounds":
+        {"x": 500000, "y": 0, "width": 800, "height": 1000}}, "obstacles": [{"shape":
+        {"type": "RECTANGLE", "x": 500100, "y": 100, "width": 200, "height": 50}}]}}"#;
+    let scenario_path = folder.path().join("a.scenario");
+    std::fs::write(&scenario_path, scenario).expect("a file");
+    let settings = ReadSettings { unit: Some(Unit::Centimetres), ..ReadSettings::default() };
+    let recording = load(&path, &settings).expect("steps");
+    assert_eq!(recording.origin_m, [5000.0, 0.0]);
+    let track = recording.track(&recording.agents[0]);
+    assert_eq!(track.positions, [[0.0, 7.0], [0.5, 6.5], [0.5, 6.0]]);
+    let steps: Vec<_> = track.steps.iter().map(|step| step.at).collect();
+    assert_eq!(steps, [[[0.0, 7.0], [0.5, 6.5]], [[0.5, 6.5], [0.5, 6.0]]]);
+    assert_eq!(recording.place.walkable_at(0.0)[0].outline[2], [8.0, 10.0]);
+    assert_eq!(recording.place.obstacles[0].outline[0], [1.0, 1.0]);
+    // A file that the settings name is in metres.
+    let settings = ReadSettings { geometry: Some(scenario_path), ..settings };
+    let recording = load(&path, &settings).expect("steps");
+    assert_eq!(recording.place.walkable_at(0.0)[0].outline[2], [495_800.0, 1000.0]);
+}
