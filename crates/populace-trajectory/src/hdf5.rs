@@ -33,7 +33,7 @@ pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, 
     let unit = unit(&dataset);
     let table = file.table(&dataset, "trajectory")?;
     let mut rows = Rows::default();
-    file.read_rows(&table, unit.value.in_metres(), &mut rows)?;
+    file.read_rows(&table, &mut rows)?;
     let place = file.place(fps.unless_set(settings.fps).value, &mut rows)?;
     let version = file.version();
     let found = Found { format: (Format::Hdf5, version), unit, clock: Clock::Frames(fps), place };
@@ -144,8 +144,7 @@ impl<'a> Hdf5<'a> {
         words.into_iter().flatten().collect::<Vec<_>>().join(" ")
     }
 
-    /// Reads the rows. One unit of their positions is `metres`.
-    fn read_rows(&self, table: &Table, metres: f64, rows: &mut Rows) -> Result<(), Error> {
+    fn read_rows(&self, table: &Table, rows: &mut Rows) -> Result<(), Error> {
         let [id, frame, x, y, z, ox, oy] = MEMBERS.map(|name| table.member(name));
         let (Some(id), Some(frame), Some(x), Some(y)) = (id, frame, x, y) else {
             let has: Vec<_> = table.names().collect();
@@ -176,7 +175,7 @@ impl<'a> Hdf5<'a> {
             let known_m = details.as_mut().and_then(|details| details.set(rows, number));
             match (z.map(|z| table.number(row, z)), known_m) {
                 (Some(z), _) if has_ground => rows.set_elevation(z),
-                (_, Some(height_m)) => rows.raise_height(agent, height_m / metres),
+                (_, Some(height_m)) => rows.raise_height_m(agent, height_m),
                 (Some(z), None) => rows.raise_height(agent, z),
                 (None, None) => {}
             }

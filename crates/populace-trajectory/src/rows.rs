@@ -100,6 +100,16 @@ impl Rows {
         self.agents[agent as usize].kind = kind;
     }
 
+    /// Raises the body height of an agent to at least a height in metres. It comes before heights in
+    /// the unit of the file. A height that no body has is ignored in the end.
+    #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
+    pub(crate) fn raise_height_m(&mut self, agent: u32, height_m: f64) {
+        if self.keeps {
+            let known = &mut self.agents[agent as usize].height_m;
+            *known = Some(known.unwrap_or(f32::NAN).max(height_m as f32));
+        }
+    }
+
     /// Raises the body height of an agent to at least a height in the unit of the file. A height
     /// that no body has is ignored in the end.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]

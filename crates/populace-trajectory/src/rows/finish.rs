@@ -110,10 +110,10 @@ impl Rows {
 
     /// Gives agents their heights, where a body can have them.
     fn heights_in_metres(&mut self, metres: f32) {
-        for (agent, height) in self.agents.iter_mut().zip(&self.heights) {
-            let height_m = height * metres;
-            agent.height_m =
-                agent.height_m.or(Some(height_m)).filter(|m| BODY_HEIGHTS_M.contains(m));
+        for (index, agent) in self.agents.iter_mut().enumerate() {
+            let in_unit = self.heights.get(index).map(|height| height * metres);
+            let mut heights_m = [agent.height_m, in_unit].into_iter().flatten();
+            agent.height_m = heights_m.find(|m| BODY_HEIGHTS_M.contains(m));
         }
     }
 

@@ -221,3 +221,11 @@ fn a_unit_that_is_told_holds_for_the_area() {
     assert_eq!(rows_of(&recording, "7")[0].1, [0.01, 0.02]);
     assert_eq!(recording.place.walkable_at(0.0)[0].outline[2], [0.09; 2]);
 }
+
+#[test]
+fn known_heights_are_in_metres_whatever_unit_is_told() {
+    let settings = ReadSettings { unit: Some(Unit::Centimetres), ..ReadSettings::default() };
+    let recording = parse("file".as_ref(), petrack(), &settings).expect("rows");
+    let heights: Vec<_> = recording.agents.iter().map(|agent| agent.height_m).collect();
+    assert_eq!(heights, [Some(1.82), None], "z is in the unit that is told");
+}
