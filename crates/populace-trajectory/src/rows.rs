@@ -95,13 +95,15 @@ impl Rows {
         index
     }
 
-    /// Sets the kind of an agent.
+    /// Sets the kind of an agent, that of the last row.
     pub(crate) fn set_kind(&mut self, agent: u32, kind: Kind) {
-        self.agents[agent as usize].kind = kind;
+        if self.keeps {
+            self.agents[agent as usize].kind = kind;
+        }
     }
 
-    /// Raises the body height of an agent to at least a height in metres. It comes before heights in
-    /// the unit of the file. A height that no body has is ignored in the end.
+    /// Raises the body height of an agent, that of the last row, to at least a height in metres. It
+    /// comes before heights in the unit of the file. A height that no body has is ignored in the end.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
     pub(crate) fn raise_height_m(&mut self, agent: u32, height_m: f64) {
         if self.keeps {
@@ -110,10 +112,13 @@ impl Rows {
         }
     }
 
-    /// Raises the body height of an agent to at least a height in the unit of the file. A height
-    /// that no body has is ignored in the end.
+    /// Raises the body height of an agent, that of the last row, to at least a height in the unit of
+    /// the file. A height that no body has is ignored in the end.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
     pub(crate) fn raise_height(&mut self, agent: u32, height: f64) {
+        if !self.keeps {
+            return;
+        }
         self.heights.resize(self.agents.len(), f32::NAN);
         let known = &mut self.heights[agent as usize];
         *known = known.max(height as f32);
@@ -133,16 +138,23 @@ impl Rows {
     }
 
     /// Adds a row: an agent's clock and position in the units of the file. Rows without finite
-    /// numbers are left out with a warning, and so is what is set for them.
-    pub(crate) fn push(&mut self, agent: u32, clock: f64, at: [f64; 2], place: Option<Location>) {
+    /// numbers are left out with a warning, and so is what is set for them. Returns false for those.
+    pub(crate) fn push(
+        &mut self,
+        agent: u32,
+        clock: f64,
+        at: [f64; 2],
+        place: Option<Location>,
+    ) -> bool {
         self.keeps = clock.abs() < LATEST && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
         if !self.keeps {
             self.leave_out("rows without a number as time or position were left out", place);
-            return;
+            return false;
         }
         self.owners.push(agent);
         self.clocks.push(clock);
         self.positions.push(at);
+        true
     }
 
     /// Leaves out a broken row, with a warning, and what is set for it.

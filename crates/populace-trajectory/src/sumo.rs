@@ -161,9 +161,7 @@ impl Fcd {
         }
         let agent = self.rows.agent_of(kind, text("id"));
         let (secs, position) = (self.secs.unwrap_or(f64::NAN), [number("x"), number("y")]);
-        let count = self.rows.len();
-        self.rows.push(agent, secs, position, at);
-        if self.rows.len() == count {
+        if !self.rows.push(agent, secs, position, at) {
             return;
         }
         self.measure(agent, secs, position, number("speed"));

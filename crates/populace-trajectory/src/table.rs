@@ -62,7 +62,9 @@ impl Table {
                 continue;
             }
             let agent = rows.agent_of(layout.kind, whole_id(id, &mut self.id));
-            rows.push(agent, clock, at, place);
+            if !rows.push(agent, clock, at, place) {
+                continue;
+            }
             for (column, role) in &mut layout.roles {
                 values.give(rows, agent, *column, role, &mut self.largest);
             }

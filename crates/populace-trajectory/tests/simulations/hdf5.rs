@@ -129,6 +129,17 @@ fn jupedsim_brings_headings_elevations_and_changing_areas() {
 }
 
 #[test]
+fn rows_that_are_left_out_raise_no_height() {
+    let bytes = file(|file| {
+        let row = |frame, x, z| [Int(1), Int(frame), Float(x), Float(2.0), Float(z)];
+        let rows = [row(0, 1.0, 1.6), row(1, f32::NAN, 2.4), row(2, 1.5, 1.7)];
+        let rows: Vec<&[Value]> = rows.iter().map(|row| &row[..]).collect();
+        set_fps(&table(file, "trajectory", &["id", "frame", "x", "y", "z"], &rows), 10.0);
+    });
+    assert_eq!(read(bytes).agents[0].height_m, Some(1.7));
+}
+
+#[test]
 fn odd_values_are_left_out_with_their_row() {
     let bytes = file(|file| {
         let row = |id, frame, x| [Double(id), Double(frame), Double(x), Double(0.0), Long(3)];

@@ -1,8 +1,9 @@
 //! Broken files: an error with its line and a remedy, or a warning and a sensible reading.
 
-use populace_trajectory::{Error, Location, ReadSettings, parse};
+use populace_trajectory::{Error, Kind, Location, ReadSettings, parse};
 
 use super::fixtures::{self, PETRACK, error, menge, read, recording, track};
+use super::formats::numbers;
 
 #[test]
 fn one_broken_row_of_any_family_is_a_warning_with_its_line() {
@@ -100,4 +101,17 @@ fn menge_with_an_impossible_header_is_an_error() {
         bytes[at] = with;
         assert!(error(bytes).contains(hint));
     }
+}
+
+#[test]
+fn rows_that_are_left_out_say_nothing_about_their_agent() {
+    let recording = recording(
+        "id,t,x,y,height,type,yaw,v\n1,0,0,0,1.7,ped,1.5,0.5\n1,nan,1,0,2.1,car,270,fast\n\
+         id,t,x,y,height,type,yaw,v\n1,2,2,0,1.6,ped,1.5,0.75\n",
+    );
+    let agent = &recording.agents[0];
+    assert_eq!((agent.kind, agent.height_m), (Kind::Person, Some(1.7)));
+    assert_eq!(track(&recording, "1").headings, [1.5, 1.5], "in radians");
+    assert_eq!(numbers(&recording, "v"), [0.5, 0.75]);
+    assert_eq!(recording.warnings[0].rows, 2);
 }

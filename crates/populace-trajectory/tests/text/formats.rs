@@ -12,7 +12,7 @@ use super::fixtures::{
 };
 
 /// Returns the numbers of an extra column.
-fn numbers<'a>(recording: &'a Recording, name: &str) -> &'a [f32] {
+pub(crate) fn numbers<'a>(recording: &'a Recording, name: &str) -> &'a [f32] {
     match recording.column(name).map(|column| &column.values) {
         Some(Values::Numbers(numbers)) => numbers,
         other => panic!("{name} is {other:?}"),
