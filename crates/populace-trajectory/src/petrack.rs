@@ -27,6 +27,7 @@ struct Said {
     anything: bool,
     unit: Option<Unit>,
     fps: Option<f64>,
+    /// The first comment that names columns, or else one that might.
     names: Option<String>,
 }
 
@@ -73,7 +74,10 @@ impl Said {
         self.unit = self.unit.or(comment::unit(comment));
         self.fps = self.fps.or(comment::frame_rate(comment));
         let second = comment.split_ascii_whitespace().nth(1).unwrap_or_default();
-        if second.to_lowercase().contains("frame") {
+        let is_surer = || {
+            self.names.as_ref().is_none_or(|names| !names_columns(names) && names_columns(comment))
+        };
+        if second.to_lowercase().contains("frame") && is_surer() {
             self.names = Some(comment.to_owned());
         }
     }

@@ -70,6 +70,22 @@ fn petrack_headers_of_all_kinds_are_read() {
 }
 
 #[test]
+fn petrack_takes_the_first_comment_that_names_columns() {
+    let names = "# id frame x/m y/m z/m heading";
+    let rows = "1 0 0 0 1.7 1.5\n1 1 0 0.1 1.7 1.5\n";
+    for comments in [
+        format!("{names}\n# all frames: 3"),
+        format!("# first frame: 0\n{names}\n# id frame of the leader\n# id frame x y z a"),
+    ] {
+        let recording = recording(format!("{comments}\n{rows}"));
+        assert_eq!(track(&recording, "1").headings, [1.5, 1.5], "{comments}");
+        assert!(recording.columns.is_empty(), "{comments}");
+    }
+    let loose = "# <number> <frame> <x> <y> <z> <group>\n# all frames: 3 and so on";
+    assert_eq!(numbers(&recording(format!("{loose}\n{rows}")), "<group>"), [1.5, 1.5]);
+}
+
+#[test]
 fn petrack_without_header_is_in_the_unit_of_its_heights() {
     let of = |z| recording(format!("1 43 79.0 774.0 {z}\n1 44 79.5 774.0 {z}\n"));
     let cm = of("183.02");
