@@ -223,29 +223,36 @@ impl Database<'_> {
         }
         let hash = if has("hash") { "hash" } else { "0" };
         let sql = format!("SELECT {hash}, wkt FROM geometry");
-        let texts = self.pairs(&sql, |row| {
-            let text: Option<String> = row.get(1)?;
-            Ok((row.get(0)?, text.unwrap_or_default()))
-        })?;
+        let texts =
+            self.pairs(&sql, |row| (whole(value(row, 0)).unwrap_or(0), text(value(row, 1))))?;
         let changes = texts.len() > 1;
         let areas = Areas::parse(texts, &mut rows.warnings);
         let by_frame = has("hash") && self.has_table("frame_data")?;
         let frames = if by_frame && changes {
-            let sql = "SELECT frame, geometry_hash FROM frame_data ORDER BY frame";
-            self.pairs(sql, |row| Ok((number_of(value(row, 0)) / fps, row.get(1)?)))?
+            let sql = "SELECT frame, geometry_hash FROM frame_data ORDER BY CAST(frame AS REAL)";
+            self.pairs(sql, |row| (number_of(value(row, 0)) / fps, whole(value(row, 1))))?
         } else {
             Vec::new()
         };
-        Ok(areas.place(&frames, &mut rows.warnings))
+        let mut known = Vec::with_capacity(frames.len());
+        for (secs, hash) in frames {
+            if let Some(hash) = hash {
+                known.push((secs, hash));
+            } else {
+                let text = "frames without the hash of a walkable area keep the one before";
+                rows.warnings.row(text, None);
+            }
+        }
+        Ok(areas.place(&known, &mut rows.warnings))
     }
 
     fn pairs<A, B>(
         &self,
         sql: &str,
-        pair: impl Fn(&Row<'_>) -> rusqlite::Result<(A, B)>,
+        pair: impl Fn(&Row<'_>) -> (A, B),
     ) -> Result<Vec<(A, B)>, Error> {
         let mut query = self.connection.prepare(sql).map_err(self.broken())?;
-        let found = query.query_map([], pair).map_err(self.broken())?;
+        let found = query.query_map([], |row| Ok(pair(row))).map_err(self.broken())?;
         found.collect::<Result<_, _>>().map_err(self.broken())
     }
 }
@@ -265,6 +272,23 @@ fn number_of(value: ValueRef<'_>) -> f64 {
             std::str::from_utf8(text).ok().and_then(|t| t.trim().parse().ok()).unwrap_or(f64::NAN)
         }
         ValueRef::Null | ValueRef::Blob(_) => f64::NAN,
+    }
+}
+
+/// Returns a value as a whole number; nothing if it is none.
+fn whole(value: ValueRef<'_>) -> Option<i64> {
+    match value {
+        ValueRef::Integer(integer) => Some(integer),
+        ValueRef::Text(text) => std::str::from_utf8(text).ok()?.trim().parse().ok(),
+        ValueRef::Real(_) | ValueRef::Null | ValueRef::Blob(_) => None,
+    }
+}
+
+/// Returns a value as text; nothing if it is none.
+fn text(value: ValueRef<'_>) -> String {
+    match value {
+        ValueRef::Text(text) => String::from_utf8_lossy(text).into_owned(),
+        _ => String::new(),
     }
 }
 

@@ -129,6 +129,25 @@ fn broken_areas_are_warnings() {
 }
 
 #[test]
+fn frames_and_areas_of_other_types_are_read_or_left_out() {
+    let sql =
+        V2.replace("geometry(hash INTEGER NOT NULL, wkt TEXT NOT NULL)", "geometry(hash, wkt)");
+    let sql = sql
+        .replace("frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL", "frame, geometry_hash");
+    let sql = sql.replace("(2, 77)", "('10', '77'), (2, NULL), ('9', -5), (3, NULL)");
+    let recording = read(bytes(&sql));
+    let times: Vec<_> = recording.place.changes.iter().map(|change| change.from_secs).collect();
+    assert_eq!(times, [0.0, 1.0]);
+    assert_eq!(
+        warnings(&recording),
+        ["frames without the hash of a walkable area keep the one before (2 rows)"]
+    );
+    let recording = read(bytes(&format!("{sql} INSERT INTO geometry VALUES (NULL, 5);")));
+    assert_eq!(recording.place.changes.len(), 2);
+    assert!(warnings(&recording)[0].starts_with("the walkable area was left out"));
+}
+
+#[test]
 fn times_that_run_backwards_and_twins_are_warnings() {
     let sql = format!(
         "{V2} DELETE FROM trajectory_data; INSERT INTO trajectory_data VALUES
