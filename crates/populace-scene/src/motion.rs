@@ -17,8 +17,11 @@ const SWAYS_M: f64 = 0.006;
 const MEASURED: usize = 60;
 /// Speed in metres per second from which on somebody walks and sways.
 const WALKS_M_PER_SEC: f64 = 0.5;
-/// Shortest and longest step of stored motions in seconds.
+/// Shortest and longest step of stored motions in seconds, where rows are not far apart.
 const STEP_SECS: [f64; 2] = [1.0 / 30.0, 0.1];
+/// Most steps in an interval between rows. Gaps are longer than a few intervals, so memory is
+/// bounded by the number of rows, however far apart they are.
+const STEPS_PER_INTERVAL: f64 = 20.0;
 /// An agent that is not seen for this time in seconds, and for as many intervals, has left.
 const LEFT_SECS: f64 = 1.5;
 const LEFT_INTERVALS: f64 = 3.0;
@@ -85,7 +88,7 @@ impl Motions {
     /// Smooths the tracks of a recording.
     #[must_use]
     pub fn new(recording: &Recording) -> Self {
-        let step_secs = (1.0 / recording.source.fps.value).clamp(STEP_SECS[0], STEP_SECS[1]);
+        let step_secs = step_secs(recording.source.fps.value);
         let sway_m = sway_m(recording, step_secs);
         let cutoff_hz = if sway_m > SWAYS_M { SWAYING_HZ } else { STEADY_HZ };
         let motion = |agent: &Agent| {
@@ -234,6 +237,12 @@ impl Span {
     }
 }
 
+/// Returns the step of stored motions in seconds, for so many rows of an agent in a second.
+fn step_secs(fps: f64) -> f64 {
+    let interval_secs = 1.0 / fps;
+    interval_secs.clamp(STEP_SECS[0], STEP_SECS[1]).max(interval_secs / STEPS_PER_INTERVAL)
+}
+
 /// Returns the number of even times from one time to another, both included, and the step between
 /// them in seconds, which is near the one given.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "times are in order")]
@@ -318,4 +327,38 @@ fn sway_m(recording: &Recording, step_secs: f64) -> f64 {
         }
     }
     if count > 0.0 { sum / count } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use populace_trajectory::{ReadSettings, parse};
+
+    use super::*;
+
+    fn recording(text: &str) -> Recording {
+        parse(Path::new("rows.csv"), text.into(), &ReadSettings::default()).unwrap()
+    }
+
+    #[test]
+    fn rows_far_apart_need_no_more_memory_than_others() {
+        let days = "id,t,x,y\n1,0,0,0\n1,100000,1,1\n1,300000,2,1\n1,400000,3,1\n";
+        let motions = Motions::new(&recording(days));
+        let spans = &motions.agents[0].spans;
+        let stored: usize = spans.iter().map(|span| span.positions.len()).sum();
+        assert!((40..=100).contains(&stored), "{stored} stored rows");
+        let at = motions.agents[0].at(300_000.0).unwrap();
+        assert!((at.position[0] - 2.0).abs() < 1e-3, "{at:?}");
+    }
+
+    #[test]
+    fn rows_up_to_two_seconds_apart_have_steps_of_a_tenth_of_a_second_at_most() {
+        for (interval_secs, expected) in
+            [(0.02, 1.0 / 30.0), (0.04, 0.04), (0.1, 0.1), (0.4, 0.1), (1.0, 0.1), (2.0, 0.1)]
+        {
+            assert_eq!(step_secs(1.0 / interval_secs), expected, "{interval_secs}");
+        }
+        assert_eq!(step_secs(0.01), 5.0);
+    }
 }
