@@ -12,6 +12,10 @@ const FAR_M: f64 = 4096.0;
 const ORIGIN_STEP_M: f64 = 1000.0;
 /// Nobody on foot is faster, in metres per second.
 const FASTEST_M_PER_SEC: f64 = 15.0;
+/// Most people who move are not slower, in metres per second.
+const SLOWEST_M_PER_SEC: f64 = 0.01;
+/// The way in metres from which on somebody moves; less is noise.
+const MOVES_M: f64 = 0.02;
 /// Frame rates; others are faults, and times by them would not be finite.
 const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
 /// Body heights in metres; other values are no heights.
@@ -42,6 +46,7 @@ impl Rows {
         };
         let unit = self.unit(found.unit.unless_set(settings.unit), per_sec, &order);
         let metres = unit.value.in_metres();
+        self.warn_if_slow(found.clock, metres, per_sec, &order);
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
         self.heights_in_metres(rounded(metres));
@@ -171,18 +176,10 @@ impl Rows {
 
     /// Returns the unit, after a look at the speeds that it gives.
     fn unit(&mut self, unit: Fact<Unit>, per_sec: f64, order: &[usize]) -> Fact<Unit> {
-        let people = |row: usize| self.agents[self.owners[row] as usize].kind == Kind::Person;
-        let mut speeds: Vec<f64> = (order.windows(2))
-            .filter(|pair| self.owners[pair[0]] == self.owners[pair[1]] && people(pair[0]))
-            .map(|pair| {
-                let [a, b] = [self.positions[pair[0]], self.positions[pair[1]]];
-                let secs = (self.clocks[pair[1]] - self.clocks[pair[0]]) / per_sec;
-                (b[0] - a[0]).hypot(b[1] - a[1]) * unit.value.in_metres() / secs
-            })
-            .collect();
-        let Some(speed) = median(&mut speeds).filter(|speed| *speed > FASTEST_M_PER_SEC) else {
+        let speed = self.median_speed(order) * unit.value.in_metres() * per_sec;
+        if speed <= FASTEST_M_PER_SEC {
             return unit;
-        };
+        }
         if unit == Fact::assumed(Unit::Metres) {
             self.warnings.whole(format!(
                 "in metres people would move at {speed:.0} m/s, so centimetres are assumed"
@@ -192,6 +189,56 @@ impl Rows {
         self.warnings
             .whole(format!("people move at {speed:.0} m/s; check the unit and the frame rate"));
         unit
+    }
+
+    /// Warns of people who are so slow that times must have another unit.
+    fn warn_if_slow(&mut self, clock: Clock, metres: f64, per_sec: f64, order: &[usize]) {
+        let is_slow = |speed: f64| speed > 0.0 && speed * metres * per_sec < SLOWEST_M_PER_SEC;
+        // Both have to be slow: those who wait have many slow rows, and those who come again after
+        // a day have long ways in long times.
+        if is_slow(self.median_speed(order)) && is_slow(self.median_pace(MOVES_M / metres, order)) {
+            let remedy = match clock {
+                Clock::Frames(_) => "the unit and the frame rate; --data-fps N sets it",
+                Clock::Seconds => {
+                    "the unit, and that times are in seconds; milliseconds are read in a column \
+                     with the name t_ms"
+                }
+            };
+            self.warnings.whole(format!(
+                "most people who move are slower than {SLOWEST_M_PER_SEC} m/s; check {remedy}"
+            ));
+        }
+    }
+
+    /// Returns the median speed of people who move from one row to the next, in units of the file
+    /// and of its clock; 0 if nobody does.
+    fn median_speed(&self, order: &[usize]) -> f64 {
+        let is_person = |row: usize| self.agents[self.owners[row] as usize].kind == Kind::Person;
+        let mut speeds: Vec<f64> = (order.windows(2))
+            .filter(|pair| self.owners[pair[0]] == self.owners[pair[1]] && is_person(pair[0]))
+            .map(|pair| self.way(pair) / (self.clocks[pair[1]] - self.clocks[pair[0]]))
+            .collect();
+        median(&mut speeds).unwrap_or(0.0)
+    }
+
+    /// Returns the median speed over all their time of people whose ways are not shorter than
+    /// `least`, in units of the file and of its clock; 0 if there are none.
+    fn median_pace(&self, least: f64, order: &[usize]) -> f64 {
+        let pace = |rows: &[usize]| {
+            let way = rows.windows(2).map(|pair| self.way(pair)).sum::<f64>();
+            let [first, last] = [rows.first()?, rows.last()?];
+            (way >= least).then(|| way / (self.clocks[*last] - self.clocks[*first]))
+        };
+        let people = self.agents.iter().filter(|agent| agent.kind == Kind::Person);
+        let mut paces: Vec<f64> =
+            people.filter_map(|agent| pace(order.get(agent.rows.clone())?)).collect();
+        median(&mut paces).unwrap_or(0.0)
+    }
+
+    /// Returns the distance between two rows in the unit of the file.
+    fn way(&self, pair: &[usize]) -> f64 {
+        let [a, b] = [self.positions[pair[0]], self.positions[pair[1]]];
+        (b[0] - a[0]).hypot(b[1] - a[1])
     }
 
     /// Returns the extra columns in the order of the rows.

@@ -115,3 +115,27 @@ fn rows_that_are_left_out_say_nothing_about_their_agent() {
     assert_eq!(numbers(&recording, "v"), [0.5, 0.75]);
     assert_eq!(recording.warnings[0].rows, 2);
 }
+
+#[test]
+fn people_slower_than_any_are_a_warning_with_a_remedy() {
+    let walk = |header: &str, step: f64| {
+        let row = |nth: u32| format!("1,{},{},0\n", f64::from(nth) * step, f64::from(nth) * 0.05);
+        recording(format!("{header}\n{}", (0..40).map(row).collect::<String>()))
+    };
+    let milliseconds = walk("id,timestamp,x,y", 40.0);
+    let warning = milliseconds.warnings.first().expect("a warning").to_string();
+    assert!(warning.contains("slower than 0.01 m/s") && warning.contains("t_ms"), "{warning}");
+    let frames = walk("id,frame,x,y", 1000.0);
+    let warning = frames.warnings.first().expect("a warning").to_string();
+    assert!(warning.contains("--data-fps"), "{warning}");
+    assert_eq!(walk("id,timestamp_ms,x,y", 40.0).warnings, []);
+    assert_eq!(walk("id,t,x,y", 1.0).warnings, [], "0.05 m/s");
+    // Somebody who stands, though tracking is not exact, and somebody who waits after walking.
+    let stands = (0..50).map(|nth| format!("1,{nth},{},0\n", f64::from(nth % 2) * 1e-4));
+    let stands = format!("id,t,x,y\n{}", stands.collect::<String>());
+    assert_eq!(recording(&*stands).warnings, []);
+    assert_eq!(recording(format!("{stands}1,51,3,0\n")).warnings, []);
+    // Ids that come again on another day.
+    let days = "id,t,x,y\n1,0,0,0\n1,1,1,0\n1,2,2,0\n1,90000,0,0\n1,90001,1,0\n1,90002,2,0\n";
+    assert_eq!(recording(days).warnings, []);
+}
