@@ -132,7 +132,7 @@ fn place_as_json(place: &Place) -> Value {
     let walkable = place.walkable_at(0.0);
     json!({
         "areas": walkable.len(),
-        "walkable_m2": walkable.iter().map(square_metres).sum::<f64>(),
+        "walkable_m2": walkable_m2(walkable),
         "holes": holes(walkable),
         "changes": place.changes.len().saturating_sub(1),
         "obstacles": place.obstacles.len(),
@@ -149,7 +149,7 @@ fn place(place: &Place) -> String {
     let mut text = format!(
         "place: {} of {:.1} m², {}",
         counted(walkable.len(), "walkable area"),
-        walkable.iter().map(square_metres).sum::<f64>(),
+        walkable_m2(walkable),
         counted(holes(walkable) + place.obstacles.len(), "obstacle"),
     );
     let changes = place.changes.len().saturating_sub(1);
@@ -161,6 +161,12 @@ fn place(place: &Place) -> String {
 
 fn holes(areas: &[Polygon]) -> usize {
     areas.iter().map(|area| area.holes.len()).sum()
+}
+
+/// Returns the area of polygons without their holes in square metres.
+fn walkable_m2(areas: &[Polygon]) -> f64 {
+    // The sum of nothing is -0.
+    areas.iter().map(square_metres).sum::<f64>() + 0.0
 }
 
 /// Returns the area of a polygon without its holes in square metres.
@@ -184,5 +190,10 @@ mod tests {
         turned.reverse();
         let area = Polygon { outline: square(0.0, 10.0), holes: vec![turned, square(5.0, 6.0)] };
         assert!((square_metres(&area) - 95.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn no_place_has_an_area_of_zero_without_a_sign() {
+        assert_eq!(place_as_json(&Place::default())["walkable_m2"].to_string(), "0.0");
     }
 }
