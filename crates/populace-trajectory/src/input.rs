@@ -11,6 +11,8 @@ const HEAD_BYTES: u64 = 16 * 1024;
 /// Bytes of the longest line. Longer ones are no rows, and would fill the memory.
 const LINE_BYTES: u64 = 1 << 20;
 
+/// First bytes of text of some programs.
+const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 /// First bytes of files that gzip compressed.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
 
@@ -72,6 +74,15 @@ impl Input {
             return Ok(Box::new(BufReader::new(flate2::bufread::MultiGzDecoder::new(raw))));
         }
         Ok(raw)
+    }
+
+    /// Opens the bytes of text, without a byte order mark.
+    pub(crate) fn open_text(&self) -> Result<Box<dyn BufRead + '_>, Error> {
+        let mut from = self.open()?;
+        if from.fill_buf().map_err(self.unreadable())?.starts_with(BYTE_ORDER_MARK) {
+            from.consume(BYTE_ORDER_MARK.len());
+        }
+        Ok(from)
     }
 
     /// Returns the first bytes.

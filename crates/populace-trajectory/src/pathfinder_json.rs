@@ -11,7 +11,7 @@ use crate::{Error, Fact, Format, Location, Place, ReadSettings, Recording, Unit}
 
 pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let mut file = File::default();
-    let mut json = serde_json::Deserializer::from_reader(input.open()?);
+    let mut json = serde_json::Deserializer::from_reader(input.open_text()?);
     let read = Part { file: &mut file, depth: Depth::Agents }.deserialize(&mut json);
     match read.and_then(|()| json.end()) {
         Ok(()) => {}

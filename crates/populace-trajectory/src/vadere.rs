@@ -159,12 +159,16 @@ impl Steps {
                 continue;
             }
             if wait > JOINT_SECS {
-                rows.push(step.agent, step.secs[0], step.at[0], at);
+                if !rows.push(step.agent, step.secs[0], step.at[0], at) {
+                    continue;
+                }
                 self.set_extras(step, extras, rows);
             } else if before.is_some_and(|before| apart(before.at[1], step.at[0]) > JOINT_M) {
                 rows.warnings.row("steps begin elsewhere than the last one ended", at);
             }
-            rows.push(step.agent, step.secs[1], step.at[1], at);
+            if !rows.push(step.agent, step.secs[1], step.at[1], at) {
+                continue;
+            }
             self.set_extras(step, extras, rows);
             rows.push_step(step.agent, step.secs, step.at);
             last = Some(step);

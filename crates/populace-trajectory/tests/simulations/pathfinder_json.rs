@@ -73,3 +73,9 @@ fn other_json_is_refused_with_its_line() {
     let deep = "{\"1\":".repeat(100_000);
     assert!(problem_with(deep, &settings).to_string().contains("line 1"));
 }
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    assert_eq!(read(format!("\u{feff}{}", small())).row_count(), 3);
+    assert_eq!(read(compressed(format!("\u{feff}{}", small()).as_bytes())).row_count(), 3);
+}

@@ -125,3 +125,12 @@ fn a_unit_that_is_told_holds_for_steps_and_the_scenario() {
     let recording = load(&path, &settings).expect("steps");
     assert_eq!(recording.place.walkable_at(0.0)[0].outline[2], [495_800.0, 1000.0]);
 }
+
+#[test]
+fn steps_to_places_that_are_left_out_are_left_out_too() {
+    let recording =
+        read(format!("{HEADER}\n1 0 1 0 0 1 0 8\n1 1 2 1 0 1e30 0 8\n1 3 4 2 0 3 0 8\n"));
+    let steps = recording.track(&recording.agents[0]).steps;
+    assert_eq!(steps.len(), 2, "{steps:?}");
+    assert!(!recording.warnings.is_empty());
+}
