@@ -37,8 +37,10 @@ impl Customs {
 /// The value that a column gives to a row, beside id, clock and position.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Role {
-    Elevation,
-    BodyHeight,
+    /// With its unit, if that is not the one of positions.
+    Elevation(Option<Unit>),
+    /// With its unit, if that is not the one of positions.
+    BodyHeight(Option<Unit>),
     HeadingAngle(Angle),
     /// With the index of the column of y.
     Heading(usize),
@@ -127,11 +129,15 @@ impl Layout {
                 Some(NamedUnit::Radians) if customs.angle == Angle::Untold => Angle::Radians,
                 _ => customs.angle,
             };
+            let unit = match name.unit {
+                Some(NamedUnit::Length(unit)) => Some(unit).filter(|_| self.unit != Some(unit)),
+                _ => None,
+            };
             let extra = || Role::Extra(Extra::new(name.text));
             let role = match name.meaning.filter(|_| is_first) {
-                Some(Meaning::Z) if customs.z_is_body_height => Role::BodyHeight,
-                Some(Meaning::Z) => Role::Elevation,
-                Some(Meaning::BodyHeight) => Role::BodyHeight,
+                Some(Meaning::Z) if customs.z_is_body_height => Role::BodyHeight(unit),
+                Some(Meaning::Z) => Role::Elevation(unit),
+                Some(Meaning::BodyHeight) => Role::BodyHeight(unit),
                 Some(Meaning::HeadingAngle) if heading.is_none() => Role::HeadingAngle(angle),
                 Some(Meaning::ViewAngle) if view.is_none() => Role::ViewAngle(angle),
                 Some(Meaning::HeadingX) => heading.map_or_else(extra, |(_, y)| Role::Heading(y)),

@@ -93,7 +93,7 @@ impl Reading<'_> {
             return Ok(());
         }
         if self.rows.len() == 0
-            && let Some(unit) = header.table.unit_of_row(line)
+            && let Some(unit) = header.table.take_units(line)
         {
             self.unit = Some(unit);
             return Ok(());

@@ -99,7 +99,7 @@ fn layout(names: Option<&str>, columns: usize) -> Layout {
         let name = name.map_or_else(|| format!("column {}", column + 1), str::to_owned);
         (column, Role::Extra(Extra::new(&name)))
     };
-    let height = (columns > 4).then_some((4, Role::BodyHeight));
+    let height = (columns > 4).then_some((4, Role::BodyHeight(None)));
     let (kind, unit, roles) =
         (Kind::Person, None, height.into_iter().chain((5..columns).map(extra)));
     let roles = roles.collect();

@@ -61,6 +61,8 @@ pub(crate) struct Rows {
     clocks: Vec<f64>,
     positions: Vec<[f64; 2]>,
     elevations: Vec<f32>,
+    /// The unit of elevations, if it is not that of positions.
+    elevation_unit: Option<Unit>,
     headings: Vec<f32>,
     views: Vec<f32>,
     numbers: Vec<(String, Vec<f32>)>,
@@ -167,6 +169,13 @@ impl Rows {
     /// Sets the elevation of the last row, in the unit of the file.
     pub(crate) fn set_elevation(&mut self, elevation: f64) {
         self.set(elevation, |rows| &mut rows.elevations, 0.0);
+    }
+
+    /// Sets the elevation of the last row, and the unit of all elevations unless it is that of
+    /// positions.
+    pub(crate) fn set_elevation_in(&mut self, unit: Option<Unit>, elevation: f64) {
+        self.elevation_unit = unit;
+        self.set_elevation(elevation);
     }
 
     /// Sets the heading of the last row in radians.

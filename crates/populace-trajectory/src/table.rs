@@ -71,14 +71,17 @@ impl Table {
         }
     }
 
-    /// Returns the unit of x if a line holds units rather than values.
-    pub(crate) fn unit_of_row(&mut self, line: &str) -> Option<Unit> {
+    /// Takes a line that holds units rather than values, and returns the unit of x. Returns nothing
+    /// for other lines.
+    pub(crate) fn take_units(&mut self, line: &str) -> Option<Unit> {
         let fields = self.splitter.split(line);
-        let layout = self.layouts.first()?;
-        match named_unit(&fields.get(layout.at[0]).to_lowercase()) {
-            Some(NamedUnit::Length(unit)) => Some(unit),
-            _ => None,
+        let layout = self.layouts.first_mut()?;
+        let unit = |column| named_unit(&fields.get(column).to_lowercase());
+        let Some(NamedUnit::Length(unit_of_x)) = unit(layout.at[0]) else { return None };
+        if let (Some(secs), Some(NamedUnit::Time(told))) = (&mut layout.secs, unit(layout.clock)) {
+            *secs = told;
         }
+        Some(unit_of_x)
     }
 
     /// Ends the table: decides the unit of angles.
@@ -120,8 +123,9 @@ impl Values<'_> {
             return;
         }
         match role {
-            Role::Elevation => rows.set_elevation(value),
-            Role::BodyHeight => rows.raise_height(agent, value),
+            Role::Elevation(unit) => rows.set_elevation_in(*unit, value),
+            Role::BodyHeight(None) => rows.raise_height(agent, value),
+            Role::BodyHeight(Some(unit)) => rows.raise_height_m(agent, value * unit.in_metres()),
             Role::HeadingAngle(angle) => rows.set_heading(radians(value, *angle, &mut largest[0])),
             Role::Heading(y) => rows.set_heading_vector([value, self.number(*y)]),
             Role::ViewAngle(angle) => rows.set_view(radians(value, *angle, &mut largest[1])),

@@ -75,7 +75,7 @@ impl Rows {
                 .map(|&row| relative(self.positions[row].map(|v| v * metres), origin_m))
                 .collect(),
             elevations: (in_order(&self.elevations, &order, count, 0.0).into_iter())
-                .map(|v| v * rounded(metres))
+                .map(|v| v * rounded(self.elevation_unit.map_or(metres, Unit::in_metres)))
                 .collect(),
             headings: if has_headings {
                 in_order(&self.headings, &order, count, f32::NAN)

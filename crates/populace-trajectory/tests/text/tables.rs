@@ -128,3 +128,23 @@ fn a_missing_column_is_named_with_those_there_are() {
     let message = error("id,frame,x,speed\n1,0,0,0\n");
     assert!(message.contains("no column has y") && message.contains("id, frame, x, speed"));
 }
+
+#[test]
+fn a_row_of_units_holds_for_times_too() {
+    let recording = recording("t,id,x,y\nms,,cm,cm\n0,1,0,0\n40,1,5,0\n");
+    assert_eq!(recording.source.unit, Fact::of_file(Unit::Centimetres));
+    assert_eq!(track(&recording, "1").times, [0.0, 0.04]);
+}
+
+#[test]
+fn heights_and_elevations_may_have_a_unit_of_their_own() {
+    let text = "id,t,x,y,z_cm,height_cm\n1,0,0,0,250,172\n1,1,1,0,260,172\n";
+    for text in [text.to_owned(), text.replace("x,y", "x_m,y_m")] {
+        let recording = recording(text);
+        assert_eq!(recording.agents[0].height_m, Some(1.72));
+        assert_eq!(track(&recording, "1").elevations, [2.5, 2.6]);
+    }
+    let recording = recording("id,t,x_cm,y_cm,z_cm,height_m\n1,0,0,0,250,1.72\n");
+    assert_eq!(recording.agents[0].height_m, Some(1.72));
+    assert_eq!(track(&recording, "1").elevations, [2.5]);
+}
