@@ -158,5 +158,7 @@ fn radians(value: f64, angle: Angle, largest: &mut f64) -> f64 {
 }
 
 fn is_no(field: &str) -> bool {
-    field == "0" || field.eq_ignore_ascii_case("false")
+    field.eq_ignore_ascii_case("false")
+        || field.eq_ignore_ascii_case("no")
+        || number(field, true) == 0.0
 }

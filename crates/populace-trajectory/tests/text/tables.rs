@@ -148,3 +148,11 @@ fn heights_and_elevations_may_have_a_unit_of_their_own() {
     assert_eq!(recording.agents[0].height_m, Some(1.72));
     assert_eq!(track(&recording, "1").elevations, [2.5]);
 }
+
+#[test]
+fn rows_of_agents_who_are_not_active_are_hidden() {
+    for (no, yes) in [("0", "1"), ("0.0", "1.0"), ("False", "True"), ("no", "yes")] {
+        let recording = recording(format!("id,t,x,y,active\n1,0,0,0,{no}\n1,1,0,1,{yes}\n"));
+        assert_eq!(track(&recording, "1").times, [1.0], "{no}");
+    }
+}
