@@ -105,7 +105,8 @@ impl Rows {
     }
 
     /// Raises the body height of an agent, that of the last row, to at least a height in metres. It
-    /// comes before heights in the unit of the file. A height that no body has is ignored in the end.
+    /// comes before heights in the unit of the file. A height that no body has is ignored in the
+    /// end.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
     pub(crate) fn raise_height_m(&mut self, agent: u32, height_m: f64) {
         if self.keeps {
@@ -114,8 +115,8 @@ impl Rows {
         }
     }
 
-    /// Raises the body height of an agent, that of the last row, to at least a height in the unit of
-    /// the file. A height that no body has is ignored in the end.
+    /// Raises the body height of an agent, that of the last row, to at least a height in the unit
+    /// of the file. A height that no body has is ignored in the end.
     #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
     pub(crate) fn raise_height(&mut self, agent: u32, height: f64) {
         if !self.keeps {
@@ -140,7 +141,8 @@ impl Rows {
     }
 
     /// Adds a row: an agent's clock and position in the units of the file. Rows without finite
-    /// numbers are left out with a warning, and so is what is set for them. Returns false for those.
+    /// numbers are left out with a warning, and so is what is set for them; it returns false for
+    /// those.
     pub(crate) fn push(
         &mut self,
         agent: u32,

@@ -31,15 +31,7 @@ impl Rows {
     ) -> Result<Recording, Error> {
         self.refuse_if_broken(path)?;
         let order = self.order();
-        let per_sec = match found.clock {
-            Clock::Frames(fps) => fps.unless_set(settings.fps).value,
-            Clock::Seconds => 1.0,
-        };
-        if !RATES.contains(&per_sec) {
-            let problem =
-                format!("a frame rate of {per_sec} is not possible; --data-fps N sets it");
-            return Err(Error::Malformed { path: path.to_owned(), at: None, problem });
-        }
+        let per_sec = per_sec(found.clock, path, settings)?;
         let fps = match found.clock {
             Clock::Frames(fps) => fps.unless_set(settings.fps),
             Clock::Seconds => Fact::of_file(self.rate(&order)),
@@ -275,6 +267,19 @@ impl Rows {
         let steps = steps.into_iter();
         steps.map(|(_, secs, at)| Footstep { secs, at: at.map(in_metres) }).collect()
     }
+}
+
+/// Returns how much a clock counts in a second.
+fn per_sec(clock: Clock, path: &Path, settings: &ReadSettings) -> Result<f64, Error> {
+    let per_sec = match clock {
+        Clock::Frames(fps) => fps.unless_set(settings.fps).value,
+        Clock::Seconds => 1.0,
+    };
+    if RATES.contains(&per_sec) {
+        return Ok(per_sec);
+    }
+    let problem = format!("a frame rate of {per_sec} is not possible; --data-fps N sets it");
+    Err(Error::Malformed { path: path.to_owned(), at: None, problem })
 }
 
 /// Returns values in an order, with a value for rows that have none; none at all if no row has one.
