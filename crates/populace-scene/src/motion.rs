@@ -19,8 +19,8 @@ const MEASURED: usize = 60;
 const WALKS_M_PER_SEC: f64 = 0.5;
 /// Shortest and longest step of stored motions in seconds, where rows are not far apart.
 const STEP_SECS: [f64; 2] = [1.0 / 30.0, 0.1];
-/// Most steps in an interval between rows. Gaps are longer than a few intervals, so memory is
-/// bounded by the number of rows, however far apart they are.
+/// Most steps in the usual interval between rows. Agents leave in gaps of a few intervals, so the
+/// number of rows bounds that of steps, however far apart rows are.
 const STEPS_PER_INTERVAL: f64 = 20.0;
 /// An agent that is not seen for this time in seconds, and for as many intervals, has left.
 const LEFT_SECS: f64 = 1.5;
