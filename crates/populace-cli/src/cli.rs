@@ -149,8 +149,9 @@ pub(crate) enum Command {
     /// Shows the format, people and vehicles, times, rate, speeds, extent, gaps, extra columns,
     /// place, assumptions and warnings of a trajectory file. Its JSON document has all of that in
     /// `trajectory`: lengths in metres, times in seconds as the file counts them. `frames` is the
-    /// number of times at which somebody has a row, `fps` the rows of each agent in a second,
-    /// `unit` that of the file, and `heading` the source of headings, `data` or `motion`.
+    /// number of times at which somebody has a row, `fps` the frames of the file in a second,
+    /// `rows_per_s` the usual number of rows of an agent in a second, `unit` that of the file, and
+    /// `heading` the source of headings, `data` or `motion`.
     Inspect(InspectArgs),
     /// Evaluate one pose of a character: joints, palettes and skinned vertices.
     ///

@@ -110,7 +110,7 @@ pub(crate) fn headline(recording: &Recording) -> String {
         format_of(&recording.source),
         people(recording),
         until - from,
-        reading(&recording.source)
+        reading(recording)
     )
 }
 
@@ -142,11 +142,18 @@ pub(crate) fn vehicles(recording: &Recording) -> usize {
 
 /// Returns rate, unit and headings, with what was told or assumed. A file without headings needs no
 /// assumption.
-pub(crate) fn reading(source: &Source) -> String {
-    let rate = rate(source.fps.value);
+pub(crate) fn reading(recording: &Recording) -> String {
+    let source = &recording.source;
+    let [rows, frames] = [recording.rows_per_sec(), source.fps.value].map(rate);
+    let plural = |rate: &str| if rate == "1" { "" } else { "s" };
+    let frames = if rows == frames {
+        String::new()
+    } else {
+        format!(", {frames} frame{} a second", plural(&frames))
+    };
     format!(
-        "{rate} row{} a second{}, positions in {}{}, headings from {}{}",
-        if rate == "1" { "" } else { "s" },
+        "{rows} row{} a second{frames}{}, positions in {}{}, headings from {}{}",
+        plural(&rows),
         origin(source.fps),
         source.unit.value,
         origin(source.unit),

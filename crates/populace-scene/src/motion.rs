@@ -25,6 +25,8 @@ const STEPS_PER_INTERVAL: f64 = 20.0;
 /// An agent that is not seen for this time in seconds, and for as many intervals, has left.
 const LEFT_SECS: f64 = 1.5;
 const LEFT_INTERVALS: f64 = 3.0;
+/// Time after its last row in which an agent is still there, in seconds.
+const PAST_SECS: f64 = 1e-3;
 /// Speeds in metres per second below which somebody comes to stand, and above which somebody who
 /// stands walks on.
 const STANDS_M_PER_SEC: f64 = 0.1;
@@ -88,15 +90,16 @@ impl Motions {
     /// Smooths the tracks of a recording.
     #[must_use]
     pub fn new(recording: &Recording) -> Self {
-        let step_secs = step_secs(recording.source.fps.value);
-        let sway_m = sway_m(recording, step_secs);
+        let rows_per_sec = recording.rows_per_sec();
+        let step_secs = step_secs(rows_per_sec);
+        let sway_m = sway_m(recording, rows_per_sec);
         let cutoff_hz = if sway_m > SWAYS_M { SWAYING_HZ } else { STEADY_HZ };
         let motion = |agent: &Agent| {
             if agent.kind == Kind::Vehicle {
                 return Motion { spans: Vec::new(), steps: Vec::new() };
             }
             let track = recording.track(agent);
-            let spans = spans(track.times, recording.source.fps.value);
+            let spans = spans(track.times, rows_per_sec);
             let span = |rows: std::ops::Range<usize>| Span::new(&track, rows, step_secs, cutoff_hz);
             let spans = spans.into_iter().map(span).collect();
             Motion { spans, steps: track.steps.to_vec() }
@@ -107,27 +110,41 @@ impl Motions {
 }
 
 impl Motion {
-    /// Returns where the agent is; `None` while it is not there.
+    /// Returns where the agent is; `None` while it is not there. It is there until a millisecond after
+    /// its last row.
     #[must_use]
     pub fn at(&self, secs: f64) -> Option<Moment> {
+        let (span, secs) = self.span_at(secs)?;
+        Some(span.at(secs))
+    }
+
+    /// Returns the time in which the agent is there around a time, and that time within it. Times
+    /// that add up from frame to frame may lie a little past the last row.
+    fn span_at(&self, secs: f64) -> Option<(&Span, f64)> {
         let next = self.spans.partition_point(|span| span.secs[0] <= secs);
         let span = self.spans.get(next.checked_sub(1)?)?;
-        (secs <= span.secs[1]).then(|| span.at(secs))
+        let is_there = secs <= span.secs[1] + PAST_SECS;
+        is_there.then(|| (span, secs.min(span.secs[1])))
     }
 
     /// Returns the filtered position at a time in seconds, on a line between the two nearest stored
     /// ones; `None` while the agent is not there.
     #[must_use]
     pub fn filtered_at(&self, secs: f64) -> Option<[f32; 2]> {
-        let next = self.spans.partition_point(|span| span.secs[0] <= secs);
-        let span = self.spans.get(next.checked_sub(1)?)?;
-        (secs <= span.secs[1]).then(|| span.filtered_at(secs))
+        let (span, secs) = self.span_at(secs)?;
+        Some(span.filtered_at(secs))
     }
 
     /// The footsteps that the file has, in the order of time.
     #[must_use]
     pub fn steps(&self) -> &[Footstep] {
         &self.steps
+    }
+
+    /// Returns from when and until when the agent is there around a time, in seconds; `None` while it
+    /// is not there.
+    pub(crate) fn secs_around(&self, secs: f64) -> Option<[f64; 2]> {
+        self.span_at(secs).map(|(span, _)| span.secs)
     }
 
     /// Returns the times from when and until when the agent is there, in seconds.
@@ -237,9 +254,9 @@ impl Span {
     }
 }
 
-/// Returns the step of stored motions in seconds, for so many rows of an agent in a second.
-fn step_secs(fps: f64) -> f64 {
-    let interval_secs = 1.0 / fps;
+/// Returns the step of stored motions in seconds, for a number of rows of an agent in a second.
+fn step_secs(rows_per_sec: f64) -> f64 {
+    let interval_secs = 1.0 / rows_per_sec;
     interval_secs.clamp(STEP_SECS[0], STEP_SECS[1]).max(interval_secs / STEPS_PER_INTERVAL)
 }
 
@@ -263,8 +280,8 @@ fn slope(values: &[f64], nth: usize) -> f64 {
 }
 
 /// Returns the ranges of rows in which an agent is there without a long gap.
-fn spans(times: &[f64], fps: f64) -> Vec<std::ops::Range<usize>> {
-    let longest = LEFT_SECS.max(LEFT_INTERVALS / fps);
+fn spans(times: &[f64], rows_per_sec: f64) -> Vec<std::ops::Range<usize>> {
+    let longest = LEFT_SECS.max(LEFT_INTERVALS / rows_per_sec);
     let gaps = (1..times.len()).filter(|next| times[*next] - times[*next - 1] > longest);
     let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();
     let ends = starts.iter().skip(1).copied().chain([times.len()]);
@@ -295,16 +312,17 @@ fn stands(positions: &[[f64; 2]], velocities: &[[f64; 2]], step_secs: f64) -> Ve
 
 /// Returns the mean distance in metres of agents who walk from their filtered paths, aside from the
 /// direction in which they go.
-fn sway_m(recording: &Recording, step_secs: f64) -> f64 {
+fn sway_m(recording: &Recording, rows_per_sec: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    // Rows further apart than half a second cannot show steps.
-    if recording.source.fps.value < 4.0 {
+    // Rows further apart than a quarter of a second cannot show steps.
+    if rows_per_sec < 4.0 {
         return 0.0;
     }
+    let step_secs = step_secs(rows_per_sec);
     let every = recording.agents.len().div_ceil(MEASURED);
     for agent in recording.agents.iter().step_by(every) {
         let track = recording.track(agent);
-        let Some(rows) = spans(track.times, recording.source.fps.value).into_iter().next() else {
+        let Some(rows) = spans(track.times, rows_per_sec).into_iter().next() else {
             continue;
         };
         let times = &track.times[rows.clone()];
@@ -350,6 +368,27 @@ mod tests {
         assert!((40..=100).contains(&stored), "{stored} stored rows");
         let at = motions.agents[0].at(300_000.0).unwrap();
         assert!((at.position[0] - 2.0).abs() < 1e-3, "{at:?}");
+    }
+
+    /// Frames count 25 in a second, and agents have a row in each fiftieth.
+    #[test]
+    fn agents_stay_between_rows_many_frames_apart() {
+        let rows = "id,frame,x,y\n1,0,0,0\n1,50,1,0\n1,100,2,0\n1,150,3,0\n2,0,0,5\n2,100,2,5\n";
+        let motions = Motions::new(&recording(rows));
+        for (agent, expected) in [(0, 1.25), (1, 1.25)] {
+            let at = motions.agents[agent].at(2.5).map(|moment| moment.position[0]);
+            assert!(at.is_some_and(|x| (x - expected).abs() < 0.1), "{agent}: {at:?}");
+        }
+    }
+
+    /// Ten times a tenth of a second, as `f32`, is a little more than a second.
+    #[test]
+    fn agents_are_there_when_added_times_reach_their_last_row() {
+        let motions = Motions::new(&recording("id,t,x,y\n1,0,0,0\n1,1,1,0\n"));
+        let secs = 10.0 * f64::from(0.1_f32);
+        assert!(secs > 1.0);
+        assert_eq!(motions.agents[0].at(secs), motions.agents[0].at(1.0));
+        assert!(motions.agents[0].at(1.0).is_some() && motions.agents[0].at(1.01).is_none());
     }
 
     #[test]

@@ -181,8 +181,7 @@ impl Replay {
     #[must_use]
     pub fn opacity(&self, agent: usize) -> f32 {
         let Some(motion) = self.motions.agents.get(agent) else { return 0.0 };
-        let span = motion.secs().find(|[from, until]| (*from..=*until).contains(&self.secs));
-        let Some([from, until]) = span else { return 0.0 };
+        let Some([from, until]) = motion.secs_around(self.secs) else { return 0.0 };
         // Nobody comes when the recording begins, or leaves when it ends.
         let [first, last] = self.all_secs;
         let since = if from > first { self.secs - from + FADE_SECS / 8.0 } else { FADE_SECS };

@@ -16,6 +16,8 @@ pub struct Summary {
     pub frames: usize,
     /// Frames per second of the file.
     pub fps: f64,
+    /// The usual number of rows of an agent in a second; see [`Recording::rows_per_sec`].
+    pub rows_per_sec: f64,
     /// Seconds from the first row to the last.
     pub duration_s: f64,
     /// The most agents that are there at the same time: from their first row to their last.
@@ -49,6 +51,7 @@ impl Recording {
             agents: self.agents.len(),
             frames: frames(self.times.clone()),
             fps: self.source.fps.value,
+            rows_per_sec: self.rows_per_sec(),
             duration_s: (secs[1] - secs[0]).max(0.0),
             peak_agents: self.peak_agents(),
             median_speed_m_s: percentile(&mut speeds, 50),
@@ -56,6 +59,23 @@ impl Recording {
             extent_m: self.extent(),
             gaps,
         }
+    }
+
+    /// Returns the usual number of rows of an agent in a second. It is that of the file's frames,
+    /// unless agents have a row in every other frame or in fewer.
+    #[must_use]
+    pub fn rows_per_sec(&self) -> f64 {
+        let fps = self.source.fps.value;
+        let interval_secs = self.usual_interval_secs();
+        if interval_secs * fps > GAP_INTERVALS { 1.0 / interval_secs } else { fps }
+    }
+
+    /// Returns the median time from a row of an agent to the next; 0 if nobody has two rows.
+    fn usual_interval_secs(&self) -> f64 {
+        let tracks = self.agents.iter().map(|agent| self.track(agent));
+        let mut intervals: Vec<f64> =
+            tracks.flat_map(|track| track.times.windows(2)).map(|pair| pair[1] - pair[0]).collect();
+        percentile(&mut intervals, 50)
     }
 
     fn peak_agents(&self) -> usize {
@@ -76,13 +96,7 @@ impl Recording {
 
     /// Returns the gaps, and the speeds of people elsewhere.
     fn gaps_and_speeds(&self) -> (Gaps, Vec<f64>) {
-        let mut intervals: Vec<f64> = self
-            .agents
-            .iter()
-            .flat_map(|agent| self.track(agent).times.windows(2))
-            .map(|pair| pair[1] - pair[0])
-            .collect();
-        let longest = GAP_INTERVALS * percentile(&mut intervals, 50);
+        let longest = GAP_INTERVALS * self.usual_interval_secs();
         let (mut gaps, mut speeds) = (Gaps::default(), Vec::new());
         for agent in &self.agents {
             let widest = self.add_speeds(agent, longest, &mut speeds);

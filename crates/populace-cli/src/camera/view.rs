@@ -76,6 +76,18 @@ impl FromStr for View {
 mod tests {
     use super::*;
 
+    /// Names of cameras that scene files may give are those that mean no other view.
+    #[test]
+    fn cameras_of_scene_files_can_be_chosen() {
+        let names = ["crowd", "close", "top", "iso", "orbit", "follow", "eye", "a:b", "a.b", "2nd"];
+        for name in names.into_iter().chain(["a", "over the street", "école"]) {
+            let key = "key = [{ from = [0, 1, 2], to = [0, 0, 0] }]";
+            let text = format!("schema = 1\n[[camera]]\nname = \"{name}\"\n{key}\n");
+            let is_named = matches!(name.parse(), Ok(View::Named { .. }));
+            assert_eq!(populace_scene::plan::ScenePlan::parse(&text).is_ok(), is_named, "{name}");
+        }
+    }
+
     #[test]
     fn known_views_parse_and_others_are_refused() {
         assert_eq!("close".parse(), Ok(View::Close));

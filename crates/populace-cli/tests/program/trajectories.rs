@@ -52,6 +52,7 @@ fn inspect_describes_a_recording() {
         ("rows", json!(3 * 51 + 26)),
         ("frames", json!(51 + 26)),
         ("fps", json!(25.0)),
+        ("rows_per_s", json!(25.0)),
         ("secs", json!([0.0, 5.0])),
         ("duration_s", json!(5.0)),
         ("unit", json!("m")),

@@ -23,6 +23,7 @@ pub(super) fn as_json(recording: &Recording) -> Value {
         "rows": recording.row_count(),
         "frames": summary.frames,
         "fps": summary.fps,
+        "rows_per_s": summary.rows_per_sec,
         "secs": recording.secs(),
         "duration_s": summary.duration_s,
         "unit": source.unit.value.to_string(),
@@ -48,7 +49,7 @@ pub(super) fn as_text(recording: &Recording) -> String {
         format_of(&recording.source),
         format!("{}, at most {} at a time", people(recording), summary.peak_agents),
         times(recording, &summary),
-        reading(&recording.source),
+        reading(recording),
         format!(
             "speeds of {:.2} m/s in the median, {:.2} m/s at the 95th percentile",
             summary.median_speed_m_s, summary.p95_speed_m_s
