@@ -117,6 +117,12 @@ pub enum MotionFault {
     /// A live clip, or one that has its root motion already.
     #[error("is live, or its root motion has been taken out already")]
     Taken,
+    /// A clip that was converted to another skeleton, which has rows but no source curves.
+    #[error(
+        "has no source curves, because it was converted to another skeleton; take the motion out \
+         of the original clip before it is converted"
+    )]
+    NoSource,
     /// A clip whose feet do not tell a speed.
     #[error("has no touch-down of a joint with a known foot name, so its walking speed is unknown")]
     NoTouchDown,

@@ -8,8 +8,14 @@ use super::Clip;
 use crate::curves::{Curves, Side};
 use crate::{Error, MotionFault};
 
-/// Minimum rows per second; rows divide the clip's length evenly.
+/// Minimum rows per second, within the limits below; rows divide the clip's length evenly.
 const ROWS_PER_SEC: f64 = 60.0;
+/// Limits on the rows of a motion: this many per row of the clip, plus this many, or this many poses
+/// of one joint in total. A clip of few keys that is longer than ten minutes has fewer rows per
+/// second instead of a disproportionate amount of memory.
+const ROWS_PER_ROW: usize = 8;
+const FREE_ROWS: usize = 36_000;
+const FREE_POSES: usize = 64 * FREE_ROWS;
 /// A body counts as standing if it ends no further from its start than this fraction of its size,
 /// or of its size per second. The same limit holds for the speed of its feet.
 const STANDING: f64 = 0.05;
@@ -225,11 +231,16 @@ impl Clip {
     /// # Errors
     ///
     /// [`Error::NoMotion`] if the chosen source does not move the body or has a moving ancestor,
-    /// and for a clip that is live or has its root motion already;
+    /// for a clip that is live or has its root motion already, and for one that was converted to
+    /// another skeleton ([`converted`](Self::converted), [`arranged`](Self::arranged));
     /// [`UnknownJoints`](populace_model::Error::UnknownJoints) with the nearest names.
     pub fn with_root_motion(&self, settings: &MotionSettings) -> Result<Self, Error> {
         if self.ring.is_some() || self.motion.is_some() {
             return self.no_motion(MotionFault::Taken);
+        }
+        let moves = self.ranges().iter().flatten().any(|range| range.step > 0.0);
+        if moves && self.source.tracks.is_empty() {
+            return self.no_motion(MotionFault::NoSource);
         }
         match &settings.from {
             MotionSource::Auto => self.with_automatic_motion(settings),
@@ -269,12 +280,7 @@ impl Clip {
         let curves = Curves::new(&self.source, &self.skeleton)?;
         let carrier = Carrier::new(self, &curves, joint);
         let (start, duration) = (f64::from(self.start_secs()), f64::from(self.duration_secs()));
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a clip of hours at most"
-        )]
-        let last = (duration * ROWS_PER_SEC).ceil().max(1.0) as usize;
+        let last = self.motion_rows(duration);
         let times = (0..=last).map(|row| start + duration * row as f64 / last as f64);
         let motion = RootMotion {
             rows: carrier.rows(times.clone(), settings),
@@ -298,6 +304,18 @@ impl Clip {
             tracks: kept.chain(tracks.clone()).collect(),
         };
         Ok(Some(Self { motion: Some(motion), ..Self::new(source, &self.skeleton)? }))
+    }
+
+    /// The number of rows of a motion of this length, less the first.
+    fn motion_rows(&self, duration_secs: f64) -> usize {
+        let free = FREE_ROWS.min(FREE_POSES / self.skeleton.joint_count().max(1));
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative; `as` saturates"
+        )]
+        let wanted = (duration_secs * ROWS_PER_SEC).ceil().max(1.0) as usize;
+        wanted.min(ROWS_PER_ROW * self.row_count() + free)
     }
 
     /// The root motion that was taken out of the clip, if any.

@@ -152,6 +152,59 @@ fn missing_motion_is_reported() {
     assert!(refused(still.with_root_motion(&root)).contains("MotionSource::Feet"));
 }
 
+#[test]
+fn clips_without_source_curves_keep_their_motion_and_say_so() {
+    let skeleton = walker();
+    let clip = curve(&skeleton);
+    let columns: Vec<_> = skeleton.joints().map(Some).collect();
+    let converted = clip.converted(&skeleton, vec![[true; 3]; 3], |_, pose| pose.to_vec());
+    for of_rows in [converted, clip.arranged(&skeleton, &columns)] {
+        for from in [MotionSource::Auto, MotionSource::Root, MotionSource::Feet] {
+            let settings = MotionSettings { from, ..MotionSettings::default() };
+            let refused = of_rows.with_root_motion(&settings).unwrap_err().to_string();
+            assert!(refused.contains("before it is converted"), "{settings:?}: {refused}");
+        }
+    }
+    // Where nothing moves, nothing is lost.
+    let still = Clip::new(ClipSource::default(), &skeleton).unwrap();
+    let still = still.arranged(&skeleton, &columns).with_root_motion(&MotionSettings::default());
+    assert_eq!(still.unwrap().root_motion().unwrap().origin(), &MotionOrigin::Nothing);
+}
+
+#[test]
+fn long_clips_of_few_keys_get_bounded_rows() {
+    let skeleton = walker();
+    let end_secs = 1e4;
+    let track = Track {
+        joint: "hips".into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, end_secs],
+        // Down in the armature, which lies on its back, is ahead in the model.
+        values: vec![0.0, 0.0, 90.0, 0.0, -1e6, 90.0],
+    };
+    let source = ClipSource { name: "long".into(), tracks: vec![track] };
+    let clip = Clip::new(source, &skeleton).unwrap();
+    let moved = clip.with_root_motion(&MotionSettings::default()).unwrap();
+    let motion = moved.root_motion().unwrap();
+    assert!(motion.row_count() < 40_000, "{} rows", motion.row_count());
+    for part in [0.25, 1.0] {
+        let ([x, _, z], _) = motion.at(part * end_secs);
+        let wanted = part * 1e4;
+        assert!((x.hypot(z) - wanted).abs() < 0.1, "{x} {z} instead of {wanted}");
+    }
+    // Ten minutes have sixty rows a second.
+    let minutes = curve(&skeleton).source().clone();
+    let tracks = minutes.tracks.into_iter().map(|track| Track {
+        times: track.times.iter().map(|secs| secs * 600.0 / SECS).collect(),
+        ..track
+    });
+    let source = ClipSource { name: "minutes".into(), tracks: tracks.collect() };
+    let clip = Clip::new(source, &skeleton).unwrap();
+    let moved = clip.with_root_motion(&MotionSettings::default()).unwrap();
+    assert_eq!(moved.root_motion().unwrap().row_count(), 36_001);
+}
+
 /// Hips with two feet that tread in place, one step of `reach` metres each; the hips move `far`
 /// metres ahead.
 fn tread(reach: f32, far: f32) -> Clip {
