@@ -5,15 +5,16 @@ use populace_model::{
 };
 
 use crate::Error;
-use crate::character::{Character, CharacterSource, PaletteEntry, SkinInstance};
+use crate::character::{Character, CharacterSource, Level, PaletteEntry, SkinInstance};
 
 impl Character {
     /// Returns the character with feet that are children of their lower legs, for rigs in which
     /// they are not. Constraints on legs, such as foot IK, then move the feet as well.
     ///
     /// Joints keep their names and their rest in model space, but not their indices. Clips keep
-    /// their own skeleton and are bound by humanoid roles. The character is unchanged if all feet
-    /// are below their legs already.
+    /// their own skeleton and are bound by humanoid roles. Levels of detail stay; each evaluates at
+    /// least the joints that it did. The character is unchanged if all feet are below their legs
+    /// already.
     ///
     /// # Errors
     ///
@@ -49,9 +50,18 @@ impl Character {
             .joints()
             .map(|joint| standing[skeleton.source_from_joint(joint)].rest)
             .collect();
+        // Feet are deeper in the hierarchy now, and come later among the joints.
+        let level = |level: &Level| {
+            let evaluated = |joint: &JointIndex| was(*joint).index() < level.joint_count;
+            let last = skeleton.joints().filter(evaluated).last();
+            let joint_count = last.map_or(1, |last| last.index() + 1);
+            Level { joint_count, ..level.clone() }
+        };
+        let levels = self.levels().iter().map(level).collect();
         let skeleton =
             skeleton.clone().with_reach(&reach).with_bind_pose(&bind_pose).with_soles(&soles);
-        Self::new(CharacterSource { skeleton, palette, skins, ..CharacterSource::clone(self) })
+        let source = CharacterSource { skeleton, palette, skins, ..CharacterSource::clone(self) };
+        Self::new(source)?.with_levels(levels)
     }
 }
 
@@ -81,4 +91,59 @@ fn on_legs(
         joints[place(foot)].parent = Some(place(shin));
     }
     Ok(joints)
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_model::Affine;
+
+    use super::*;
+
+    /// Hips and legs, and feet that hang on the root.
+    fn loose() -> (Character, RoleMap) {
+        let names = ["root", "hips", "thigh.l", "shin.l", "thigh.r", "shin.r", "foot.l", "foot.r"];
+        let parents = [None, Some(0), Some(1), Some(2), Some(1), Some(4), Some(0), Some(0)];
+        let joint = |(name, parent): (&str, Option<usize>)| JointSource {
+            name: name.into(),
+            parent,
+            rest: Trs { translation: [0.0, 0.1, 0.0], ..Trs::IDENTITY },
+        };
+        let joints: Vec<_> = names.into_iter().zip(parents).map(joint).collect();
+        let skeleton = Skeleton::new(&joints).unwrap();
+        let leg = |side| [Role::UpperLeg(side), Role::LowerLeg(side)];
+        let legs = [leg(Side::Left), leg(Side::Right)].concat();
+        let mut roles = vec![(Role::Hips, "hips")];
+        roles.extend(legs.into_iter().zip(names[2..6].iter().copied()));
+        roles.extend([(Role::Foot(Side::Left), "foot.l"), (Role::Foot(Side::Right), "foot.r")]);
+        let roles = RoleMap::from_names(&skeleton, &roles).unwrap();
+        let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
+        let palette = skeleton.joints().map(entry).collect();
+        let (parts, materials, images, skins, clips) = (vec![], vec![], vec![], vec![], vec![]);
+        let name = "loose".into();
+        let source =
+            CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+        (Character::new(source).unwrap(), roles)
+    }
+
+    #[test]
+    fn levels_of_detail_stay_and_evaluate_the_joints_that_they_did() {
+        let (loose, roles) = loose();
+        let level =
+            |joint_count| Level { error_m: 1.0 / joint_count as f32, meshes: vec![], joint_count };
+        let levels = [8, 4, 2].map(level).to_vec();
+        let before = loose.with_levels(levels).unwrap();
+        let after = before.with_feet_on_legs(&roles).unwrap();
+        let evaluated = |character: &Character, level: &Level| {
+            let joints = character.skeleton.joints().take(level.joint_count);
+            joints.map(|joint| character.skeleton.name(joint).to_owned()).collect::<Vec<_>>()
+        };
+        assert_eq!(after.levels().len(), before.levels().len());
+        for (old, new) in before.levels().iter().zip(after.levels()) {
+            assert_eq!((old.error_m, &old.meshes), (new.error_m, &new.meshes));
+            let (wanted, found) = (evaluated(&before, old), evaluated(&after, new));
+            assert!(wanted.iter().all(|name| found.contains(name)), "{wanted:?} {found:?}");
+            let last = found.last().unwrap();
+            assert!(wanted.contains(last), "{last} need not be evaluated");
+        }
+    }
 }
