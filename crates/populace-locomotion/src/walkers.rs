@@ -26,6 +26,8 @@ const FEWEST_PER_THREAD: usize = 256;
 const NONE: u32 = u32::MAX;
 /// How much faster than it prefers a walker may go to evade others.
 const HASTE: f32 = 1.3;
+/// The highest speed, in metres per second, at which a walker goes on that was led.
+const MOST_LED_SPEED: f32 = 100.0;
 /// How much a slope takes of the speed, up and down: people climb stairs of a slope of 0.5 at 0.61
 /// metres per second and descend them at 0.69, horizontally (U. Weidmann, "Transporttechnik der
 /// Fussgaenger", ETH Zurich 1993). Gentler slopes are between those and level ground.
@@ -188,7 +190,8 @@ impl Walkers {
         self.walkers.first().map_or(0.0, |walker| walker.step.cycles_per_sec)
     }
 
-    /// Moves all walkers on by `secs`, and sets what their members show.
+    /// Moves all walkers on by `secs`, and sets what their members show. A walker that was led at
+    /// more than 100 metres per second goes on at 100.
     ///
     /// # Errors
     ///
@@ -282,10 +285,14 @@ impl Walkers {
     /// Finds the velocities that walkers would take if they were alone.
     fn prefer(&mut self, secs: f32) {
         let (settings, ground, avoids) = (&self.settings, &self.ground, self.avoidance.is_some());
-        let walkers = self.walkers.par_iter().zip(&mut self.orders);
+        let walkers = self.walkers.par_iter_mut().zip(&mut self.velocities).zip(&mut self.orders);
         let wishes = self.preferred.par_iter_mut().zip(&mut self.most_speeds);
         walkers.zip(wishes).with_min_len(FEWEST_PER_THREAD).for_each(
-            |((walker, orders), (preferred, most))| {
+            |(((walker, present), orders), (preferred, most))| {
+                if walker.velocity.length_squared() > MOST_LED_SPEED * MOST_LED_SPEED {
+                    walker.velocity = walker.velocity.clamp_length_max(MOST_LED_SPEED);
+                    *present = walker.velocity.to_array();
+                }
                 let velocity = orders.velocity(walker.position, settings.deceleration, secs);
                 let share = ground
                     .as_ref()
@@ -293,7 +300,8 @@ impl Walkers {
                 *preferred = (velocity * share).to_array();
                 if avoids {
                     // A walker that is faster already need not brake at once.
-                    *most = (HASTE * share * velocity.length()).max(walker.velocity.length());
+                    let most_speed = HASTE * share * velocity.length();
+                    *most = most_speed.max(walker.velocity.length()).min(MOST_LED_SPEED);
                 }
             },
         );

@@ -96,3 +96,24 @@ fn wrong_leads_move_nobody() {
     }
     assert_eq!(town.walkers.positions(), before);
 }
+
+/// Who was led faster than any walker goes walks on, with avoidance and without.
+#[test]
+fn it_goes_on_by_itself_after_it_was_led_too_fast() {
+    for avoids in [true, false] {
+        let mut town = town();
+        let member = town.walkers.members()[0];
+        let fast = Lead { position: [0.0; 2], velocity: [0.0, 1e6], ..round(0.0) };
+        town.walkers.follow(&mut town.crowd, &[fast], FRAME_SECS).unwrap();
+        if avoids {
+            town.avoid();
+        }
+        for _ in 0..60 {
+            town.step();
+        }
+        let [vx, vz] = town.walkers.velocities()[0];
+        assert!(vx.hypot(vz) < 100.0, "{vx} {vz}");
+        let at = town.position(member);
+        assert!(at.length() < 101.0, "{at}");
+    }
+}
