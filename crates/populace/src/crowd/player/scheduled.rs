@@ -63,7 +63,7 @@ impl ScheduledStarts {
         self.by_time.insert((due, self.pushed), member_index);
         let starts = self.by_member.get_or_default(member_index);
         starts.push((due, self.pushed, start));
-        starts.sort_by_key(|(due, order, _)| (*due, *order));
+        sort(starts);
     }
 
     pub(crate) fn is_empty(&self) -> bool {
@@ -117,12 +117,18 @@ impl ScheduledStarts {
         member_index: u32,
         mut change: impl FnMut(&mut u64, &mut Start),
     ) {
-        for (due, order, start) in self.by_member.get_mut(member_index).into_iter().flatten() {
+        let Some(starts) = self.by_member.get_mut(member_index) else { return };
+        for (due, order, start) in &mut *starts {
             self.by_time.remove(&(*due, *order));
             change(due, start);
             self.by_time.insert((*due, *order), member_index);
         }
+        sort(starts);
     }
+}
+
+fn sort(starts: &mut [Entry]) {
+    starts.sort_by_key(|(due, order, _)| (*due, *order));
 }
 
 #[cfg(test)]
@@ -156,6 +162,17 @@ mod tests {
         assert_eq!(scheduled.of(3).count(), 1);
         assert!(scheduled.take_due(49).is_none() && scheduled.take_due(50).is_some());
         assert!(scheduled.by_member.is_empty() && scheduled.by_time.is_empty());
+    }
+
+    #[test]
+    fn starts_of_a_member_stay_in_order_of_time() {
+        let mut scheduled = ScheduledStarts::default();
+        for (due, serial) in [(10, 0), (20, 1), (30, 2)] {
+            scheduled.push(1, due, start(serial, 0));
+        }
+        scheduled.change(1, |due, start| *due = if start.serial == 0 { 25 } else { *due });
+        let order: Vec<_> = scheduled.of(1).map(|(due, start)| (due, start.serial)).collect();
+        assert_eq!(order, [(20, 1), (25, 0), (30, 2)]);
     }
 
     #[test]
