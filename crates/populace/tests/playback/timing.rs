@@ -205,6 +205,42 @@ fn speed_changes_do_not_jump_and_move_the_queue(builder: &CrowdBuilder) {
     assert_near(found.speed, -1.0);
 }
 
+/// The speed of a clip moves what is queued behind it. It moves neither what is queued on another
+/// layer, nor what follows something that has ended.
+#[test]
+fn speeds_that_are_set_in_each_frame_do_not_hold_up_the_queue() {
+    let held = ClipPlayback::held_at_secs(0.5);
+    for (layer, play, wanted_secs) in [
+        (1, ClipPlayback::looping(), 4.0),
+        (1, ClipPlayback::once(), 4.0),
+        (1, held, 3.0),
+        (0, ClipPlayback::looping(), 4.0),
+        (0, ClipPlayback::once(), 4.0),
+    ] {
+        let (mut crowd, clips, member) =
+            one_member(&Crowd::builder().device(Device::native()), &motions());
+        let mut view = crowd.member_mut(member).unwrap();
+        let base = view.play(clips[0], play).unwrap();
+        let above = view.play(clips[2], ClipPlayback::looping().on_layer(1)).unwrap();
+        view.queue(clips[1], ClipPlayback::looping().after_secs(3.0)).unwrap();
+        let mut at_secs = None;
+        for frame in 1..=60_u8 {
+            view = crowd.member_mut(member).unwrap();
+            let speed = 1.0 + 1e-4 * f32::from(frame % 2);
+            view.set_speed([base, above][layer], speed).unwrap();
+            crowd.update(0.1).unwrap();
+            let all = crowd.member(member).unwrap().active_clips();
+            if all.iter().any(|clip| clip.clip == clips[1]) {
+                at_secs = Some(0.1 * f32::from(frame));
+                break;
+            }
+        }
+        let at_secs = at_secs.unwrap_or(f32::INFINITY);
+        let found = format!("layer {layer}, {play:?}: {at_secs} s instead of {wanted_secs}");
+        assert!((at_secs - wanted_secs).abs() < 0.15, "{found}");
+    }
+}
+
 fn weights_fade_and_end_clips(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::held_at_secs(0.0)).unwrap();

@@ -127,7 +127,8 @@ impl MemberMut<'_> {
     }
 
     /// Sets the speed of a clip from now on; negative plays backwards, 0 holds. The clip queued
-    /// after it is rescheduled to the new end. Held clips, live clips and state machines ignore it.
+    /// after it is rescheduled to the new end, unless the end that it waits for is past. Held
+    /// clips, live clips and state machines ignore it.
     ///
     /// # Errors
     ///

@@ -117,7 +117,11 @@ impl Player {
         let member_index = id.member().number();
         let Some(index) = self.find_slot(base, id)? else {
             self.change_scheduled(id, |play| play.speed = speed);
-            self.time_the_queue(base, member_index);
+            let is_it = |start: &Start| start.serial == id.parts().serial;
+            let found = self.scheduled.of(member_index).find(|(_, start)| is_it(start));
+            if let Some(layer) = found.map(|(_, start)| start.play.layer) {
+                self.time_the_queue(base, member_index, layer);
+            }
             return Ok(());
         };
         let mut slot = base.slots(member_index)[index];
@@ -132,7 +136,7 @@ impl Player {
             self.started(base, member_index, index).once,
         );
         base.tables.set_slot(member_index, index, slot)?;
-        self.time_the_queue(base, member_index);
+        self.time_the_queue(base, member_index, slot.layer() as usize);
         Ok(())
     }
 
@@ -362,12 +366,14 @@ impl Player {
         let scheduled =
             self.scheduled.of(member_index).filter(|(_, start)| start.play.layer == layer).last();
         match scheduled {
-            Some((due, start)) => self.end_of_start(base, due, start),
-            None => self.end_of_slots(base, member_index, layer),
+            Some((due, start)) => end_of_start(base, due, start),
+            None => self.end_of_slots(base, member_index, layer).unwrap_or(base.clock.tick),
         }
     }
 
-    fn end_of_slots(&self, base: &Base, member_index: u32, layer: usize) -> u64 {
+    /// Returns the tick at which the newest playback of a layer ends that has begun; `None` if
+    /// there is none, or it has no end.
+    fn end_of_slots(&self, base: &Base, member_index: u32, layer: usize) -> Option<u64> {
         let tick = base.clock.tick;
         let slots = base.slots(member_index).iter().enumerate();
         let playing = slots.filter(|(_, slot)| {
@@ -375,36 +381,39 @@ impl Player {
             slot.bound_clip != NONE && slot.layer() as usize == layer && !ends
         });
         let last = playing.max_by_key(|(index, _)| self.started(base, member_index, *index).serial);
-        last.map_or(tick, |(_, slot)| self.end_of(base, slot, tick))
+        last.and_then(|(_, slot)| end_of(base, slot, tick))
     }
 
-    fn end_of_start(&self, base: &Base, due: u64, start: &Start) -> u64 {
-        let Action::Clip { bound, .. } = start.action else { return due };
-        self.end_of(base, &start.play.slot(bound, due, base.duration_secs(bound)), due)
+    /// Reschedules the queued starts of a layer after a change to a playback before them. A start
+    /// stays as it is if what it follows has ended or has no end.
+    fn time_the_queue(&mut self, base: &Base, member_index: u32, layer: usize) {
+        let tick = base.clock.tick;
+        let mut end = self.end_of_slots(base, member_index, layer).filter(|end| *end > tick);
+        self.scheduled.change(member_index, |due, start| {
+            if start.play.layer != layer {
+                return;
+            }
+            if let (Some(gap), Some(end)) = (start.follows_after, end)
+                && due.saturating_sub(gap) > tick
+            {
+                *due = end.saturating_add(gap);
+            }
+            end = Some(end_of_start(base, *due, start));
+        });
     }
+}
 
-    /// Returns the tick at which a slot ends, at least `tick`. A clip at speed 0 never ends until
-    /// its speed is set.
-    fn end_of(&self, base: &Base, slot: &Slot, tick: u64) -> u64 {
-        let has_end = !slot.is_tied() && base.duration_secs(slot.bound_clip) > 0.0;
-        if has_end { slot.end_tick(tick).unwrap_or(u64::MAX).max(tick) } else { tick }
-    }
+fn end_of_start(base: &Base, due: u64, start: &Start) -> u64 {
+    let Action::Clip { bound, .. } = start.action else { return due };
+    let slot = start.play.slot(bound, due, base.duration_secs(bound));
+    end_of(base, &slot, due).unwrap_or(due)
+}
 
-    /// Reschedules the queued starts of a member after a change to a playback before them.
-    fn time_the_queue(&mut self, base: &mut Base, member_index: u32) {
-        let mut ends = [0, 1, 2, 3].map(|layer| self.end_of_slots(base, member_index, layer));
-        let scheduled: Vec<_> =
-            self.scheduled.of(member_index).map(|(due, start)| (due, *start)).collect();
-        let mut dues = Vec::with_capacity(scheduled.len());
-        for (due, start) in scheduled {
-            let due =
-                start.follows_after.map_or(due, |gap| ends[start.play.layer].saturating_add(gap));
-            ends[start.play.layer] = self.end_of_start(base, due, &start);
-            dues.push(due.max(base.clock.tick + 1));
-        }
-        let mut dues = dues.into_iter();
-        self.scheduled.change(member_index, |due, _| *due = dues.next().unwrap_or(*due));
-    }
+/// Returns the tick at which a slot ends, at least `tick`; `None` if it has no end. A clip at speed
+/// 0 never ends until its speed is set.
+fn end_of(base: &Base, slot: &Slot, tick: u64) -> Option<u64> {
+    let has_end = !slot.is_tied() && base.duration_secs(slot.bound_clip) > 0.0;
+    has_end.then(|| slot.end_tick(tick).unwrap_or(u64::MAX).max(tick))
 }
 
 fn playback_id(member: MemberId, serial: u32) -> PlaybackId {
