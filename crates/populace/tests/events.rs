@@ -193,6 +193,56 @@ fn cut_clip_reports_events_until_its_replacement() {
     });
 }
 
+fn is_marker(event: &Event) -> bool {
+    matches!(event.kind, EventKind::Marker { .. })
+}
+
+/// A clip that fades out in the middle of a step, and whose slot another takes in the same step,
+/// reports its events.
+#[test]
+fn faded_clip_reports_events_although_its_slot_is_taken() {
+    let found = [1.0 / 60.0, 0.1, 1.0].map(|step| {
+        let mut scene = native();
+        let (walk, sway) = (scene.clip("walk"), scene.clip("sway"));
+        scene.crowd.clip_mut(sway).unwrap().add_event_marker("swish", 0.1).unwrap();
+        let member = scene.member(Placement::at([0.0; 3]));
+        let mut view = scene.edit(member);
+        view.subscribe_events();
+        view.play(sway, ClipPlayback::looping()).unwrap();
+        view.play(walk, ClipPlayback::held_at_secs(0.0).fade_in_secs(0.3)).unwrap();
+        view.blend(walk, ClipPlayback::held_at_secs(0.5).after_secs(0.5)).unwrap();
+        events(&mut scene, step, 1.0)
+    });
+    for events in found {
+        let markers: Vec<_> = events.iter().filter(|event| is_marker(event)).collect();
+        let [marker] = &markers[..] else { panic!("{events:?}") };
+        assert!((marker.at_secs - 0.1).abs() < 1e-4, "{marker:?}");
+    }
+}
+
+/// Members report events in the order in which they subscribed, however many unsubscribe.
+#[test]
+fn events_at_one_time_are_in_the_order_of_subscriptions() {
+    let mut scene = native();
+    let sway = scene.clip("sway");
+    scene.crowd.clip_mut(sway).unwrap().add_event_marker("swish", 0.5).unwrap();
+    let members: Vec<_> = (0..5).map(|_| scene.member(Placement::at([0.0; 3]))).collect();
+    for member in &members {
+        scene.edit(*member).play(sway, ClipPlayback::looping()).unwrap();
+    }
+    for nth in [3, 1, 4, 1, 0, 2] {
+        scene.edit(members[nth]).subscribe_events();
+    }
+    for nth in [1, 0] {
+        scene.edit(members[nth]).unsubscribe_events();
+    }
+    scene.edit(members[1]).subscribe_events();
+    scene.crowd.despawn(members[4]).unwrap();
+    let told = events(&mut scene, 1.0, 1.0).into_iter().filter(is_marker);
+    let told: Vec<_> = told.map(|event| event.member).collect();
+    assert_eq!(told, [3, 2, 1].map(|nth| members[nth]));
+}
+
 /// A blend space that got one of two slots takes the second in the middle of a step. Events from
 /// before and after that are reported.
 #[test]

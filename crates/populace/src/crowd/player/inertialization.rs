@@ -71,7 +71,8 @@ impl Player {
             let share = [part * in_all, (rate - part * total[1]) / total[0] * in_all];
             let states = [base.tables.sampled_state(&slot, tick), target];
             let inertialization = Slot::inertialization(tick, ticks, states, share).on_layer(layer);
-            self.put_slot(base, member_index, index, inertialization, Started::default())?;
+            let started = Started::default();
+            self.put_slot(base, member_index, index, inertialization, started, tick)?;
             self.leave(base, member_index, slot, tick)?;
         }
         Ok(total[0])

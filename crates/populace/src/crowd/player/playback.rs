@@ -320,7 +320,7 @@ impl Player {
         let once = slot.mode() == SLOT_ONCE;
         let started = Started { serial: start.serial, sample: None, once };
         match vacant {
-            Some(index) => self.put_slot(base, member_index, index, slot, started),
+            Some(index) => self.put_slot(base, member_index, index, slot, started, tick),
             None => self.fill_slot(base, member_index, slot, started, tick),
         }
     }

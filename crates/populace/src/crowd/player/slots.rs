@@ -343,7 +343,7 @@ impl Player {
 
     /// Keeps a slot that ends during an update, for the events before its end.
     pub(crate) fn note_left(&mut self, base: &mut Base, member_index: u32, slot: &Slot, tick: u64) {
-        if tick > base.clock.tick {
+        if tick > base.clock.tick && slot.bound_clip != NONE {
             self.left.push((member_index, *slot, tick));
         }
     }
@@ -357,13 +357,12 @@ impl Player {
         mut slot: Slot,
         tick: u64,
     ) -> Result<(), Error> {
-        self.note_left(base, member_index, &slot, tick);
         let moves = tick > base.clock.tick && base.members.all[member_index as usize].moves;
         let Some(index) = self.free_slot(base, member_index, tick).filter(|_| moves) else {
             return Ok(());
         };
         slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
-        self.put_slot(base, member_index, index, slot, Started::default())
+        self.put_slot(base, member_index, index, slot, Started::default(), tick)
     }
 
     pub(crate) fn empty_slot(
@@ -385,15 +384,11 @@ impl Player {
         started: Started,
         tick: u64,
     ) -> Result<(), Error> {
-        self.put_slot(
-            base,
-            member_index,
-            self.free_slot(base, member_index, tick).unwrap_or(0),
-            slot,
-            started,
-        )
+        let index = self.free_slot(base, member_index, tick).unwrap_or(0);
+        self.put_slot(base, member_index, index, slot, started, tick)
     }
 
+    /// Writes a slot that begins at `tick`, and keeps the one that it replaces for its events.
     pub(crate) fn put_slot(
         &mut self,
         base: &mut Base,
@@ -401,7 +396,10 @@ impl Player {
         index: usize,
         slot: Slot,
         started: Started,
+        tick: u64,
     ) -> Result<(), Error> {
+        let replaced = base.slots(member_index)[index];
+        self.note_left(base, member_index, &replaced, tick);
         base.tables.set_slot(member_index, index, slot)?;
         let range = base.tables.slot_range(member_index);
         self.started[range.start + index] = started;
