@@ -298,7 +298,7 @@ impl Player {
             !inertializes || self.unevaluated(base, member_index, slot.layer(), tick).is_empty(),
         );
         // Fading others out leaves a vacant slot vacant, but inertialization may take it.
-        let vacant = self.vacant_slot(base, member_index, tick).filter(|_| !inertializes);
+        let vacant = self.vacant_slot(base, member_index, None, tick).filter(|_| !inertializes);
         if vacant.is_none()
             && let Some(due) = self.free_slots(base, member_index, needed, secs, tick, role)?
         {

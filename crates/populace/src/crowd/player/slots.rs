@@ -108,23 +108,44 @@ impl Player {
         shares
     }
 
-    /// Returns the first vacant slot.
-    pub(crate) fn vacant_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
+    /// Returns the first vacant slot other than `taken`.
+    pub(crate) fn vacant_slot(
+        &self,
+        base: &Base,
+        member_index: u32,
+        taken: Option<usize>,
+        tick: u64,
+    ) -> Option<usize> {
         // A slot that was cut since the last update still contributes root motion up to the cut.
         let played = |slot: &Slot| !slot.is_inertialization() && slot.weight_tick > base.clock.tick;
-        let mut slots = base.slots(member_index).iter();
-        slots.position(|slot| is_vacant(slot, tick) && !played(slot))
+        let mut slots = base.slots(member_index).iter().enumerate();
+        let is_it = |(index, slot): &(usize, &Slot)| {
+            is_vacant(slot, tick) && !played(slot) && Some(*index) != taken
+        };
+        slots.find(is_it).map(|(index, _)| index)
     }
 
     /// Returns the free slot of least weight.
     pub(crate) fn free_slot(&self, base: &Base, member_index: u32, tick: u64) -> Option<usize> {
-        let first = self.vacant_slot(base, member_index, tick);
+        self.free_slot_beside(base, member_index, None, tick)
+    }
+
+    /// Returns the free slot of least weight other than `taken`.
+    pub(crate) fn free_slot_beside(
+        &self,
+        base: &Base,
+        member_index: u32,
+        taken: Option<usize>,
+        tick: u64,
+    ) -> Option<usize> {
+        let first = self.vacant_slot(base, member_index, taken, tick);
         if first.is_some() {
             return first;
         }
         let slots = base.slots(member_index);
         let shares = self.slot_shares(base, member_index, tick);
-        let slots = slots.iter().enumerate().filter(|(index, _)| shares[*index].is_none());
+        let is_free = |index: usize| shares[index].is_none() && Some(index) != taken;
+        let slots = slots.iter().enumerate().filter(|(index, _)| is_free(*index));
         let weight = |slot: &Slot| if faded_out(slot, tick) { -1.0 } else { slot.weight_at(tick) };
         slots.min_by(|a, b| weight(a.1).total_cmp(&weight(b.1))).map(|(index, _)| index)
     }
