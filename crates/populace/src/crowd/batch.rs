@@ -56,7 +56,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A stale member, or a value that is not finite. Nothing is changed then.
+    /// A stale member, a parameter of another crowd, or a value that is not finite. Nothing is
+    /// changed then.
     pub fn set_parameters(
         &mut self,
         parameter: ParameterId,

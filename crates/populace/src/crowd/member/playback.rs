@@ -224,8 +224,8 @@ impl MemberMut<'_> {
     ///
     /// # Errors
     ///
-    /// A value that is not finite, or [`Error::BadStateMachine`] if no machine of the member has
-    /// such a parameter.
+    /// A value that is not finite, a parameter of another crowd, or [`Error::BadStateMachine`] if
+    /// no machine of the member has such a parameter.
     pub fn set_parameter<'a>(
         &mut self,
         parameter: impl Into<Parameter<'a>>,

@@ -151,6 +151,9 @@ impl Player {
     ) -> Result<(), Error> {
         base.check(member)?;
         bounded("a parameter of a state machine", &[value])?;
+        if let Parameter::Id(id) = parameter {
+            check_parameter(base, id)?;
+        }
         if self.write_parameter(base, member.number(), parameter, value)? {
             return Ok(());
         }
@@ -189,6 +192,7 @@ impl Player {
         parameter: ParameterId,
         values: &[(MemberId, f32)],
     ) -> Result<(), Error> {
+        check_parameter(base, parameter)?;
         if !self.scheduled.is_empty() {
             for (member, value) in values {
                 self.write_parameter(base, member.number(), Parameter::Id(parameter), *value)?;
@@ -350,6 +354,12 @@ fn write_running(
         }
     }
     Ok(is_found)
+}
+
+/// Refuses a parameter of another crowd.
+fn check_parameter(base: &Base, id: ParameterId) -> Result<(), Error> {
+    let Key { crowd, index, .. } = id.parts().machine.parts();
+    base.check_crowd(IdKind::Machine, crowd, index)
 }
 
 fn no_machine(layer: usize) -> Error {

@@ -85,3 +85,26 @@ fn a_machine_that_starts_at_weight_0_plays_once_it_has_weight() {
         assert!((joints[0].rows[1][3] - 1.0).abs() < 1e-3, "weight {weight}: {joints:?}");
     }
 }
+
+#[test]
+fn parameters_of_another_crowd_are_refused() {
+    let of_a_crowd = || {
+        let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+        let lift = crowd.add_character(crate::crowd::tests::lift()).unwrap();
+        let clip = crowd.character(lift).unwrap().clips()[0].0;
+        let machine = StateMachine::new().parameter("speed", 0.0);
+        let machine = machine.state("lifts", clip, StatePlayback::looping());
+        let machine = crowd.add_machine(&machine).unwrap();
+        let member = crowd.spawn(lift, Placement::at([0.0; 3])).unwrap();
+        let play = MachinePlayback::new();
+        crowd.member_mut(member).unwrap().play_machine(machine, play).unwrap();
+        let parameter = crowd.parameter(machine, "speed").unwrap();
+        (crowd, member, parameter)
+    };
+    let ((mut crowd, member, own), (_, _, foreign)) = (of_a_crowd(), of_a_crowd());
+    crowd.member_mut(member).unwrap().set_parameter(own, 1.0).unwrap();
+    crowd.set_parameters(own, &[(member, 1.0)]).unwrap();
+    let unknown = Error::UnknownId { what: IdKind::Machine, index: 0 };
+    assert_eq!(crowd.member_mut(member).unwrap().set_parameter(foreign, 2.0), Err(unknown.clone()));
+    assert_eq!(crowd.set_parameters(foreign, &[(member, 2.0)]), Err(unknown));
+}
