@@ -11,6 +11,7 @@ mod crowds;
 mod fixture;
 mod inertialize;
 mod layers;
+mod roles;
 mod slots;
 mod space_oracle;
 mod spaces;

@@ -63,6 +63,28 @@ impl Base {
         Ok(index)
     }
 
+    /// Returns the index of a binding to a member's body that [`bind`](Self::bind) has made before.
+    /// If roles have changed since, the clip is bound again; if it no longer fits, the binding from
+    /// before goes on.
+    pub(crate) fn bind_again(
+        &mut self,
+        member_index: u32,
+        clip: ClipId,
+        partial: bool,
+    ) -> Result<u32, Error> {
+        let member = self.members.all.get(member_index as usize);
+        let character = member.and_then(|member| member.character).ok_or(Error::StaleMember)?;
+        let key = (self.character_state(character)?.body, ClipIndex::of(clip));
+        if let Some(bound) = self.assets.bound_clips.get(&key) {
+            return Ok(bound.index);
+        }
+        self.bind(character, clip, partial).or_else(|error| {
+            let mut replaced = self.assets.replaced.iter().rev();
+            let newest = replaced.find(|(of, _)| *of == key);
+            newest.map(|(_, bound)| bound.index).ok_or(error)
+        })
+    }
+
     /// Sets the contacts of a clip on a character's body, in place of those that it had.
     pub(crate) fn set_contacts(
         &mut self,

@@ -1,7 +1,6 @@
 //! Blend spaces that members play.
 
 use populace_clip::TICKS_PER_SEC;
-use populace_device::BodyIndex;
 use populace_device::layout::{NONE, Slot};
 use populace_model::convert::single;
 use populace_settings::parts::{
@@ -11,7 +10,7 @@ use populace_settings::parts::{
 use super::scheduled::{Action, Start};
 use super::slots::{Plan, Started, faded_out};
 use super::{Player, tick_after};
-use crate::crowd::base::{Base, ClipIndex};
+use crate::crowd::base::Base;
 use crate::crowd::{BlendSpaceId, MemberId, u32_from};
 use crate::{BlendSpace, BlendSpaceFault, Error, IdKind, SpacePoint};
 
@@ -347,10 +346,8 @@ impl Player {
         secs: f32,
         tick: u64,
     ) -> Result<(), Error> {
-        let body = base.tables.members().as_slice()[member_index as usize].body;
-        let space = &self.spaces[active_space.space].space;
-        let key = (BodyIndex(body), ClipIndex::of(space.clips()[sample]));
-        let bound = base.assets.bound_clips.get(&key).map_or(NONE, |bound| bound.index);
+        let clip = self.spaces[active_space.space].space.clips()[sample];
+        let bound = base.bind_again(member_index, clip, active_space.play.partial)?;
         let mut slot = self
             .in_phase(active_space, sample, bound, tick)
             .on_layer(u32_from(active_space.play.layer));
