@@ -29,7 +29,8 @@ pub enum History {
     Overrides,
     /// Root motion adds up over frames; a jump back does not undo it.
     RootMotion,
-    /// State machines stay in their state on a jump back.
+    /// State machines take at most one transition in a jump forwards, and stay in their state on a
+    /// jump back.
     StateMachines,
     /// Clips that have started since do not give way to those that they replaced.
     Playbacks,
@@ -150,14 +151,21 @@ impl State {
         report(History::PlantedFeet, &|member| self.constraints.plants_feet(member));
         report(History::JointTargets, &|member| self.constraints.watches_others(member));
         report(History::Overrides, &|member| self.constraints.overrides_joints(member));
+        let is_machine = |slot: &Slot| slot.machine_instance().is_some();
+        let starts_machine = |member: MemberId| {
+            let mut scheduled = self.player.scheduled.of(member.number());
+            scheduled.any(|(due, start)| due <= tick && start.machine().is_some())
+        };
+        let runs_machine = |member| any_slot(member, &is_machine) || starts_machine(member);
         if tick < now {
-            let is_machine = |slot: &Slot| slot.machine_instance().is_some();
             let is_later = |slot: &Slot| slot.start_tick > tick || slot.weight_tick > tick;
             let is_live = |slot: &Slot| slot.mode() == SLOT_LIVE;
             report(History::RootMotion, &|member| self.constraints.motion(member).is_some());
-            report(History::StateMachines, &|member| any_slot(member, &is_machine));
+            report(History::StateMachines, &runs_machine);
             report(History::Playbacks, &|member| any_slot(member, &is_later));
             report(History::LiveClips, &|member| any_slot(member, &is_live));
+        } else {
+            report(History::StateMachines, &runs_machine);
         }
         SeekReport { inexact }
     }

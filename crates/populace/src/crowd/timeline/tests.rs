@@ -78,8 +78,44 @@ fn state_that_depends_on_earlier_frames_is_reported() {
     view.override_joints(&[set]).unwrap();
     crowd.update(1.0).unwrap();
     let forwards = crowd.seek(3.0).unwrap();
-    assert_eq!(forwards.inexact, [(History::Overrides, vec![member])]);
+    let both = [History::Overrides, History::StateMachines].map(|kind| (kind, vec![member]));
+    assert_eq!(forwards.inexact, both);
     let back = kinds(&crowd.seek(2.0).unwrap());
     assert_eq!(back, [History::Overrides, History::RootMotion, History::StateMachines]);
     assert!(crowd.seek(2.0).unwrap().inexact.is_empty(), "no jump");
+}
+
+/// A machine takes at most one transition in a jump, so the report names it: while it runs, and if
+/// it starts on the way.
+#[test]
+fn a_jump_past_several_transitions_is_reported() {
+    for delay_secs in [0.0, 1.0] {
+        let run =
+            |jumps: bool| {
+                let (mut crowd, member, clip) = crowd();
+                let machine =
+                    ["a", "b", "c"].into_iter().fold(StateMachine::new(), |machine, name| {
+                        machine.state(name, clip, StatePlayback::once())
+                    });
+                let machine = machine
+                    .transition("a", "b", 0.0, &[crate::Condition::Ended])
+                    .transition("b", "c", 0.0, &[crate::Condition::Ended]);
+                let machine = crowd.add_machine(&machine).unwrap();
+                let play = MachinePlayback::new().after_secs(delay_secs);
+                crowd.member_mut(member).unwrap().play_machine(machine, play).unwrap();
+                let early = crowd.seek(0.5).unwrap();
+                assert_eq!(early.inexact.is_empty(), delay_secs > 0.5, "{early:?}");
+                let report = if jumps {
+                    crowd.seek(5.0).unwrap()
+                } else {
+                    (0..45).for_each(|_| crowd.update(0.1).unwrap());
+                    SeekReport::default()
+                };
+                let state = crowd.member_mut(member).unwrap().machine_state(0).unwrap();
+                (state, kinds(&report))
+            };
+        let (exact, jumped) = (run(false).0, run(true));
+        assert!(exact != jumped.0, "a jump of one frame takes both transitions");
+        assert_eq!(jumped.1, [History::StateMachines], "after {delay_secs} s");
+    }
 }
