@@ -262,7 +262,7 @@ impl Constraints {
             !weight.eases_over && self.was_aimed_within(base, member, *goal, weight.secs)
         };
         let follow: Vec<bool> = goals.iter().map(follows).collect();
-        self.change(base, member, |controls| {
+        let changed = self.change(base, member, |controls| {
             for ((mut constraint, goal), follows) in all.into_iter().zip(&goals).zip(follow) {
                 let known = &mut controls.constraints;
                 let at = known.iter().position(|constraint| goal_of(constraint) == *goal);
@@ -276,7 +276,11 @@ impl Constraints {
                 }
             }
             Ok(())
-        })?;
+        });
+        if changed.is_err() {
+            self.unwatch_unused(base, member);
+            return changed;
+        }
         let aimed = &mut self.controls.get_or_default(member.number()).aimed;
         aimed.retain(|(other, _)| !goals.contains(other));
         aimed.extend(goals.into_iter().map(|goal| (goal, tick)));

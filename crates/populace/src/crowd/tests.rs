@@ -324,3 +324,45 @@ fn gaze_that_changes_targets_keeps_few_watches() {
     assert_eq!(crowd.state.constraints.watch_count(), 0, "joints are still watched");
     assert_eq!(crowd.state.base.tables.watched_elements(), 0);
 }
+
+#[test]
+fn refused_constraints_watch_nothing() {
+    let mut crowd = crowd();
+    let members: Vec<_> = crowd.members().map(|m| m.id()).collect();
+    let target = crate::Target::Joint { member: members[1], joint: JointIndex(0) };
+    let mut view = crowd.member_mut(members[0]).unwrap();
+    let (first, beyond) = (JointIndex(0), JointIndex(99));
+    view.reach_with_chain(first, beyond, target, crate::Weight::FULL).unwrap_err();
+    assert_eq!(crowd.state.constraints.watch_count(), 0, "a joint is still watched");
+    assert_eq!(crowd.state.base.tables.watched_elements(), 0);
+    assert_eq!(crowd.seek(1.0).unwrap().inexact, []);
+}
+
+#[test]
+fn proportions_stay_as_long_as_any_member_has_them() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let id = crowd.add_character(lift()).unwrap();
+    let clip = crowd.clip(id, "Lift").unwrap();
+    let with = |crowd: &mut Crowd, factor| {
+        let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+        let mut view = crowd.member_mut(member).unwrap();
+        view.play(clip, ClipPlayback::held_at_secs(1.0)).unwrap();
+        view.set_proportions(&[factor]).unwrap();
+        member
+    };
+    let [first, second] = [2.0, 2.0].map(|factor| with(&mut crowd, factor));
+    crowd.despawn(first).unwrap();
+    let [third, fourth] = [3.0, 3.0].map(|factor| with(&mut crowd, factor));
+    for factor in [5.0, 5.0, 4.0] {
+        crowd.member_mut(third).unwrap().set_proportions(&[factor]).unwrap();
+    }
+    crowd.update(0.0).unwrap();
+    for (member, height) in [(second, 2.0), (third, 4.0), (fourth, 3.0)] {
+        let joints = crowd.member_mut(member).unwrap().model_from_joints().unwrap();
+        assert!((joints[0].rows[1][3] - height).abs() < 1e-3, "{joints:?} instead of {height} m");
+    }
+    for member in [second, third, fourth] {
+        crowd.despawn(member).unwrap();
+    }
+    assert!(crowd.state.base.tables.joint_scales().as_slice().is_empty(), "factors are kept");
+}
