@@ -6,6 +6,7 @@ mod targets;
 mod watched;
 
 use std::collections::{BTreeSet, HashMap};
+use std::sync::Arc;
 
 use populace_device::{BodyIndex, Chain, Constraint, Controls, Feet, JointOverride, Space};
 use populace_model::{JointIndex, LARGEST_SCALE};
@@ -29,10 +30,14 @@ pub(super) struct Constraints {
     controls: ByMember<MemberControls>,
     /// Watched joints: index on the device and number of users.
     watches: HashMap<(MemberId, JointIndex), (u32, usize)>,
-    /// Bone-length factors in use, by body and the bits of the factors: their offset on the device
-    /// and the number of members that have them.
-    proportions: HashMap<(BodyIndex, Vec<u32>), (u32, usize)>,
+    /// Offsets on the device of the bone-length factors in use.
+    proportions: HashMap<Factors, u32>,
+    /// The factors at each offset, and the number of members that have them.
+    users_of_proportions: HashMap<u32, (Factors, usize)>,
 }
+
+/// A body, and the bits of its joints' bone-length factors.
+type Factors = (BodyIndex, Arc<[u32]>);
 
 /// A member's constraint program and the joints that its targets watch.
 #[derive(Clone, Debug, Default)]
@@ -163,7 +168,7 @@ impl Constraints {
         }
         let bits = factors.iter().map(|factor| factor.to_bits()).collect();
         let key = (base.character_state(character)?.body, bits);
-        let known = self.proportions.get(&key).map(|(first, _)| *first);
+        let known = self.proportions.get(&key).copied();
         let first = match known {
             Some(first) => first,
             None => base.tables.add_joint_scales(factors)?,
@@ -174,7 +179,8 @@ impl Constraints {
             Ok(())
         });
         if changed.is_ok() {
-            self.proportions.entry(key).or_insert((first, 0)).1 += 1;
+            self.proportions.insert(key.clone(), first);
+            self.users_of_proportions.entry(first).or_insert((key, 0)).1 += 1;
             self.release_proportions(base, old);
         } else if known.is_none() {
             base.tables.remove_joint_scales(first)?;
@@ -185,11 +191,11 @@ impl Constraints {
     /// Frees bone-length factors after their last user.
     fn release_proportions(&mut self, base: &mut Base, first: Option<u32>) {
         let Some(first) = first else { return };
-        self.proportions.retain(|_, (known, users)| {
-            *users -= usize::from(*known == first);
-            *users > 0
-        });
-        if !self.proportions.values().any(|(known, _)| *known == first) {
+        let Some((factors, users)) = self.users_of_proportions.get_mut(&first) else { return };
+        *users -= 1;
+        if *users == 0 {
+            self.proportions.remove(factors);
+            self.users_of_proportions.remove(&first);
             // They are in the tables as long as they have users.
             let _removed = base.tables.remove_joint_scales(first);
         }

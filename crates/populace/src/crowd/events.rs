@@ -1,7 +1,7 @@
 //! Events of clips: footsteps, ends and markers. Slots are closed-form, so the host finds events
 //! from the clock alone and reads nothing from a device. It does not know what state machines play.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use populace_clip::{FIRST_TICK, TICKS_PER_SEC};
@@ -56,21 +56,28 @@ pub(super) struct Mark {
 /// Subscriptions to events, the markers of clips, and the events of the last update.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Events {
-    /// Members whose events are reported.
-    listening: Vec<MemberId>,
+    /// Members whose events are reported, by the order in which they subscribed.
+    listening: BTreeMap<u64, MemberId>,
+    /// The places of members in that order.
+    places: HashMap<MemberId, u64>,
+    subscribed: u64,
     marks: HashMap<ClipIndex, Vec<Mark>>,
     found: Vec<Event>,
 }
 
 impl Events {
     pub(super) fn subscribe(&mut self, member: MemberId) {
-        if !self.listening.contains(&member) {
-            self.listening.push(member);
-        }
+        self.places.entry(member).or_insert_with(|| {
+            self.subscribed += 1;
+            self.listening.insert(self.subscribed, member);
+            self.subscribed
+        });
     }
 
     pub(super) fn unsubscribe(&mut self, member: MemberId) {
-        self.listening.retain(|other| *other != member);
+        if let Some(place) = self.places.remove(&member) {
+            self.listening.remove(&place);
+        }
     }
 
     /// The events of the last update, in order of time.
@@ -110,14 +117,22 @@ impl Events {
     pub(super) fn find(
         &mut self,
         base: &Base,
-        left: &[(u32, Slot, u64)],
+        mut left: Vec<(u32, Slot, u64)>,
         (after, until): (u64, u64),
     ) {
-        let Self { listening, marks, found } = self;
+        let Self { listening, places, marks, found, .. } = self;
         found.clear();
-        listening.retain(|member| base.check(*member).is_ok());
-        for &member in &*listening {
-            let of_member = left.iter().filter(|(index, ..)| *index == member.number());
+        left.sort_by_key(|(index, ..)| *index);
+        listening.retain(|_, member| {
+            let is_present = base.check(*member).is_ok();
+            if !is_present {
+                places.remove(member);
+            }
+            is_present
+        });
+        for &member in listening.values() {
+            let first = left.partition_point(|(index, ..)| *index < member.number());
+            let of_member = left[first..].iter().take_while(|left| left.0 == member.number());
             let gone = of_member.map(|(_, slot, tick)| (slot, *tick));
             let there = base.slots(member.number()).iter().map(|slot| (slot, until));
             for (slot, until) in gone.chain(there) {

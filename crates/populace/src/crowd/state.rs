@@ -63,7 +63,7 @@ impl State {
     pub(super) fn end_frame(&mut self, tick: u64, left_over: f64) {
         let Self { base, player, events, .. } = self;
         // After a jump back, no time has passed in which anything could happen.
-        events.find(base, &player.take_left(), (base.clock.tick.min(tick), tick));
+        events.find(base, player.take_left(), (base.clock.tick.min(tick), tick));
         (base.clock.tick, base.clock.left_over) = (tick, left_over);
         base.clock.frame += 1;
     }
