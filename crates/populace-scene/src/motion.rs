@@ -110,8 +110,8 @@ impl Motions {
 }
 
 impl Motion {
-    /// Returns where the agent is; `None` while it is not there. It is there until a millisecond after
-    /// its last row.
+    /// Returns where the agent is; `None` while it is not there. It is there until a millisecond
+    /// after its last row.
     #[must_use]
     pub fn at(&self, secs: f64) -> Option<Moment> {
         let (span, secs) = self.span_at(secs)?;
@@ -141,8 +141,8 @@ impl Motion {
         &self.steps
     }
 
-    /// Returns from when and until when the agent is there around a time, in seconds; `None` while it
-    /// is not there.
+    /// Returns from when and until when the agent is there around a time, in seconds; `None` while
+    /// it is not there.
     pub(crate) fn secs_around(&self, secs: f64) -> Option<[f64; 2]> {
         self.span_at(secs).map(|(span, _)| span.secs)
     }

@@ -34,8 +34,8 @@ impl Past {
         self.earlier.clear();
     }
 
-    /// Returns where a person was `secs` ago; where it is now for times to come, and the earliest pose
-    /// that is known for times before it.
+    /// Returns where a person was `secs` ago; where it is now for times to come, and the earliest
+    /// pose that is known for times before it.
     pub(super) fn before(&self, id: u64, secs: f64) -> Option<Pose> {
         let nth = usize::try_from(id).ok()?;
         let mut later = (0.0, *self.now.get(nth)?);
