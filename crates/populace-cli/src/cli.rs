@@ -26,8 +26,7 @@ pub(crate) use devices::{DeviceArgs, build};
 pub(crate) use film::{FrameRange, ImageKind, MOST_FRAMES};
 pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use picture::PictureArgs;
-pub(crate) use trajectories::OverlayArgs;
-use trajectories::TrajectoryArgs;
+pub(crate) use trajectories::{OverlayArgs, TrajectoryArgs};
 pub(crate) use values::{Size, VertexId};
 #[cfg(feature = "viewer")]
 pub(crate) use view::ViewArgs;
@@ -74,8 +73,8 @@ pub(crate) enum Command {
     /// Show a street full of people; needs no file.
     ///
     /// Where there is a display, a window opens, as by `populace view @street`. With --out, or
-    /// without a display, a picture shows the street 20 s after its beginning, and everything else
-    /// works as in `populace render`.
+    /// without a display, a picture shows the first frame of the street, and everything else works
+    /// as in `populace render`.
     Demo(DemoArgs),
     /// Draw a crowd of characters from files into pictures or a film, without a window.
     ///
@@ -234,7 +233,7 @@ pub(crate) struct DemoArgs {
     #[arg(long, value_name = "FILE")]
     pub(crate) out: Option<PathBuf>,
     /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
-    #[arg(long, value_name = "FILE.toml")]
+    #[arg(long, value_name = "FILE.toml", conflicts_with = "out")]
     pub(crate) write_scene: Option<PathBuf>,
     /// File with lines such as \"at 0.5 click 300 200\" that drive the window
     #[cfg(feature = "viewer")]

@@ -22,6 +22,7 @@ mod filming;
 mod fit;
 mod frame_loop;
 mod frames;
+mod given;
 mod image_files;
 mod input;
 mod levels;
@@ -39,6 +40,7 @@ mod scene;
 mod series;
 mod sinks;
 mod skin;
+mod text_file;
 mod trajectory;
 mod unfinished;
 #[cfg(feature = "viewer")]

@@ -135,7 +135,7 @@ impl ReplayJob<'_> {
         action: &mut ReplayAction,
         scene: &mut Scene,
     ) -> Result<(), Failure> {
-        action.place = Place::new(crowd, &action.recording, self.overlay.walls)?;
+        action.place = Place::new(crowd, &action.recording, self.overlay.walls_m())?;
         if action.place.is_known() {
             scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
         }
@@ -337,8 +337,7 @@ impl Action for ReplayAction {
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {
-        let mut people = self.replay.present();
-        people.find(|(_, other)| *other == member).map(|(agent, _)| agent as u64)
+        self.replay.agent_of(member).map(|agent| agent as u64)
     }
 
     fn cameras(&self) -> Option<&Cameras> {

@@ -23,9 +23,11 @@ use crate::failure::Failure;
 use crate::filming::Filming;
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter};
+use crate::given::check_for_street;
 use crate::names::hint;
 use crate::report::{counted, message};
 use crate::roles::{self, LoadedRoles};
+use crate::text_file;
 use live::{FilmedScene, LiveScene};
 
 /// Clips that a member plays at the same time: three of a gait and two on each layer above.
@@ -59,7 +61,7 @@ pub(crate) fn read(file: &Path) -> Result<ScenePlan, Failure> {
     let named = |reason: &dyn std::fmt::Display| {
         Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()))
     };
-    let text = std::fs::read_to_string(file).map_err(|error| named(&error))?;
+    let text = text_file::read(file).map_err(|error| named(&error))?;
     ScenePlan::parse(&text).map_err(|error| named(&error))
 }
 
@@ -98,12 +100,7 @@ impl SceneJob<'_> {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let source = &self.source;
         let args = source.picture;
-        if args.clip.is_some() || args.root_motion {
-            return Err(Failure::usage(
-                "--clip and --root-motion have no meaning for a scene: what its people do says \
-                 what they play; `does.stand` of a scene file names a clip",
-            ));
-        }
+        check_for_street(args)?;
         let frames = self.frames()?;
         let given = source.given();
         let given: Vec<&Path> = given.iter().map(PathBuf::as_path).collect();
@@ -257,7 +254,7 @@ impl SceneSource<'_> {
     /// Names the line of the prop `nth` in an error about its file.
     fn at_prop(&self, nth: usize, failure: Failure) -> Failure {
         let (Failure::Input(reason), Some(file)) = (&failure, self.file) else { return failure };
-        let text = std::fs::read_to_string(file).unwrap_or_default();
+        let text = text_file::read(file).unwrap_or_default();
         let error = SceneFileError::of_prop_file(&text, nth, &format!("{reason:#}"));
         Failure::Input(anyhow::anyhow!("{}: {error}", file.display()))
     }

@@ -13,6 +13,7 @@ use crate::crowd_renderer::{connect, devices_and_shares};
 use crate::draw::CrowdPlan;
 use crate::failure::Failure;
 use crate::filming::{self, build_crowd};
+use crate::given::{Given, check_for_street};
 use crate::output;
 use crate::replay::ReplayJob;
 use crate::report::{counted, message};
@@ -96,29 +97,36 @@ impl<'a> CommandLine<'a> {
             Some(file) => vec![file.clone()],
             None => args.inputs.clone(),
         };
-        let is_film = |input: &PathBuf| !scene::is_scene(input) && trajectory::is_trajectory(input);
-        let film = inputs.iter().position(is_film);
+        let given = Given {
+            inputs: &inputs.clone(),
+            members: args.members.filter(|_| wish.dropped.is_none()),
+            trajectory: &args.trajectory,
+            picture: &args.picture,
+        };
         let builder = self.builder(wish, renderer);
         let is_dropped = wish.dropped.is_some();
         if inputs.iter().any(|input| input.as_os_str() == STREET) {
+            given.check_without_recording()?;
+            check_for_street(&args.picture)?;
             let members = wish.members.or(args.members).unwrap_or(self.pleasant);
             let (plan, cast) = (scene::street(members, args.picture.seed), args.cast.as_slice());
             let source = SceneSource { plan, file: None, cast, picture: &args.picture };
             return Ok((source.stage(builder)?, "street".into()));
         }
         if let Some(file) = inputs.iter().find(|input| scene::is_scene(input)) {
+            if !is_dropped {
+                given.check_for_scene(file)?;
+            }
             let (plan, cast) = (scene::read(file)?, args.cast.as_slice());
             let source = SceneSource { plan, file: Some(file), cast, picture: &args.picture };
             return Ok((source.stage(builder)?, name_of(file)));
         }
-        if let Some(at) = film {
-            let file = inputs.remove(at);
-            let staged = self.replay(&file, inputs, builder)?;
-            return Ok((staged, name_of(&file)));
+        if let Some(file) = inputs.iter().find(|input| trajectory::is_trajectory(input)) {
+            let cast = if is_dropped { Vec::new() } else { given.cast_for_recording(file)? };
+            return Ok((self.replay(file, cast, builder)?, name_of(file)));
         }
         if !is_dropped {
-            args.trajectory.read.refuse_unused()?;
-            args.trajectory.overlay.refuse_unused()?;
+            given.check_without_recording()?;
             inputs.extend(args.cast.iter().cloned());
         }
         let inputs = if inputs.is_empty() { people() } else { inputs };
@@ -134,13 +142,6 @@ impl<'a> CommandLine<'a> {
         builder: CrowdBuilder,
     ) -> Result<Staged, Failure> {
         let args = self.args;
-        if let Some(other) = cast.iter().find(|input| trajectory::is_trajectory(input)) {
-            return Err(Failure::usage(format!(
-                "{} and {} are both trajectory files; give one",
-                file.display(),
-                other.display()
-            )));
-        }
         cast.extend(args.cast.iter().cloned());
         let job = ReplayJob {
             file,

@@ -176,6 +176,13 @@ impl Replay {
         self.agents.iter().copied().zip(self.walkers.members().iter().copied())
     }
 
+    /// Returns the agent whose person is a member; `None` for a member that is no person who is
+    /// there.
+    #[must_use]
+    pub fn agent_of(&self, member: MemberId) -> Option<usize> {
+        self.agents.get(self.walkers.index(member)?).copied()
+    }
+
     /// Returns the part of an agent's person that is seen, from 0 to 1: people fade in when they
     /// come and out before they leave.
     #[must_use]

@@ -7,6 +7,8 @@ use populace_scene::plan::{CameraKey, CameraPlan};
 use serde::Deserialize;
 use toml::Spanned;
 
+use crate::text_file;
+
 /// Vertical field of view in degrees, if the file does not say.
 const DEFAULT_FOV_DEG: f64 = 40.0;
 
@@ -58,7 +60,7 @@ impl Keys {
     /// Reads a file. Errors name it and the line.
     pub(super) fn read(path: &Path) -> Result<Self, String> {
         let named = |reason: String| format!("{}: {reason}", path.display());
-        let text = std::fs::read_to_string(path).map_err(|error| named(error.to_string()))?;
+        let text = text_file::read(path).map_err(named)?;
         Self::parse(&text).map_err(named)
     }
 

@@ -41,18 +41,22 @@ pub(crate) struct OverlayArgs {
     /// Show the time since the beginning of the file
     #[arg(long, help_heading = "Trajectory files")]
     pub(crate) clock: bool,
-    /// Height of walls and obstacles in metres, from 0.01 to 100
+    /// Height of walls and obstacles in metres, from 0.01 to 100 [default: 0.6]
     #[arg(
         long,
         value_name = "METRES",
-        default_value_t = 0.6,
         value_parser = wall_height,
         help_heading = "Trajectory files"
     )]
-    pub(crate) walls: f64,
+    pub(crate) walls: Option<f64>,
 }
 
 impl OverlayArgs {
+    /// Returns the height of walls and obstacles in metres.
+    pub(crate) fn walls_m(&self) -> f64 {
+        self.walls.unwrap_or(0.6)
+    }
+
     /// Refuses these options if one was given. For commands without a trajectory file.
     pub(crate) fn refuse_unused(&self) -> Result<(), Failure> {
         let given = [
@@ -60,6 +64,7 @@ impl OverlayArgs {
             ("--trails", self.trails.is_some()),
             ("--ids", self.ids),
             ("--clock", self.clock),
+            ("--walls", self.walls.is_some()),
         ];
         match given.into_iter().find(|(_, given)| *given) {
             Some((flag, _)) => Err(Failure::usage(format!("{flag} needs a trajectory file"))),

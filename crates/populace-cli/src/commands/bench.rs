@@ -3,7 +3,6 @@
 mod against;
 mod skate;
 
-use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -22,10 +21,8 @@ use crate::output::{self, check_inputs, check_kind, check_writable};
 use crate::progress::Progress;
 use crate::report;
 use crate::roles;
+use crate::text_file;
 use against::{Against, Rival};
-
-/// The largest document that is read.
-const TEXT_BYTES: u64 = 64 << 20;
 
 pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
     if args.skate {
@@ -62,25 +59,9 @@ pub(crate) fn run(args: &BenchArgs) -> Result<(), Failure> {
 
 fn read(file: &Path) -> Result<Document, Failure> {
     let wrong = |reason: String| Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()));
-    let text = read_text(file).map_err(wrong)?;
+    let text = text_file::read(file).map_err(wrong)?;
     let json: Value = serde_json::from_str(&text).map_err(|e| wrong(e.to_string()))?;
     Document::from_json(&json).map_err(wrong)
-}
-
-/// Reads a text file. Refuses files that are not regular or too long.
-fn read_text(file: &Path) -> Result<String, String> {
-    let failed = |e: std::io::Error| e.to_string();
-    // Checked first, because opening a pipe would block.
-    if !std::fs::metadata(file).map_err(failed)?.is_file() {
-        return Err("it is not a regular file".into());
-    }
-    let mut text = String::new();
-    let opened = std::fs::File::open(file).map_err(failed)?;
-    opened.take(TEXT_BYTES + 1).read_to_string(&mut text).map_err(failed)?;
-    if text.len() as u64 > TEXT_BYTES {
-        return Err(format!("it is longer than {} MiB", TEXT_BYTES >> 20));
-    }
-    Ok(text)
 }
 
 /// Returns a scene without members for each load: of given characters, or of random ones.

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::built_in;
 use crate::cli::DemoArgs;
 use crate::failure::Failure;
 use crate::output;
@@ -14,8 +15,13 @@ const MEMBERS: u32 = 500;
 const OUT: &str = "populace-demo.png";
 
 pub(crate) fn run(args: DemoArgs) -> Result<(), Failure> {
-    let plan = scene::street(args.members.unwrap_or(MEMBERS), args.picture.seed);
+    let mut plan = scene::street(args.members.unwrap_or(MEMBERS), args.picture.seed);
     if let Some(file) = &args.write_scene {
+        if !args.cast.is_empty() {
+            let from =
+                args.cast.iter().map(|path| scene_path(path)).collect::<Result<Vec<_>, _>>()?;
+            plan.casts.iter_mut().for_each(|cast| cast.from.clone_from(&from));
+        }
         let text = plan.to_toml().map_err(|error| Failure::Run(error.into()))?;
         output::write(file, text.as_bytes())?;
         return report::path(file);
@@ -27,6 +33,19 @@ pub(crate) fn run(args: DemoArgs) -> Result<(), Failure> {
     }
     let source = SceneSource { plan, file: None, cast: &args.cast, picture: &args.picture };
     SceneJob { source, out: args.out.as_deref().unwrap_or(Path::new(OUT)) }.run()
+}
+
+/// Returns a path of a cast as a scene file has it: paths there are relative to that file.
+fn scene_path(path: &Path) -> Result<String, Failure> {
+    if built_in::name_of(path).is_some() {
+        return Ok(path.display().to_string());
+    }
+    let named = |reason: &dyn std::fmt::Display| {
+        Failure::Input(anyhow::anyhow!("{}: {reason}", path.display()))
+    };
+    let whole = std::path::absolute(path).map_err(|error| named(&error))?;
+    let text = whole.into_os_string().into_string();
+    text.map_err(|_| named(&"a scene file has names in UTF-8 alone; rename it"))
 }
 
 /// Returns true if there seems to be a display.

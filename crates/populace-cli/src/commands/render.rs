@@ -1,10 +1,11 @@
 //! `populace render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::cli::{RenderArgs, Size};
 use crate::draw::DrawJob;
 use crate::failure::Failure;
+use crate::given::Given;
 use crate::replay::ReplayJob;
 use crate::scene::{self, SceneJob, SceneSource};
 use crate::trajectory;
@@ -18,22 +19,11 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), Failure> {
         return scene(args, &file);
     }
     let is_trajectory = |input: &&PathBuf| trajectory::is_trajectory(input);
-    let mut trajectories = args.inputs.iter().filter(is_trajectory);
-    if let Some(file) = trajectories.next() {
-        return match trajectories.next() {
-            None => replay(&args, file),
-            Some(other) => Err(Failure::usage(format!(
-                "{} and {} are both trajectory files; give one",
-                file.display(),
-                other.display()
-            ))),
-        };
+    if let Some(file) = args.inputs.iter().find(is_trajectory) {
+        return replay(&args, file);
     }
-    args.trajectory.read.refuse_unused()?;
-    args.trajectory.overlay.refuse_unused()?;
-    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
-        return Err(Failure::usage("--no-draw needs a trajectory file"));
-    };
+    given(&args).check_without_recording()?;
+    let out = out(&args)?;
     let inputs: Vec<_> = args.inputs.iter().chain(&args.cast).cloned().collect();
     let job = DrawJob {
         inputs: &inputs,
@@ -45,37 +35,17 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), Failure> {
     job.run()
 }
 
-fn scene(mut args: RenderArgs, file: &PathBuf) -> Result<(), Failure> {
-    if args.members.is_some() {
-        return Err(Failure::usage(
-            "--members has no meaning here: the scene file says how many people there are",
-        ));
-    }
-    if let Some(other) = args.inputs.iter().find(|input| *input != file) {
-        let (file, other) = (file.display(), other.display());
-        return Err(Failure::usage(format!(
-            "{file} is a scene, which names its own characters; give {other} by --cast"
-        )));
-    }
-    args.trajectory.read.refuse_unused()?;
-    args.trajectory.overlay.refuse_unused()?;
-    let Some(out) = args.out.as_deref().filter(|_| !args.trajectory.no_draw) else {
-        return Err(Failure::usage("--no-draw needs a trajectory file"));
-    };
+fn scene(mut args: RenderArgs, file: &Path) -> Result<(), Failure> {
+    given(&args).check_for_scene(file)?;
     let plan = scene::read(file)?;
     args.picture.size.get_or_insert(Size(plan.output.size));
     let source = SceneSource { plan, file: Some(file), cast: &args.cast, picture: &args.picture };
-    SceneJob { source, out }.run()
+    SceneJob { source, out: out(&args)? }.run()
 }
 
 fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
-    if args.members.is_some() {
-        return Err(Failure::usage(
-            "--members has no meaning here: the file says how many people there are",
-        ));
-    }
-    let others = args.inputs.iter().filter(|input| *input != file);
-    let cast: Vec<_> = others.chain(&args.cast).cloned().collect();
+    let mut cast = given(args).cast_for_recording(file)?;
+    cast.extend(args.cast.iter().cloned());
     let job = ReplayJob {
         file,
         cast: &cast,
@@ -85,4 +55,15 @@ fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
         picture: &args.picture,
     };
     job.run()
+}
+
+fn given(args: &RenderArgs) -> Given<'_> {
+    let RenderArgs { inputs, members, trajectory, picture, .. } = args;
+    Given { inputs, members: *members, trajectory, picture }
+}
+
+/// Returns the path of what is drawn, which only recordings may lack.
+fn out(args: &RenderArgs) -> Result<&Path, Failure> {
+    let out = args.out.as_deref().filter(|_| !args.trajectory.no_draw);
+    out.ok_or_else(|| Failure::usage("--no-draw needs a trajectory file"))
 }

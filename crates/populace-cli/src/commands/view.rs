@@ -12,6 +12,7 @@ use crate::cli::ViewArgs;
 use crate::failure::Failure;
 use crate::output;
 use crate::report::{self, message};
+use crate::text_file;
 use crate::view::CommandLine;
 
 pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
@@ -44,7 +45,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<(), Failure> {
 }
 
 fn read_script(file: &Path) -> Result<Script, Failure> {
-    let text = std::fs::read_to_string(file)
+    let text = text_file::read(file)
         .map_err(|e| Failure::Input(anyhow::anyhow!("cannot read {}: {e}", file.display())))?;
     Ok(Script::parse(&text, file.parent().unwrap_or(Path::new("")))?)
 }

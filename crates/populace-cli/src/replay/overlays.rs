@@ -4,7 +4,7 @@ use populace::character::Image;
 use populace::{CharacterId, Crowd, MemberLook};
 use populace_overlay::{Canvas, Corner, Label, Legend, Scale, TextStyle, Trail};
 use populace_render::Camera;
-use populace_scene::{Motion, Motions, Person, Replay};
+use populace_scene::{Moment, Motion, Motions, Person, Replay};
 use populace_trajectory::{Column, Recording, Values};
 use populace_variety::Dye;
 
@@ -143,12 +143,14 @@ impl Overlays {
         let by_speed = self.colours.as_ref().filter(|of| matches!(of.quantity, Quantity::Speed));
         let trail = |(agent, _): (usize, _)| {
             let motion: &Motion = &replay.motions().agents[agent];
-            let times = (0_u32..)
-                .map(|nth| replay.secs() - secs + f64::from(nth) * TRAIL_STEP_SECS)
-                .take_while(|at| *at < replay.secs())
-                .chain([replay.secs()]);
             let (mut points, mut depths_m, mut colors) = (Vec::new(), Vec::new(), Vec::new());
-            for moment in times.filter_map(|at| motion.at(at)) {
+            for moment in way(motion, [replay.secs() - secs, replay.secs()]) {
+                let Some(moment) = moment else {
+                    depths_m.push(f64::NAN);
+                    points.push([f64::NAN; 2]);
+                    colors.extend(colors.last().copied());
+                    continue;
+                };
                 let [x, y] = moment.position;
                 let place = [x, moment.elevation_m + TRAIL_M, -y];
                 let at = camera.project(place, size);
@@ -284,12 +286,22 @@ fn no_column(name: &str, recording: &Recording) -> Failure {
     ))
 }
 
-/// Returns the speeds of people once a second.
+/// Returns where somebody was in a time, from the first moment on; `None` where they were not there.
+fn way(motion: &Motion, [from, until]: [f64; 2]) -> impl Iterator<Item = Option<Moment>> + '_ {
+    let times = (0_u32..).map(move |nth| from + f64::from(nth) * TRAIL_STEP_SECS);
+    let times = times.take_while(move |at| *at < until).chain([until]);
+    times.map(|at| motion.at(at)).skip_while(Option::is_none)
+}
+
+/// Returns the speeds of people once a second, or less often in recordings of many people.
 fn speeds(recording: &Recording, motions: &Motions) -> Vec<f64> {
     let [from, until] = recording.secs();
-    let times = (0_u32..).map(|nth| from + f64::from(nth)).take_while(|secs| *secs <= until);
+    let values = (until - from) * motions.agents.len() as f64;
+    let step_secs = (values / (50 * SAMPLES) as f64).max(1.0);
+    let times = (0_u32..).map(|nth| from + f64::from(nth) * step_secs);
     let at = |secs: f64| motions.agents.iter().filter_map(move |motion| motion.at(secs));
-    times.flat_map(at).map(|moment| speed(moment.velocity)).take(50 * SAMPLES).collect()
+    let times = times.take_while(|secs| *secs <= until);
+    times.flat_map(at).map(|moment| speed(moment.velocity)).collect()
 }
 
 /// Returns some of many values, evenly chosen.
@@ -322,6 +334,41 @@ mod tests {
         assert!((alone[0] - 1.0 / 7.069).abs() < 1e-3 && alone[0] == alone[1], "{alone:?}");
         let three = densities(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.4], [1.4, 1.4]]);
         assert!((three[0] / alone[0] - 3.0).abs() < 1e-6, "{three:?}");
+    }
+
+    fn recording(text: &str) -> Recording {
+        let settings = populace_trajectory::ReadSettings::default();
+        let parsed = populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings);
+        parsed.expect("a recording")
+    }
+
+    #[test]
+    fn trails_have_gaps_where_nobody_was() {
+        let mut text = "id,t,x,y\n".to_owned();
+        for second in [2, 3, 4, 8, 9, 10] {
+            text += &format!("1,{second},{second},0\n");
+        }
+        let motions = Motions::new(&recording(&text));
+        let seen: Vec<_> = way(&motions.agents[0], [0.0, 10.0]).collect();
+        assert!(seen.first().is_some_and(Option::is_some), "nothing before the first moment");
+        let changes = seen.windows(2).filter(|pair| pair[0].is_some() != pair[1].is_some());
+        assert_eq!(changes.count(), 2, "one gap");
+    }
+
+    #[test]
+    fn speeds_of_the_whole_recording_are_looked_at() {
+        let mut text = "id,t,x,y\n".to_owned();
+        for agent in 0..1200 {
+            text += &format!("{agent},0,0,{agent}\n{agent},1000,0,{agent}\n");
+        }
+        // The last one comes late and walks at 2 m/s.
+        for second in 990..1000 {
+            text += &format!("last,{second},{},0\n", 2 * second);
+        }
+        let recording = recording(&text);
+        let speeds = speeds(&recording, &Motions::new(&recording));
+        assert!(speeds.len() <= 50 * SAMPLES + 1201, "{}", speeds.len());
+        assert!(speeds.iter().any(|speed| *speed > 1.5), "those at the end");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! A scene in a crowd, and the cameras that film it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
@@ -29,6 +29,7 @@ pub(super) struct LiveScene {
     behaviours: Behaviours,
     stage: Stage,
     people: Vec<MemberId>,
+    numbers: HashMap<MemberId, u64>,
     /// Positions, headings and heights of the eyes of people.
     poses: Past,
     eyes_m: Vec<f32>,
@@ -82,7 +83,9 @@ impl LiveScene {
         }
         source.announce(crowd, people.len());
         let roles = casts.into_values().flatten().collect();
-        let mut scene = Self { behaviours, stage, people, poses: Past::default(), eyes_m, things };
+        let numbers = people.iter().copied().zip(0..).collect();
+        let mut scene =
+            Self { numbers, behaviours, stage, people, poses: Past::default(), eyes_m, things };
         scene.note_poses(crowd, 0.0)?;
         Ok((scene, LoadedRoles { roles, files }))
     }
@@ -299,8 +302,7 @@ impl Action for FilmedScene {
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {
-        let at = self.live.people.iter().position(|other| *other == member);
-        at.map(|at| at as u64)
+        self.live.numbers.get(&member).copied()
     }
 }
 

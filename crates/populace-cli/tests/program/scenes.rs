@@ -69,6 +69,20 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
+/// The cast of a written scene is the one that was given, wherever the file lies.
+#[test]
+fn a_written_scene_has_the_cast_that_was_given() {
+    let folder = Folder::new();
+    let scene = folder.text("street.toml");
+    let post = folder.text("post.gltf");
+    let written = ["demo", "--cast", "@woman", &post, "--write-scene", &scene];
+    let written = populace(&written);
+    assert!(written.status.success(), "{}", String::from_utf8_lossy(&written.stderr));
+    let text = std::fs::read_to_string(&scene).expect("a scene");
+    let plan = populace_scene::plan::ScenePlan::parse(&text).expect("a scene");
+    assert!(plan.casts.iter().all(|cast| cast.from == ["@woman", &post]), "{:?}", plan.casts);
+}
+
 /// Errors about values of a scene file begin with the name of the file.
 #[test]
 fn values_of_scene_files_are_refused_with_the_file() {

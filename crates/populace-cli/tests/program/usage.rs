@@ -40,6 +40,42 @@ fn wrong_usage_exits_with_2() {
     refused(&[], 2, &["Usage"]);
 }
 
+/// Options that change nothing are refused, not ignored.
+#[test]
+fn options_without_meaning_are_refused() {
+    let folder = Folder::new();
+    let [rows, scene, out] = ["rows.csv", "scene.toml", "x.png"].map(|name| folder.text(name));
+    std::fs::write(&rows, "id,t,x,y\n1,0,0,0\n1,1,1,0\n").expect("a file");
+    std::fs::write(&scene, "schema = 1\n").expect("a file");
+    for flag in [&["--clip", "Walk"][..], &["--root-motion"]] {
+        for (input, words) in [(&rows, "for a recording"), (&scene, "for a scene")] {
+            let args = [&["render", input, "--out", &out], flag].concat();
+            refused(&args, 2, &["have no meaning", words]);
+        }
+    }
+    let walls = ["render", "@man", "--walls", "2", "--out", &out];
+    refused(&walls, 2, &["--walls needs a trajectory file"]);
+    let both = ["render", &rows, &scene, "--out", &out];
+    refused(&both, 2, &["is a scene", "a recording; give one of them"]);
+    let twice = ["render", &scene, &scene, "--out", &out];
+    refused(&twice, 2, &["are both scene files"]);
+    let written = ["demo", "--write-scene", &scene, "--out", &out];
+    refused(&written, 2, &["--write-scene", "--out"]);
+}
+
+/// A pipe would be waited for.
+#[cfg(unix)]
+#[test]
+fn pipes_are_no_scenes_and_no_cameras() {
+    let folder = Folder::new();
+    let [pipe, out] = ["pipe.toml", "x.png"].map(|name| folder.text(name));
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("mkfifo");
+    assert!(made.success());
+    refused(&["render", &pipe, "--out", &out], 1, &["pipe.toml", "not a regular file"]);
+    let camera = ["render", "@man", "--camera", &pipe, "--out", &out];
+    refused(&camera, 2, &["pipe.toml", "not a regular file"]);
+}
+
 /// A value that looks like another flag gets the message of its own flag.
 #[test]
 fn negative_values_are_refused_by_their_own_flag() {
