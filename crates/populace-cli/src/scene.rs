@@ -23,7 +23,6 @@ use crate::failure::Failure;
 use crate::filming::Filming;
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter};
-use crate::given::check_for_street;
 use crate::names::hint;
 use crate::report::{counted, message};
 use crate::roles::{self, LoadedRoles};
@@ -100,7 +99,6 @@ impl SceneJob<'_> {
     pub(crate) fn run(self) -> Result<(), Failure> {
         let source = &self.source;
         let args = source.picture;
-        check_for_street(args)?;
         let frames = self.frames()?;
         let given = source.given();
         let given: Vec<&Path> = given.iter().map(PathBuf::as_path).collect();

@@ -5,6 +5,7 @@ use std::path::Path;
 use crate::built_in;
 use crate::cli::DemoArgs;
 use crate::failure::Failure;
+use crate::given::check_for_street;
 use crate::output;
 use crate::report;
 use crate::scene::{self, SceneJob, SceneSource};
@@ -15,6 +16,7 @@ const MEMBERS: u32 = 500;
 const OUT: &str = "populace-demo.png";
 
 pub(crate) fn run(args: DemoArgs) -> Result<(), Failure> {
+    check_for_street(&args.picture)?;
     let mut plan = scene::street(args.members.unwrap_or(MEMBERS), args.picture.seed);
     if let Some(file) = &args.write_scene {
         if !args.cast.is_empty() {

@@ -53,6 +53,7 @@ fn options_without_meaning_are_refused() {
             refused(&args, 2, &["have no meaning", words]);
         }
     }
+    refused(&["demo", "--clip", "Walk"], 2, &["have no meaning for a scene"]);
     let walls = ["render", "@man", "--walls", "2", "--out", &out];
     refused(&walls, 2, &["--walls needs a trajectory file"]);
     let both = ["render", &rows, &scene, "--out", &out];
