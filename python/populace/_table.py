@@ -21,6 +21,7 @@ def write_rows(frame: Any, fps: Rate, path: Path) -> None:
     :param frame: a ``TrajectoryData`` of PedPy, or columns by name, as in a data frame of pandas
         or Polars, or a dictionary of lists.
     :param fps: rate of the numbers in a column of frames, if the frame does not say its own.
+    :raises ValueError: if there are no columns, or if their lengths differ.
     """
     rate = fps
     if not hasattr(frame, "columns") and hasattr(frame, "frame_rate"):
@@ -28,11 +29,19 @@ def write_rows(frame: Any, fps: Rate, path: Path) -> None:
     keys = [key for key in _keys(frame) if not _holds_geometries(frame[key])]
     if not keys:
         raise ValueError("the data frame has no columns; it needs id, frame or t, x and y")
+    columns = [list(_fields(frame[key])) for key in keys]
+    lengths = [len(column) for column in columns]
+    if len(set(lengths)) > 1:
+        named = ", ".join(f"{key}: {length}" for key, length in zip(keys, lengths))
+        raise ValueError(
+            f"the columns have different lengths ({named}); give each a value for every row, and "
+            "None where there is none"
+        )
     with path.open("w", newline="", encoding="utf-8") as file:
         file.write(f"# framerate: {float(Fraction(str(rate)))}\n")
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow([_field(key) for key in keys])
-        writer.writerows(zip(*(_fields(frame[key]) for key in keys)))
+        writer.writerows(zip(*columns))
 
 
 def well_known_text(area: Any) -> str:

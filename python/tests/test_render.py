@@ -55,6 +55,11 @@ class WhatTheProgramIsGiven(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "id, frame or t"):
             populace.render({})
 
+    def test_columns_of_different_lengths_are_refused(self):
+        columns = {"id": [1, 2, 3, 4], "frame": [0, 1, 2], "x": [0] * 4, "y": [0] * 4}
+        with self.assertRaisesRegex(ValueError, "id: 4, frame: 3, x: 4, y: 4"):
+            populace.render(columns)
+
     def test_options_are_flags(self):
         options = {"skip_existing": True, "json": False, "seed": None, "cast": ["a", Path("b")]}
         options["camera"] = "-1,2,3,0,0,0"
