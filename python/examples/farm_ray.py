@@ -2,7 +2,8 @@
 
 Each chunk of frames is a task, in any order. A task that fails is tried again, and leaves out the
 pictures that exist. On several machines, the inputs, the program and the folder of the pictures
-have the same paths on all of them. Arguments after -- go to `populace render`.
+have the same paths on all of them. Arguments after -- go to `populace render`, and those of them
+that say how the file is read go to `populace plan` too.
 """
 
 import argparse
@@ -18,6 +19,8 @@ import ray
 RETRIES = 3
 #: Exit codes of rejected inputs and of wrong usage, which the same run would end with again.
 HOPELESS = (1, 2)
+#: Options that say how the file is read: `plan` counts its frames by them, as `render` does.
+READING = ("--format", "--unit", "--data-fps", "--heading", "--geometry")
 
 
 class Failed(Exception):
@@ -48,11 +51,24 @@ def arguments():
     return parser.parse_args(given), options
 
 
+def reading(options):
+    """Returns the options that say how the file is read, with their values."""
+    kept = []
+    for number, option in enumerate(options):
+        name, _, value = option.partition("=")
+        if name in READING:
+            kept += [option] if value else options[number : number + 2]
+        elif option == "--strict":
+            kept.append(option)
+    return kept
+
+
 def main():
     args, options = arguments()
     program = os.environ.get("POPULACE", "populace")
     fps = ["--fps", args.fps]
-    plan = [program, "plan", *args.inputs, *fps, "--chunk", args.chunk, "--json"]
+    plan = [program, "plan", *args.inputs, *fps, *reading(options), "--chunk", args.chunk]
+    plan.append("--json")
     plan = json.loads(subprocess.run(plan, check=True, stdout=subprocess.PIPE).stdout)
     pictures = args.out.absolute().with_suffix(".frames") / "frame.png"
     pictures.parent.mkdir(parents=True, exist_ok=True)

@@ -1,11 +1,14 @@
 """Tests of the example that draws on Ray: its frames are those of one run."""
 
+import importlib.util
+import json
 import os
 import subprocess
 import sys
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 from populace import _table
 from tests.frames import skips_drawing, two_walkers, write_program
@@ -24,6 +27,32 @@ UNRELIABLE = """#!/bin/sh
 case "$*" in *--frames\\ 4..7*) if mkdir '{folder}/failed' 2>/dev/null; then exit 4; fi;; esac
 exec '{program}' "$@"
 """
+
+
+class Plan(unittest.TestCase):
+    """What the example gives to the program, without Ray."""
+
+    def commands(self, *options):
+        """Returns the commands that a film without frames runs."""
+        plan = json.dumps({"frame_count": 0, "chunks": []})
+        arguments = [str(FARM), "walk.csv", "--out", "walk.mp4", "--", *options]
+        with tempfile.TemporaryDirectory() as folder:
+            arguments[3] = str(Path(folder, "walk.mp4"))
+            with mock.patch.dict(sys.modules, ray=mock.MagicMock()), mock.patch.object(
+                sys, "argv", arguments
+            ), mock.patch("subprocess.run") as run:
+                run.return_value = mock.Mock(stdout=plan, returncode=0)
+                specification = importlib.util.spec_from_file_location("farm_ray", FARM)
+                farm = importlib.util.module_from_spec(specification)
+                specification.loader.exec_module(farm)
+                with self.assertRaises(SystemExit):
+                    farm.main()
+        return [call.args[0] for call in run.call_args_list]
+
+    def test_options_for_reading_reach_the_plan(self):
+        read = ["--data-fps", "10", "--unit=cm", "--strict", "--geometry", "hall.wkt"]
+        plan, _ = self.commands(*LOOK, *read, "--trails", "3")
+        self.assertEqual(plan[1:-3], ["plan", "walk.csv", "--fps", "25", *read])
 
 
 @unittest.skipIf(ray is None, "ray is not installed")
