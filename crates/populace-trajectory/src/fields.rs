@@ -107,6 +107,17 @@ pub(crate) fn number(field: &str, decimal_comma: bool) -> f64 {
     std::str::from_utf8(bytes).ok().and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
 }
 
+/// Returns the seconds of a time, or NaN: seconds alone, or days, hours, minutes and seconds with
+/// colons between. A comma is a decimal point if asked for.
+pub(crate) fn seconds(field: &str, decimal_comma: bool) -> f64 {
+    const PARTS: [f64; 4] = [1.0, 60.0, 3600.0, 86400.0];
+    let mut all = 0.0;
+    for (index, part) in field.rsplit(':').enumerate() {
+        all += PARTS.get(index).map_or(f64::NAN, |secs| secs * number(part, decimal_comma));
+    }
+    all
+}
+
 /// Returns true if a field says that there is no value.
 pub(crate) fn is_missing(field: &str) -> bool {
     const WORDS: [&str; 7] = ["", "?", "-", "nan", "na", "null", "none"];
@@ -160,6 +171,17 @@ mod tests {
         assert!(number("1,5", false).is_nan());
         assert!(number("1,5,2", true).is_nan());
         assert!(number(&"1".repeat(60).replace("11", "1,"), true).is_nan());
+    }
+
+    #[test]
+    fn times_with_colons_are_seconds() {
+        assert_eq!(seconds("12.50", false), 12.5);
+        assert_eq!(seconds("01:02:03.5", false), 3723.5);
+        assert_eq!(seconds("00:01:02,5", true), 62.5);
+        assert_eq!(seconds("1:00:00:00", false), 86400.0);
+        for other in ["1:0:0:0:0", "noon", "", "::", "1:-", "2024-01-01T00:00:01"] {
+            assert!(seconds(other, false).is_nan(), "{other}");
+        }
     }
 
     #[test]

@@ -65,6 +65,8 @@ pub(crate) struct Layout {
     pub(crate) roles: Vec<(usize, Role)>,
     /// The unit in the names of x and y.
     pub(crate) unit: Option<Unit>,
+    /// The names of the columns of id, clock, x and y.
+    pub(crate) names: [String; 4],
 }
 
 impl Layout {
@@ -101,6 +103,7 @@ impl Layout {
             kind: Kind::Person,
             roles: Vec::new(),
             unit,
+            names: [id, clock, x, y].map(|column| names[column].text.to_owned()),
         };
         layout.add_roles(names, customs);
         Ok(layout)

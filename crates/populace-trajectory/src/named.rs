@@ -15,8 +15,13 @@ const ASSUMED_FPS: f64 = 25.0;
 /// Beginnings of names in the tables of SUMO, which hold people and vehicles in one row.
 const SUMO_PREFIXES: [(&str, Kind); 2] = [("person_", Kind::Person), ("vehicle_", Kind::Vehicle)];
 /// Signs that may separate fields, in the order in which they are tried.
-const SEPARATORS: [Separator; 4] =
-    [Separator::Sign(b';'), Separator::Sign(b'\t'), Separator::Sign(b','), Separator::Blanks];
+const SEPARATORS: [Separator; 5] = [
+    Separator::Sign(b';'),
+    Separator::Sign(b'\t'),
+    Separator::Sign(b'|'),
+    Separator::Sign(b','),
+    Separator::Blanks,
+];
 /// The beginning of the line of Viswalk that names columns.
 const VISWALK_NAMES: &str = "$PEDESTRIAN:";
 
@@ -192,8 +197,10 @@ pub(crate) fn is_header(line: &str) -> bool {
 
 /// Returns the problem of a line that names some columns but not all that are needed.
 pub(crate) fn problem_of_header(line: &str) -> Option<String> {
-    let mut names = line.split([';', '\t', ',', ' ']).map(Name::of);
     let known = [Meaning::X, Meaning::Y, Meaning::Longitude, Meaning::Latitude, Meaning::Time];
-    let names_some = names.any(|name| name.meaning.is_some_and(|m| known.contains(&m)));
+    let is_known = |field: &str| Name::of(field).meaning.is_some_and(|m| known.contains(&m));
+    let names_some = SEPARATORS
+        .iter()
+        .any(|separator| Splitter::new(*separator).split(line).iter().any(is_known));
     header(line, Customs::COMMON).err().filter(|_| names_some)
 }

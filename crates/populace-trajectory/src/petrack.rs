@@ -100,10 +100,17 @@ fn layout(names: Option<&str>, columns: usize) -> Layout {
         (column, Role::Extra(Extra::new(&name)))
     };
     let height = (columns > 4).then_some((4, Role::BodyHeight(None)));
-    let (kind, unit, roles) =
-        (Kind::Person, None, height.into_iter().chain((5..columns).map(extra)));
-    let roles = roles.collect();
-    Layout { id: 0, clock: 1, secs: None, at: [2, 3], active: None, kind, roles, unit }
+    Layout {
+        id: 0,
+        clock: 1,
+        secs: None,
+        at: [2, 3],
+        active: None,
+        kind: Kind::Person,
+        roles: height.into_iter().chain((5..columns).map(extra)).collect(),
+        unit: None,
+        names: ["id", "frame", "x", "y"].map(str::to_owned),
+    }
 }
 
 /// Returns true if a comment names the columns of such a file.

@@ -10,6 +10,8 @@ use crate::{Fact, Location, Place, Unit};
 
 /// Times and frames from here on are faults: whole numbers beyond are not exact.
 const LATEST: f64 = 9e15;
+/// Coordinates from here on are faults, whatever their unit.
+const FARTHEST: f64 = 1e9;
 
 /// The axis by which rows are in order.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,6 +53,16 @@ impl Words {
     }
 }
 
+/// Rows that are broken.
+#[derive(Default)]
+struct Broken {
+    rows: usize,
+    /// The place of the first.
+    first: Option<Location>,
+    /// What the first has instead of an id, a time or a position, if its reader says so.
+    why: String,
+}
+
 /// The rows of a file, in its own units.
 #[derive(Default)]
 pub(crate) struct Rows {
@@ -73,8 +85,8 @@ pub(crate) struct Rows {
     heights: Vec<f32>,
     /// True if the last row was kept.
     keeps: bool,
-    /// The number of rows left out because they are broken, and the place of the first.
-    broken: (usize, Option<Location>),
+    /// The rows left out because they are broken.
+    broken: Broken,
     pub(crate) warnings: Warnings,
 }
 
@@ -150,7 +162,7 @@ impl Rows {
         at: [f64; 2],
         place: Option<Location>,
     ) -> bool {
-        self.keeps = clock.abs() < LATEST && at.iter().all(|v| v.is_finite() && v.abs() < 1e9);
+        self.keeps = is_clock(clock) && at.into_iter().all(is_coordinate);
         if !self.keeps {
             self.leave_out("rows without a number as time or position were left out", place);
             return false;
@@ -164,8 +176,17 @@ impl Rows {
     /// Leaves out a broken row, with a warning, and what is set for it.
     pub(crate) fn leave_out(&mut self, why: &str, place: Option<Location>) {
         self.keeps = false;
-        self.broken = (self.broken.0 + 1, self.broken.1.or(place));
+        self.broken.rows += 1;
+        self.broken.first = self.broken.first.or(place);
         self.warnings.row(why, place);
+    }
+
+    /// Says what a row that was left out has instead of an id, a time or a position. What the first
+    /// one has is part of the error if there are too many.
+    pub(crate) fn explain(&mut self, why: impl FnOnce() -> String) {
+        if self.broken.rows == 1 {
+            self.broken.why = why();
+        }
     }
 
     /// Sets the elevation of the last row, in the unit of the file.
@@ -260,4 +281,14 @@ impl Rows {
         values.resize(last, none);
         values.push(if value.is_finite() { value as f32 } else { none });
     }
+}
+
+/// Returns true for a time or a frame that a row can have.
+pub(crate) fn is_clock(clock: f64) -> bool {
+    clock.abs() < LATEST
+}
+
+/// Returns true for a coordinate that a row can have.
+pub(crate) fn is_coordinate(value: f64) -> bool {
+    value.abs() < FARTHEST
 }

@@ -6,6 +6,7 @@ use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
 use crate::extra::Extras;
+use crate::fields::seconds;
 use crate::input::Input;
 use crate::recording::Kind;
 use crate::rows::{Clock, Found, Rows};
@@ -127,7 +128,10 @@ impl Fcd {
             return Ok(());
         }
         match name {
-            "timestep" => self.secs = attribute(element, "time").as_deref().and_then(seconds),
+            "timestep" => {
+                let secs = attribute(element, "time").map(|time| seconds(time.trim(), false));
+                self.secs = secs.filter(|secs| !secs.is_nan());
+            }
             "vehicle" => {
                 self.add(element, Kind::Vehicle, line);
                 self.vehicle = attribute(element, "id");
@@ -234,16 +238,6 @@ fn attribute(element: &BytesStart<'_>, wanted: &str) -> Option<String> {
     attributes(element).find(|(name, _)| *name == wanted).map(|(_, value)| value.into_owned())
 }
 
-/// Returns the time that a text is: seconds, or days, hours, minutes and seconds with colons.
-fn seconds(text: &str) -> Option<f64> {
-    let mut all = 0.0;
-    for (index, part) in text.trim().split(':').rev().enumerate() {
-        let part: f64 = part.parse().ok()?;
-        all += part * [1.0, 60.0, 3600.0, 86400.0].get(index)?;
-    }
-    Some(all)
-}
-
 /// Returns an angle in degrees within -180 and 180.
 fn wrapped(degrees: f64) -> f64 {
     (degrees + 180.0).rem_euclid(360.0) - 180.0
@@ -252,15 +246,6 @@ fn wrapped(degrees: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn times_with_colons_are_seconds() {
-        assert_eq!(seconds("12.50"), Some(12.5));
-        assert_eq!(seconds("01:02:03.5"), Some(3723.5));
-        assert_eq!(seconds("1:00:00:00"), Some(86400.0));
-        assert_eq!(seconds("1:0:0:0:0"), None);
-        assert_eq!(seconds("noon"), None);
-    }
 
     #[test]
     fn angles_are_wrapped() {

@@ -2,11 +2,11 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::fields::{Fields, Separator, Splitter, is_missing, number, whole_id};
-use crate::layout::{Angle, Customs, Layout, Role};
+use crate::fields::{Fields, Separator, Splitter, is_missing, number, seconds, whole_id};
+use crate::layout::{Angle, Customs, Layout, Role, shortened};
 use crate::names::{NamedUnit, named_unit};
 use crate::recording::Kind;
-use crate::rows::Rows;
+use crate::rows::{Rows, is_clock, is_coordinate};
 use crate::{Location, Unit};
 
 /// Words for vehicles in a column of kinds.
@@ -45,7 +45,7 @@ impl Table {
         let mut values = Values { fields, decimal_comma: self.decimal_comma };
         for layout in &mut self.layouts {
             let at = layout.at.map(|column| values.number(column));
-            let clock = values.number(layout.clock) * layout.secs.unwrap_or(1.0);
+            let clock = values.clock(layout);
             let is_absent = layout.at.iter().all(|column| is_missing(fields.get(*column)));
             let id = fields.get(layout.id);
             if is_missing(id) {
@@ -53,6 +53,7 @@ impl Table {
                 let is_fault = !is_absent || clock.is_nan();
                 if is_fault && !std::mem::replace(&mut is_broken, true) {
                     rows.leave_out("rows without an id were left out", place);
+                    rows.explain(|| fault(fields, layout, [clock, at[0], at[1]]));
                 }
                 continue;
             }
@@ -63,6 +64,7 @@ impl Table {
             }
             let agent = rows.agent_of(layout.kind, whole_id(id, &mut self.id));
             if !rows.push(agent, clock, at, place) {
+                rows.explain(|| fault(fields, layout, [clock, at[0], at[1]]));
                 continue;
             }
             for (column, role) in &mut layout.roles {
@@ -107,6 +109,15 @@ impl Values<'_> {
         number(self.fields.get(column), self.decimal_comma)
     }
 
+    /// Returns the seconds or the frame of a row, or NaN. Times may be of a clock.
+    fn clock(&self, layout: &Layout) -> f64 {
+        let field = self.fields.get(layout.clock);
+        match layout.secs {
+            Some(_) if field.contains(':') => seconds(field, self.decimal_comma),
+            secs => self.number(layout.clock) * secs.unwrap_or(1.0),
+        }
+    }
+
     /// Gives the value of a column to the last row.
     fn give(
         &mut self,
@@ -142,6 +153,28 @@ impl Values<'_> {
             Role::Extra(extra) => extra.set(rows, field, value),
         }
     }
+}
+
+/// Returns why a row is broken: its first column of id, clock, x and y that is, with its value. The
+/// numbers are those of clock, x and y.
+fn fault(fields: Fields<'_>, layout: &Layout, [clock, x, y]: [f64; 3]) -> String {
+    let columns = [layout.id, layout.clock, layout.at[0], layout.at[1]];
+    let values = columns.map(|column| fields.get(column));
+    let is_whole = [!is_missing(values[0]), is_clock(clock), is_coordinate(x), is_coordinate(y)];
+    let nth = is_whole.iter().position(|whole| !whole).unwrap_or_default();
+    let name = shortened(&layout.names[nth]);
+    if values[nth].is_empty() {
+        return format!("nothing in the column \"{name}\"");
+    }
+    let value = shortened(values[nth]);
+    let hint = match layout.secs {
+        Some(_) if nth == 1 && !is_missing(values[nth]) => {
+            " (times are read as seconds, as hours:minutes:seconds, or as milliseconds in a \
+             column t_ms)"
+        }
+        _ => "",
+    };
+    format!("\"{value}\" in the column \"{name}\"{hint}")
 }
 
 /// Returns an angle in radians, counter-clockwise from +x.

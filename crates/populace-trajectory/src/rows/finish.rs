@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Clock, Found, Rows};
+use super::{Broken, Clock, Found, Rows};
 use crate::recording::{Column, Footstep, Kind, Recording, Values};
 use crate::{Error, Fact, HeadingSource, ReadSettings, Source, Unit};
 
@@ -90,19 +90,23 @@ impl Rows {
     /// Returns an error if there are no rows, or if more are broken than not.
     fn refuse_if_broken(&self, path: &Path) -> Result<(), Error> {
         let (path, kept) = (path.to_owned(), self.clocks.len());
-        match self.broken {
-            (0, _) if kept == 0 => Err(Error::Empty { path }),
-            (broken, at) if broken > kept => Err(Error::Malformed {
-                path,
-                at,
-                problem: format!(
-                    "{broken} of {} rows have no id, time or position in the columns where they \
-                     are expected; check the first of them, or set the format by --format",
-                    broken + kept
-                ),
-            }),
-            _ => Ok(()),
+        let Broken { rows: broken, first: at, why } = &self.broken;
+        if *broken == 0 && kept == 0 {
+            return Err(Error::Empty { path });
         }
+        if *broken <= kept {
+            return Ok(());
+        }
+        let check = match why.as_str() {
+            "" => "check the first of them".to_owned(),
+            why => format!("the first has {why}; check it"),
+        };
+        let problem = format!(
+            "{broken} of {} rows have no id, time or position in the columns where they are \
+             expected; {check}, or set the format by --format",
+            broken + kept
+        );
+        Err(Error::Malformed { path, at: *at, problem })
     }
 
     /// Gives agents their heights, where a body can have them.

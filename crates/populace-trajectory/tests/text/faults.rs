@@ -139,3 +139,22 @@ fn people_slower_than_any_are_a_warning_with_a_remedy() {
     let days = "id,t,x,y\n1,0,0,0\n1,1,1,0\n1,2,2,0\n1,90000,0,0\n1,90001,1,0\n1,90002,2,0\n";
     assert_eq!(recording(days).warnings, []);
 }
+
+#[test]
+fn the_first_of_many_broken_rows_is_told_with_its_column_and_value() {
+    for (file, words) in [
+        ("id,t,x,y\n1,2024-01-01T00:00:01,0,0\n", "\"2024-01-01T00:00:01\" in the column \"t\""),
+        ("id,time,x,y\n1,NaN,0,0\n", "\"NaN\" in the column \"time\"; check it"),
+        ("id,t,pos x,y\n1,0,one,0\n", "\"one\" in the column \"pos x\"; check it"),
+        ("id,frame,x,y\n1,0,0\n", "nothing in the column \"y\""),
+        ("id,frame,x,y\n,0,0,1\n", "nothing in the column \"id\""),
+        ("id,t,x,y\n1,0,1e12,1\n", "\"1e12\" in the column \"x\""),
+        ("# id frame x/m y/m z/m\n1 one 1 2 1.7\n", "\"one\" in the column \"frame\"; check it"),
+    ] {
+        let message = error(file);
+        assert!(message.contains(words) && message.contains("line 2"), "{message}");
+        assert!(message.contains("1 of 1 rows"), "{message}");
+    }
+    let date = error("id,t,x,y\n1,2024-01-01T00:00:01,0,0\n");
+    assert!(date.contains("seconds") && date.contains("t_ms"), "{date}");
+}

@@ -34,13 +34,22 @@ fn infinity_makes_no_column_of_words() {
 
 #[test]
 fn separators_are_found() {
-    for separator in [",", ";", "\t", " "] {
+    for separator in [",", ";", "\t", "|", " ", " | "] {
         let text = "id,frame,x,y,speed\n1,0,2.5,3,1.1\n1,1,2.6,3,1.1\n".replace(',', separator);
         let recording = recording(text);
         assert_eq!(recording.source.format, Format::Csv);
         assert_eq!(recording.source.fps, Fact::assumed(25.0));
         assert_eq!(track(&recording, "1").positions[0], [2.5, 3.0], "{separator:?}");
     }
+}
+
+#[test]
+fn times_of_a_clock_are_seconds() {
+    let text = "id;time;x;y\n1;00:00:01;0;0\n1;00:01:02,5;1;0\n1;1:00:00.25;2;0\n";
+    assert_eq!(track(&recording(text), "1").times, [1.0, 62.5, 3600.25]);
+    // Only plain numbers are in the unit of the name.
+    let text = "id,t_ms,x,y\n1,500,0,0\n1,00:01.000,1,0\n";
+    assert_eq!(track(&recording(text), "1").times, [0.5, 1.0]);
 }
 
 #[test]
