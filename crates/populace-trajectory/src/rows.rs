@@ -1,6 +1,7 @@
 //! Rows of a file, collected in any order, checked and sorted.
 
 mod finish;
+mod heights;
 
 use std::collections::HashMap;
 

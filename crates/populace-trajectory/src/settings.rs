@@ -13,9 +13,10 @@ pub struct ReadSettings {
     /// format's.
     pub unit: Option<Unit>,
     /// Frames per second by which the file counts; `None` takes that of the file. Without effect
-    /// on formats that store seconds.
+    /// on files that store seconds, with a warning.
     pub fps: Option<f64>,
-    /// The source of headings; `None` takes the file's headings where it has some.
+    /// The source of headings; `None` takes the file's headings where it has some. A file that has
+    /// none is warned of if they are asked for.
     pub heading: Option<HeadingSource>,
     /// A file with the walkable area in metres, as WKT or a scenario of Vadere; `None` takes that
     /// in the file or beside it.

@@ -18,8 +18,6 @@ const SLOWEST_M_PER_SEC: f64 = 0.01;
 const MOVES_M: f64 = 0.02;
 /// Frame rates; others are faults, and times by them would not be finite.
 const RATES: std::ops::RangeInclusive<f64> = 1e-3..=1e6;
-/// Body heights in metres; other values are no heights.
-const BODY_HEIGHTS_M: std::ops::RangeInclusive<f32> = 0.5..=2.6;
 
 impl Rows {
     /// Returns the recording: rows sorted by agent and time, in metres and seconds.
@@ -34,7 +32,10 @@ impl Rows {
         let per_sec = per_sec(found.clock, path, settings)?;
         let fps = match found.clock {
             Clock::Frames(fps) => fps.unless_set(settings.fps),
-            Clock::Seconds => Fact::of_file(self.rate(&order)),
+            Clock::Seconds => {
+                self.warn_of_rate(settings);
+                Fact::of_file(self.rate(&order))
+            }
         };
         let unit = self.unit(found.unit.unless_set(settings.unit), per_sec, &order);
         let metres = unit.value.in_metres();
@@ -43,12 +44,7 @@ impl Rows {
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
         self.heights_in_metres(rounded(metres));
         let has_headings = takes_headings && self.headings.iter().any(|v| v.is_finite());
-        let heading = if has_headings {
-            Fact::of_file(HeadingSource::Data)
-        } else {
-            Fact::assumed(HeadingSource::Motion)
-        };
-        let heading = heading.unless_set(settings.heading.filter(|_| !has_headings));
+        let heading = self.heading(has_headings, settings.heading);
         let count = self.clocks.len();
         let columns = self.columns(&order, count);
         let steps = self.steps_of_agents(metres, origin_m);
@@ -87,6 +83,28 @@ impl Rows {
         }
     }
 
+    /// Returns the source of headings. Warns if those of the file are asked for and it has none.
+    fn heading(&mut self, has: bool, asked: Option<HeadingSource>) -> Fact<HeadingSource> {
+        match asked {
+            _ if has => Fact::of_file(HeadingSource::Data),
+            Some(HeadingSource::Data) => {
+                self.warnings.whole(
+                    "the file has no headings, so --heading data has no effect; people face where \
+                     they go",
+                );
+                Fact::assumed(HeadingSource::Motion)
+            }
+            asked => Fact::assumed(HeadingSource::Motion).unless_set(asked),
+        }
+    }
+
+    /// Warns if a frame rate is set for times that need none.
+    fn warn_of_rate(&mut self, settings: &ReadSettings) {
+        if settings.fps.is_some() {
+            self.warnings.whole("the file has times of its own, so --data-fps has no effect");
+        }
+    }
+
     /// Returns an error if there are no rows, or if more are broken than not.
     fn refuse_if_broken(&self, path: &Path) -> Result<(), Error> {
         let (path, kept) = (path.to_owned(), self.clocks.len());
@@ -107,15 +125,6 @@ impl Rows {
             broken + kept
         );
         Err(Error::Malformed { path, at: *at, problem })
-    }
-
-    /// Gives agents their heights, where a body can have them.
-    fn heights_in_metres(&mut self, metres: f32) {
-        for (index, agent) in self.agents.iter_mut().enumerate() {
-            let in_unit = self.heights.get(index).map(|height| height * metres);
-            let mut heights_m = [agent.height_m, in_unit].into_iter().flatten();
-            agent.height_m = heights_m.find(|m| BODY_HEIGHTS_M.contains(m));
-        }
     }
 
     /// Returns the rows to keep, by agent and then by time, and gives each agent its range.

@@ -1,8 +1,10 @@
 //! Broken files: an error with its line and a remedy, or a warning and a sensible reading.
 
-use populace_trajectory::{Error, Kind, Location, ReadSettings, parse};
+use populace_trajectory::{
+    Error, Fact, HeadingSource, Kind, Location, ReadSettings, Recording, parse,
+};
 
-use super::fixtures::{self, PETRACK, error, menge, read, recording, track};
+use super::fixtures::{self, CSV, PETRACK, error, menge, read, recording, track};
 use super::formats::numbers;
 
 #[test]
@@ -157,4 +159,57 @@ fn the_first_of_many_broken_rows_is_told_with_its_column_and_value() {
     }
     let date = error("id,t,x,y\n1,2024-01-01T00:00:01,0,0\n");
     assert!(date.contains("seconds") && date.contains("t_ms"), "{date}");
+}
+
+/// Returns the texts of the warnings of a file that is read with settings.
+fn warnings(file: &str, settings: &ReadSettings) -> (Recording, Vec<String>) {
+    let recording = parse("file".as_ref(), file.into(), settings).expect("a recording");
+    let texts = recording.warnings.iter().map(ToString::to_string).collect();
+    (recording, texts)
+}
+
+#[test]
+fn body_heights_that_no_body_has_are_one_warning() {
+    let of = |heights: &[&str]| {
+        let mut file = "id,frame,x,y,height\n".to_owned();
+        for (id, height) in heights.iter().enumerate() {
+            file += &format!("p{id},0,0,{id},{height}\n");
+        }
+        warnings(&file, &ReadSettings::default()).1
+    };
+    let [warning] = &of(&["0.2", "5", "1.1", "-1", "2.3", "175"])[..] else { panic!("warnings") };
+    for words in ["4 agents", "0.5 to 2.6 m", "0.20 m of agent \"p0\""] {
+        assert!(warning.contains(words), "{warning}");
+    }
+    assert!(!warning.contains("centimetres"), "{warning}");
+    let [warning] = &of(&["1.7", "175", "0.2", "182"])[..] else { panic!("warnings") };
+    assert!(warning.contains("3 agents") && warning.contains("height_cm"), "{warning}");
+    assert!(warning.contains("175.00 m of agent \"p1\""), "{warning}");
+    // Unknown ones are none, and those of vehicles are not of bodies.
+    assert_eq!(of(&["1.7", "0", "nan", ""]), [""; 0]);
+    let street = "id,frame,x,y,height,type\n1,0,0,0,3.5,bus\n2,0,0,5,1.7,ped\n";
+    assert_eq!(warnings(street, &ReadSettings::default()).1, [""; 0]);
+}
+
+#[test]
+fn headings_that_the_file_lacks_are_warned_of() {
+    let settings = ReadSettings { heading: Some(HeadingSource::Data), ..ReadSettings::default() };
+    let (recording, texts) = warnings("id,t,x,y\n1,0,0,0\n1,1,1,0\n", &settings);
+    assert_eq!(recording.source.heading, Fact::assumed(HeadingSource::Motion));
+    assert_eq!(texts.len(), 1, "{texts:?}");
+    assert!(texts[0].contains("no headings") && texts[0].contains("--heading data"), "{texts:?}");
+    let (recording, texts) = warnings("id,t,x,y,yaw\n1,0,0,0,1\n1,1,1,0,1\n", &settings);
+    assert_eq!(recording.source.heading, Fact::of_file(HeadingSource::Data));
+    assert_eq!(texts, [""; 0]);
+}
+
+#[test]
+fn a_frame_rate_without_effect_is_warned_of() {
+    let settings = ReadSettings { fps: Some(10.0), ..ReadSettings::default() };
+    for (file, count) in [(fixtures::VISWALK, 1), (CSV, 1), (PETRACK, 0)] {
+        let (_, texts) = warnings(file, &settings);
+        assert_eq!(texts.len(), count, "{texts:?}");
+        assert!(texts.iter().all(|text| text.contains("--data-fps has no effect")), "{texts:?}");
+    }
+    assert_eq!(recording(fixtures::VISWALK).warnings, []);
 }
