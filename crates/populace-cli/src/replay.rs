@@ -52,14 +52,11 @@ pub(crate) struct ReplayJob<'a> {
     pub(crate) picture: &'a PictureArgs,
 }
 
-/// Says so if the first picture is later than the file's last people.
-fn warn_of_the_end(recording: &Recording, frames: Frames) {
-    let [from, until] = recording.secs();
-    let (first, length) = (frames.rate.secs(frames.first) + frames.late_secs, until - from);
-    if first > length {
-        message!(
-            "warning: nobody is there at {first:.2} s; the file ends {length:.2} s after its start"
-        );
+/// Says so if nobody is there in any of the pictures.
+fn warn_of_absence(recording: &Recording, motions: &Motions, frames: Frames) {
+    let secs = [frames.first, frames.last].map(|frame| frames.rate.secs(frame) + frames.late_secs);
+    if let Some(warning) = people::absence(motions, recording.secs()[0], secs) {
+        message!("warning: {warning}");
     }
 }
 
@@ -71,7 +68,7 @@ impl ReplayJob<'_> {
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
-        warn_of_the_end(&recording, frames);
+        warn_of_absence(&recording, &motions, frames);
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
             let mut crowd = build(args.device.crowd_to_read().capacity(capacity))?;

@@ -9,6 +9,8 @@ use crate::roles::CrowdRole;
 
 /// Fewest agents of whom equal heights are an assumption of the file, and not measured.
 const ASSUMED_FROM: usize = 3;
+/// Seconds after its last row in which an agent is still there: times that add up are not exact.
+const PAST_SECS: f64 = 1e-3;
 /// Characters that are within this part of an agent's height may play it.
 const FITS: f32 = 0.1;
 
@@ -109,4 +111,63 @@ pub(super) fn busiest(motions: &Motions) -> Option<f64> {
     let busy = counts.windows(2).filter(|pair| pair[0].1 == peak);
     let longest = busy.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)));
     longest.map(|pair| f64::midpoint(pair[0].0, pair[1].0))
+}
+
+/// Returns a warning if nobody is there from the first time to the last, in seconds since `start`,
+/// with the nearest times before and after at which somebody is.
+pub(super) fn absence(motions: &Motions, start: f64, [first, last]: [f64; 2]) -> Option<String> {
+    let spans = motions.agents.iter().flat_map(Motion::secs);
+    let (mut before, mut after) = (None, None);
+    for [from, until] in spans.map(|span| span.map(|secs| secs - start)) {
+        if from <= last && until + PAST_SECS >= first {
+            return None;
+        } else if until < first {
+            before = Some(until.max(before.unwrap_or(until)));
+        } else {
+            after = Some(from.min(after.unwrap_or(from)));
+        }
+    }
+    let when = if first == last {
+        format!("at {first:.2} s")
+    } else {
+        format!("from {first:.2} to {last:.2} s")
+    };
+    // Rounded into the time in which somebody is there.
+    let before = before.map(|secs| format!("until {:.2} s", (secs * 100.0).floor() / 100.0));
+    let after = after.map(|secs| format!("from {:.2} s on", (secs * 100.0).ceil() / 100.0));
+    let nearest: Vec<_> = before.into_iter().chain(after).collect();
+    Some(match nearest.join(", and ") {
+        nearest if nearest.is_empty() => format!("nobody is there {when}, nor at any other time"),
+        nearest => format!("nobody is there {when}; somebody is there {nearest}"),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use populace_trajectory::{ReadSettings, parse};
+
+    use super::*;
+
+    #[test]
+    fn times_without_people_name_the_nearest_ones_with_people() {
+        let mut rows = "id,t,x,y\n".to_owned();
+        for tenth in (10..31).chain(90..111) {
+            rows += &format!("{},{},{},0\n", tenth / 50, f64::from(tenth) / 10.0, tenth);
+        }
+        let settings = ReadSettings::default();
+        let recording = parse(Path::new("a.csv"), rows.into(), &settings).expect("a recording");
+        let motions = Motions::new(&recording);
+        let of = |first, last| absence(&motions, 1.0, [first, last]);
+        let gap = "nobody is there at 5.00 s; somebody is there until 2.00 s, and from 8.00 s on";
+        assert_eq!(of(5.0, 5.0).as_deref(), Some(gap));
+        let end = "nobody is there at 50.00 s; somebody is there until 10.00 s";
+        assert_eq!(of(50.0, 50.0).as_deref(), Some(end));
+        let film = of(3.0, 4.0).expect("a warning");
+        assert!(film.starts_with("nobody is there from 3.00 to 4.00 s; "), "{film}");
+        for [first, last] in [[0.0, 0.0], [2.0, 2.0], [8.0, 8.0], [10.0, 10.0], [3.0, 9.0]] {
+            assert_eq!(of(first, last), None, "{first} to {last}");
+        }
+    }
 }

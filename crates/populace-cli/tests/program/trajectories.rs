@@ -193,17 +193,23 @@ fn ids_stand_above_heads() {
     assert!(child > adult + 5, "labels begin in rows {child} and {adult}");
 }
 
-/// A picture of a time after the file's end shows nobody, and the program says so.
+/// A picture of a time within a gap or after the file's end shows nobody, and the program says so.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
-fn times_after_the_end_of_a_recording_are_warned_of() {
+fn times_without_people_are_warned_of() {
     let folder = Folder::new();
     let (file, out) = (write(&folder, "a.csv", &rows()), folder.text("x.png"));
     let at = |secs: &str| {
         let size = ["--size", "32x18", "--device", "native"];
         stderr_of(&[&["render", &file, "--at", secs, "--out", &out], &size[..]].concat())
     };
-    assert!(at("500").contains("nobody is there at 500.00 s; the file ends "));
+    let after = at("500");
+    assert!(
+        after.contains("nobody is there at 500.00 s; somebody is there until 5.00 s"),
+        "{after}"
+    );
+    let gap = at("3");
+    assert!(gap.contains("at 3.00 s; somebody is there until 2.00 s, and from 4.00 s on"), "{gap}");
     assert!(!at("0.1").contains("nobody is there"));
 }
 
