@@ -38,7 +38,8 @@ impl Given<'_> {
         check_for_street(self.picture)
     }
 
-    /// Refuses what has no meaning for people of a recording, and returns the inputs that play them.
+    /// Refuses what has no meaning for people of a recording, and returns the inputs that play
+    /// them.
     pub(crate) fn cast_for_recording(&self, file: &Path) -> Result<Vec<PathBuf>, Failure> {
         if self.members.is_some() {
             return Err(Failure::usage(

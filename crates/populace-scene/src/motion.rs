@@ -25,8 +25,6 @@ const STEPS_PER_INTERVAL: f64 = 20.0;
 /// An agent that is not seen for this time in seconds, and for as many intervals, has left.
 const LEFT_SECS: f64 = 1.5;
 const LEFT_INTERVALS: f64 = 3.0;
-/// Time after its last row in which an agent is still there, in seconds.
-const PAST_SECS: f64 = 1e-3;
 /// Speeds in metres per second below which somebody comes to stand, and above which somebody who
 /// stands walks on.
 const STANDS_M_PER_SEC: f64 = 0.1;
@@ -110,20 +108,22 @@ impl Motions {
 }
 
 impl Motion {
-    /// Returns where the agent is; `None` while it is not there. It is there until a millisecond
-    /// after its last row.
+    /// Seconds after its last row in which an agent is still there: times that add up from frame to
+    /// frame are not exact.
+    pub const PAST_SECS: f64 = 1e-3;
+
+    /// Returns where the agent is; `None` while it is not there.
     #[must_use]
     pub fn at(&self, secs: f64) -> Option<Moment> {
         let (span, secs) = self.span_at(secs)?;
         Some(span.at(secs))
     }
 
-    /// Returns the time in which the agent is there around a time, and that time within it. Times
-    /// that add up from frame to frame may lie a little past the last row.
+    /// Returns the time in which the agent is there around a time, and that time within it.
     fn span_at(&self, secs: f64) -> Option<(&Span, f64)> {
         let next = self.spans.partition_point(|span| span.secs[0] <= secs);
         let span = self.spans.get(next.checked_sub(1)?)?;
-        let is_there = secs <= span.secs[1] + PAST_SECS;
+        let is_there = secs <= span.secs[1] + Self::PAST_SECS;
         is_there.then(|| (span, secs.min(span.secs[1])))
     }
 

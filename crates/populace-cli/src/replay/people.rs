@@ -9,8 +9,6 @@ use crate::roles::CrowdRole;
 
 /// Fewest agents of whom equal heights are an assumption of the file, and not measured.
 const ASSUMED_FROM: usize = 3;
-/// Seconds after its last row in which an agent is still there: times that add up are not exact.
-const PAST_SECS: f64 = 1e-3;
 /// Characters that are within this part of an agent's height may play it.
 const FITS: f32 = 0.1;
 
@@ -119,7 +117,7 @@ pub(super) fn absence(motions: &Motions, start: f64, [first, last]: [f64; 2]) ->
     let spans = motions.agents.iter().flat_map(Motion::secs);
     let (mut before, mut after) = (None, None);
     for [from, until] in spans.map(|span| span.map(|secs| secs - start)) {
-        if from <= last && until + PAST_SECS >= first {
+        if from <= last && until + Motion::PAST_SECS >= first {
             return None;
         } else if until < first {
             before = Some(until.max(before.unwrap_or(until)));
