@@ -143,6 +143,17 @@ pub(crate) fn whole_id<'a>(id: &'a str, buffer: &'a mut String) -> &'a str {
     }
 }
 
+/// Returns the beginning of a text of the file, fit for a message.
+pub(crate) fn shortened(text: &str) -> String {
+    const LONGEST: usize = 48;
+    let printable = text.chars().map(|c| if c.is_control() { ' ' } else { c });
+    let mut short: String = printable.take(LONGEST).collect();
+    if text.chars().nth(LONGEST).is_some() {
+        short.push('…');
+    }
+    short
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

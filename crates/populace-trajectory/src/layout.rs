@@ -2,6 +2,7 @@
 
 use crate::Unit;
 use crate::extra::Extra;
+use crate::fields::shortened;
 use crate::names::{Meaning, Name, NamedUnit};
 use crate::recording::Kind;
 
@@ -170,17 +171,6 @@ fn missing(names: &[Name<'_>]) -> String {
     let lacks: Vec<_> = needed.iter().filter(|(_, has)| !has).map(|(name, _)| *name).collect();
     let seen: Vec<_> = names.iter().take(20).map(|name| shortened(name.text)).collect();
     format!("no column has {}; the columns are {}", lacks.join(", nor "), seen.join(", "))
-}
-
-/// Returns the beginning of a text of the file, fit for a message.
-pub(crate) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 48;
-    let printable = text.chars().map(|c| if c.is_control() { ' ' } else { c });
-    let mut short: String = printable.take(LONGEST).collect();
-    if text.chars().nth(LONGEST).is_some() {
-        short.push('…');
-    }
-    short
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! Text with named columns: any such table, and those of Pathfinder, Viswalk and crowd:it.
 
 use crate::comment;
-use crate::fields::{Fields, Separator, Splitter};
+use crate::fields::{Fields, Separator, Splitter, shortened};
 use crate::input::Input;
-use crate::layout::{Angle, Customs, Layout, shortened};
+use crate::layout::{Angle, Customs, Layout};
 use crate::names::{Meaning, Name};
 use crate::recording::Kind;
 use crate::rows::{Clock, Found, Rows};

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::comment;
-use crate::fields::{Fields, Separator, Splitter, number};
+use crate::fields::{Fields, Separator, Splitter, number, shortened};
 use crate::input::Input;
-use crate::layout::shortened;
 use crate::{Error, Format, jpscore, menge, named, petrack, vadere};
 
 /// Beginnings of binary files that can be read.

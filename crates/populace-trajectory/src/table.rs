@@ -2,8 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::fields::{Fields, Separator, Splitter, is_missing, number, seconds, whole_id};
-use crate::layout::{Angle, Customs, Layout, Role, shortened};
+use crate::fields::{
+    Fields, Separator, Splitter, is_missing, number, seconds, shortened, whole_id,
+};
+use crate::layout::{Angle, Customs, Layout, Role};
 use crate::names::{NamedUnit, named_unit};
 use crate::recording::Kind;
 use crate::rows::{Rows, is_clock, is_coordinate};

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use super::Rows;
-use crate::layout::shortened;
+use crate::fields::shortened;
 use crate::recording::Kind;
 
 /// Body heights in metres; other values are no heights.
