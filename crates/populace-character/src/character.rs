@@ -178,8 +178,8 @@ impl Character {
             }
         }
         for (index, image) in source.images.iter().enumerate() {
-            let pixels = image.width as usize * image.height as usize;
-            if pixels == 0 || image.rgba.len() != pixels * 4 {
+            let pixels = u64::from(image.width) * u64::from(image.height);
+            if pixels == 0 || pixels.checked_mul(4) != Some(image.rgba.len() as u64) {
                 let what = format!(
                     "has {} bytes for {} x {} pixels; each pixel needs 4 bytes",
                     image.rgba.len(),

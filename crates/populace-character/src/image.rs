@@ -50,8 +50,30 @@ fn texel_index(at: f32, size: u32, wrap: Wrap) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use populace_model::{JointSource, Skeleton, Trs};
+
     use super::*;
-    use crate::TextureFilter;
+    use crate::{Character, CharacterSource, TextureFilter};
+
+    #[test]
+    fn images_of_other_sizes_than_their_bytes_are_refused() {
+        let joint = JointSource { name: "base".into(), parent: None, rest: Trs::IDENTITY };
+        let skeleton = Skeleton::new(&[joint]).unwrap();
+        for (width, height) in [(u32::MAX, u32::MAX), (1 << 31, 1 << 31), (2, 1), (0, 1)] {
+            let source = CharacterSource {
+                name: "post".into(),
+                skeleton: skeleton.clone(),
+                palette: vec![],
+                parts: vec![],
+                materials: vec![],
+                images: vec![Image { width, height, rgba: vec![0; 4] }],
+                skins: vec![],
+                clips: vec![],
+            };
+            let refused = Character::new(source).unwrap_err().to_string();
+            assert!(refused.contains(&format!("for {width} x {height} pixels")), "{refused}");
+        }
+    }
 
     #[test]
     fn texels_are_found_beyond_the_edges() {
