@@ -118,7 +118,9 @@ impl Table {
     /// Interpolates the two rows around a time, element by element.
     fn write(&self, start_phase: f64, secs: f64, palette: &mut [Affine]) {
         let last = self.rows.len() / self.entries - 1;
-        let at = (start_phase + secs / self.duration_secs).rem_euclid(1.0) * last as f64;
+        // A clip of one pose has no duration, and all its rows are that pose.
+        let played = if self.duration_secs > 0.0 { secs / self.duration_secs } else { 0.0 };
+        let at = (start_phase + played).rem_euclid(1.0) * last as f64;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,

@@ -62,6 +62,21 @@ fn bench_reports_times_and_errors() {
 }
 
 #[test]
+fn baked_tables_of_clips_of_one_pose_hold_that_pose() {
+    let folder = Folder::new();
+    let mut still = post();
+    for accessor in [5, 6] {
+        still["accessors"][accessor]["count"] = json!(1);
+    }
+    still["accessors"][5]["max"] = json!([0.5]);
+    std::fs::write(folder.path("still.gltf"), still.to_string()).expect("written");
+    let args = [&folder.text("still.gltf"), "--members", "3", "--schedule", "baked"];
+    let runs = runs_of(&[&NATIVE[..], &args].concat());
+    let baked = only(&runs, &[("schedule", json!("baked"))]);
+    assert!(baked["max_error"].as_f64().is_some_and(|error_m| error_m < 1e-5), "{baked}");
+}
+
+#[test]
 fn bench_measures_every_size_and_load() {
     let args = ["--members", "40,9", "--members", "20", "--retarget", "--changing", "10"];
     let runs = runs_of(&[&NATIVE[..], &["--schedule", "fused", "--slots", "1"], &args].concat());
