@@ -67,6 +67,14 @@ impl<'a> Writer<'a> {
     /// Starts with the joints, in level order.
     fn new(character: &'a Character) -> Self {
         let skeleton = &character.skeleton;
+        let (mut roots, mut children) = (Vec::new(), vec![Vec::new(); skeleton.joint_count()]);
+        for joint in skeleton.joints() {
+            let siblings = match skeleton.parent(joint) {
+                Some(parent) => &mut children[parent.index()],
+                None => &mut roots,
+            };
+            siblings.push(joint.index());
+        }
         let node = |joint: JointIndex| {
             let rest = skeleton.rest(joint);
             let mut node = json!({
@@ -75,14 +83,12 @@ impl<'a> Writer<'a> {
                 "rotation": rest.rotation,
                 "scale": rest.scale,
             });
-            let children = skeleton.joints().filter(|j| skeleton.parent(*j) == Some(joint));
-            let children: Vec<_> = children.map(JointIndex::index).collect();
+            let children = &children[joint.index()];
             if !children.is_empty() {
                 node["children"] = json!(children);
             }
             node
         };
-        let roots = skeleton.joints().filter(|j| skeleton.parent(*j).is_none());
         Self {
             character,
             buffer: Buffer::default(),
@@ -90,7 +96,7 @@ impl<'a> Writer<'a> {
             meshes: Vec::new(),
             skins: Vec::new(),
             known_skins: HashMap::new(),
-            roots: roots.map(JointIndex::index).collect(),
+            roots,
         }
     }
 
