@@ -2,7 +2,9 @@
 
 use std::str::FromStr;
 
-use populace::{CharacterId, Crowd, MemberId, Reach, Target, Weight};
+use populace::{
+    CharacterId, ConstraintFault, Crowd, Error, MemberId, Reach, TablesError, Target, Weight,
+};
 use serde_json::{Value, json};
 
 use crate::failure::Failure;
@@ -85,8 +87,18 @@ pub(crate) fn apply(
 }
 
 /// Reports a target that this file's skeleton cannot have as wrong usage.
-fn refused(error: populace::Error) -> Failure {
-    Failure::usage(error.to_string())
+fn refused(error: Error) -> Failure {
+    let Error::Tables(TablesError::BadConstraint(ConstraintFault::UnknownRoles {
+        character,
+        part,
+    })) = &error
+    else {
+        return Failure::usage(error.to_string());
+    };
+    Failure::usage(format!(
+        "no joint of \"{character}\" has a name that tells its {part}; name one \"{part}\" in the \
+         file, or leave out --look-at"
+    ))
 }
 
 #[cfg(test)]

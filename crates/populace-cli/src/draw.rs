@@ -41,7 +41,8 @@ impl CrowdPlan<'_> {
         (start_secs, is_film): (f32, bool),
     ) -> Result<(LoadedRoles, FilmedCrowd), Failure> {
         let args = self.args;
-        let choice = ClipChoice { clip: args.clip.as_deref(), root_motion: args.root_motion };
+        let (name, root_motion) = (args.clip.as_deref(), args.root_motion);
+        let choice = ClipChoice::Clips { name, root_motion };
         let plain = args.plain || self.members == 1;
         let loaded = roles::load(
             crowd,

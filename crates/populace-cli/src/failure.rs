@@ -5,6 +5,8 @@ use std::process::ExitCode;
 
 use populace::BackendError;
 
+use crate::people::UNKNOWN_LEGS;
+
 /// A failure that ends the program.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -97,8 +99,12 @@ impl From<populace_scene::Error> for Failure {
 
 impl From<populace::Error> for Failure {
     fn from(error: populace::Error) -> Self {
-        use populace::{DevicesError, Error};
+        use populace::{ConstraintFault, DevicesError, Error, TablesError};
         match error {
+            Error::Tables(TablesError::BadConstraint(ConstraintFault::UnknownRoles {
+                character,
+                part: "legs",
+            })) => Self::Input(anyhow::anyhow!("\"{character}\": {UNKNOWN_LEGS}")),
             Error::Backend(BackendError::NoRuntime { .. } | BackendError::Unusable { .. })
             | Error::Devices(DevicesError::WithoutOpenCl) => Self::NoDevice(error.into()),
             Error::Backend(BackendError::NoDevice { .. } | BackendError::NoPart { .. })

@@ -1,7 +1,10 @@
-//! Gaits and looks of the people of any scene.
+//! Legs, gaits and looks of the people of any scene.
+
+use std::path::Path;
 
 use populace::Crowd;
 use populace::character::Character;
+use populace::model::RoleMap;
 use populace_locomotion::GaitSpace;
 use populace_variety::{Appearance, Variety};
 
@@ -11,6 +14,25 @@ use crate::roles::CrowdRole;
 
 /// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
 pub(crate) const EYES: f32 = 0.935;
+
+/// The refusal of a character that cannot walk.
+pub(crate) const UNKNOWN_LEGS: &str = "its joints have no names that are known as hips, legs and feet, so it \
+    cannot walk; leave it out, or rename its joints as VRM, Mixamo, Unreal, KayKit, Rigify, \
+    Quaternius or CMU do";
+
+/// Returns a humanoid with feet that its legs move, as it needs them to walk.
+pub(crate) fn on_legs(character: Character, file: &Path) -> Result<Character, Failure> {
+    let named = |reason: &dyn std::fmt::Display| {
+        Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()))
+    };
+    let Some(roles) = RoleMap::detect(&character.skeleton) else {
+        return Err(named(&UNKNOWN_LEGS));
+    };
+    if roles.loose_feet(&character.skeleton).next().is_none() {
+        return Ok(character);
+    }
+    character.with_feet_on_legs(&roles).map_err(|e| named(&e))
+}
 
 /// Returns the gaits of each role. A humanoid without clips that walk gets those of the built-in
 /// people.
@@ -27,7 +49,13 @@ pub(crate) fn gaits(crowd: &mut Crowd, roles: &[CrowdRole]) -> Result<Vec<GaitSp
         }
         let cannot = |error: populace_locomotion::Error| {
             let name = &role.character.name;
-            Failure::Input(anyhow::anyhow!("\"{name}\" cannot walk: {error}"))
+            Failure::Input(match error {
+                populace_locomotion::Error::NoGaitClips { .. } => anyhow::anyhow!(
+                    "\"{name}\" has no clips to walk with: one in which both feet stand, and one \
+                     that walks or runs forwards; add some with --clips FILE"
+                ),
+                error => anyhow::anyhow!("\"{name}\" cannot walk: {error}"),
+            })
         };
         GaitSpace::of(crowd, role.id).map_err(cannot)
     };

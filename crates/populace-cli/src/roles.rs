@@ -18,6 +18,7 @@ use crate::fit;
 use crate::input::InputArgs;
 use crate::levels::{Levels, is_cache};
 use crate::names::hint;
+use crate::people::on_legs;
 use crate::progress::Progress;
 use crate::report::message;
 
@@ -49,13 +50,36 @@ pub(crate) struct RoleClip {
     pub(crate) motion: Option<(RootMotion, f32)>,
 }
 
-/// The choice of clips to play.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct ClipChoice<'a> {
-    /// The clip of this name; the default clips if `None`.
-    pub(crate) clip: Option<&'a str>,
-    /// Whether root motion is extracted from the clip to move the member.
-    pub(crate) root_motion: bool,
+/// What members play.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub(crate) enum ClipChoice<'a> {
+    /// Gaits, by the speed at which each member goes: all characters need legs.
+    #[default]
+    Gaits,
+    /// What a scene says: gaits or clips.
+    Scene,
+    /// Clips as they are.
+    Clips {
+        /// The clip of this name; the default clips if `None`.
+        name: Option<&'a str>,
+        /// Whether root motion is extracted from the clip to move the member.
+        root_motion: bool,
+    },
+}
+
+impl<'a> ClipChoice<'a> {
+    /// The name of the clip that was asked for.
+    const fn name(self) -> Option<&'a str> {
+        match self {
+            Self::Gaits | Self::Scene => None,
+            Self::Clips { name, .. } => name,
+        }
+    }
+
+    /// Returns whether root motion was asked for.
+    const fn has_root_motion(self) -> bool {
+        matches!(self, Self::Clips { root_motion: true, .. })
+    }
 }
 
 /// The roles of a crowd, and all files that their characters refer to.
@@ -139,29 +163,45 @@ pub(crate) fn load(
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let drawn = drawn.into_par_iter();
-    let drawn = drawn.map(|(character, files)| levels.of(character, &files, loader.input));
+    let drawn = drawn.map(|(character, files)| {
+        let character = levels.of(character, &files, loader.input)?;
+        match (files.first(), choice) {
+            (Some(file), ClipChoice::Gaits) => on_legs(character, file),
+            (Some(file), ClipChoice::Scene) if has_roles(&character) => on_legs(character, file),
+            _ => Ok(character),
+        }
+    });
     let drawn: Vec<Character> = drawn.collect::<Result<_, Failure>>()?;
     let mut add = |character: Character| {
         let character = Arc::new(character);
         let scale = scale(&character, height_m, mixed);
         if height_m.is_none() && scale != 1.0 {
-            let (name, own_m) = (&character.name, character.height_m());
-            let reason = if mixed {
-                "which suits no crowd of several characters"
-            } else {
-                "which is hardly meant in metres"
-            };
-            message!(
-                "\"{name}\" is {own_m} m high, {reason}; it is drawn \
-                 {:.2} m high, and --height sets its height",
-                scale * own_m
-            );
+            report_scale(&character, scale, mixed);
         }
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
     };
     let roles = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
     Ok(LoadedRoles { roles, files: loader.referenced })
+}
+
+/// Returns true for a character whose joints have names of a humanoid.
+fn has_roles(character: &Character) -> bool {
+    RoleMap::detect(&character.skeleton).is_some()
+}
+
+/// Says that a character is in another unit than metres.
+fn report_scale(character: &Character, scale: f32, mixed: bool) {
+    let (name, own_m) = (&character.name, character.height_m());
+    let reason = if mixed {
+        "which suits no crowd of several characters"
+    } else {
+        "which is hardly meant in metres"
+    };
+    message!(
+        "\"{name}\" is {own_m} m high, {reason}; it is drawn {:.2} m high, and --height sets its height",
+        scale * own_m
+    );
 }
 
 /// Returns the inputs with folders replaced by the glTF files in them, by name.
@@ -213,7 +253,7 @@ fn add_role(
     for clip in added {
         match add_fitting(crowd, (id, &character), clip)? {
             Ok(fit) => fits.push(fit),
-            Err(reason) if choice.clip == Some(clip.name()) => {
+            Err(reason) if choice.name() == Some(clip.name()) => {
                 let (clip, name) = (clip.name(), &character.name);
                 return Err(Failure::usage(format!(
                     "\"{name}\" cannot play the clip \"{clip}\": {reason}"
@@ -223,12 +263,12 @@ fn add_role(
         }
     }
     let clipless = crowd.character(id)?.clips().is_empty();
-    if clipless && RoleMap::detect(&character.skeleton).is_some() {
+    if clipless && has_roles(&character) {
         for clip in &built_in::clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
     }
-    let clips = match choice.clip {
+    let clips = match choice.name() {
         Some(name) => vec![clip(crowd, id, name)?],
         None => default_clips(crowd, id)?,
     };
@@ -312,10 +352,10 @@ fn role_clip(
         return Ok(RoleClip { id: clip, motion: None });
     };
     let walks = plain.stats().ground_speed_m_per_sec.is_some_and(|speed| speed > WALKING_M_PER_SEC);
-    if !choice.root_motion && !walks {
+    if !choice.has_root_motion() && !walks {
         return Ok(RoleClip { id: clip, motion: None });
     }
-    let from = if choice.root_motion { MotionSource::Auto } else { MotionSource::Feet };
+    let from = if choice.has_root_motion() { MotionSource::Auto } else { MotionSource::Feet };
     let settings = MotionSettings { from, ..MotionSettings::default() };
     let with_motion =
         plain.with_root_motion(&settings).map_err(|e| Failure::usage(e.to_string()))?;
@@ -336,9 +376,8 @@ fn role_clip(
 fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
     let own = character.height_m().max(1e-6);
     // A humanoid may hold a long sword.
-    let is_humanoid = RoleMap::detect(&character.skeleton).is_some();
-    let longer_than_high =
-        !is_humanoid && character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
+    let longer_than_high = !has_roles(character)
+        && character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
     let plausible_m = if mixed { PLAUSIBLE_M } else { ALONE_M };
     match height_m {
         Some(height_m) => height_m / own,

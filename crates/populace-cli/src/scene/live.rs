@@ -135,7 +135,7 @@ fn casts(
             &args.input,
             &source.inputs(cast),
             &clips,
-            ClipChoice::default(),
+            ClipChoice::Scene,
             args.height,
             Levels::wanted(args),
             cast.varied && !args.plain,

@@ -29,7 +29,7 @@ const HUMANOID: [(&str, Option<usize>, [f64; 3]); 19] = [
 ];
 
 /// A humanoid without clips, with the post's mesh on its arms.
-fn humanoid() -> Value {
+pub(crate) fn humanoid() -> Value {
     let mut file = post();
     let children = |of: usize| {
         let children =

@@ -2,6 +2,7 @@
 
 mod aim;
 mod bench;
+mod casts;
 mod clipless;
 mod documents;
 mod drivers;

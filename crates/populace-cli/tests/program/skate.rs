@@ -48,7 +48,7 @@ fn bench_skate_measures_every_part_with_and_without_planting() {
 fn bench_skate_refuses_what_it_cannot_walk_or_does_not_use() {
     let folder = Folder::new();
     let post = folder.text("post.gltf");
-    refused(&["bench", "--skate", &post], 1, &["post.gltf", "no humanoid names"]);
+    refused(&["bench", "--skate", &post], 1, &["post.gltf", "no names that are known"]);
     refused(&["bench", "--skate", "@nobody"], 2, &["@nobody", "@child"]);
     refused(&["bench", "--skate", "--members", "5"], 2, &["--members"]);
 }

@@ -1,18 +1,18 @@
 //! `populace bench --skate`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::anyhow;
 use populace::character::Character;
 use populace::clip::Clip;
-use populace::model::RoleMap;
 use populace_bench::SkateDocument;
 use populace_locomotion::GaitClips;
 
 use crate::built_in;
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
+use crate::people::on_legs;
 use crate::progress::Progress;
 use crate::report::{self, message};
 use crate::roles;
@@ -63,19 +63,6 @@ fn load(args: &BenchArgs) -> Result<(Vec<Walker>, Vec<Arc<Clip>>), Failure> {
         return Err(Failure::usage("no file has a mesh to walk with; add one of a character"));
     }
     Ok((walkers, shared))
-}
-
-/// Returns a humanoid with feet that its legs move.
-fn on_legs(character: Character, file: &Path) -> Result<Character, Failure> {
-    let Some(roles) = RoleMap::detect(&character.skeleton) else {
-        return Err(Failure::Input(anyhow!(
-            "{}: its joints have no humanoid names, so its feet cannot be planted",
-            file.display()
-        )));
-    };
-    character
-        .with_feet_on_legs(&roles)
-        .map_err(|e| Failure::Input(anyhow!("{}: {e}", file.display())))
 }
 
 /// Measures a character with clips of its own and of files without meshes, and with those of the
