@@ -193,13 +193,14 @@ fn has_roles(character: &Character) -> bool {
 /// Says that a character is in another unit than metres.
 fn report_scale(character: &Character, scale: f32, mixed: bool) {
     let (name, own_m) = (&character.name, character.height_m());
+    let own = if own_m < 0.1 { format!("{:.2} mm", own_m * 1e3) } else { format!("{own_m:.2} m") };
     let reason = if mixed {
         "which suits no crowd of several characters"
     } else {
         "which is hardly meant in metres"
     };
     message!(
-        "\"{name}\" is {own_m} m high, {reason}; it is drawn {:.2} m high, and --height sets its height",
+        "\"{name}\" is {own} high, {reason}; it is drawn {:.2} m high, and --height sets its height",
         scale * own_m
     );
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use populace_trajectory::{
-    Fact, Format, HeadingSource, Kind, Origin, ReadSettings, Recording, Source, Unit,
+    Error, Fact, Format, HeadingSource, Kind, Origin, ReadSettings, Recording, Source, Unit,
 };
 
 use crate::failure::Failure;
@@ -14,6 +14,8 @@ use crate::report::counted;
 
 /// Bytes by which a glTF file is told from others.
 const HEAD_BYTES: u64 = 4096;
+/// What else the program reads, for files that are none of it.
+const OTHER_INPUTS: &str = "characters are glTF files (.glb, .gltf, .vrm), and scenes end in .toml";
 /// Words behind a fact that an option said.
 const TOLD: &str = " (as told)";
 
@@ -49,7 +51,10 @@ pub(crate) struct ReadArgs {
 impl ReadArgs {
     /// Reads a trajectory file.
     pub(crate) fn load(&self, file: &Path) -> Result<Recording, Failure> {
-        Ok(populace_trajectory::load(file, &self.settings())?)
+        populace_trajectory::load(file, &self.settings()).map_err(|error| match error {
+            Error::Unknown { .. } => Failure::Input(anyhow::anyhow!("{error}; {OTHER_INPUTS}")),
+            error => error.into(),
+        })
     }
 
     /// Refuses these options if any was given. For commands without a trajectory file.

@@ -12,7 +12,8 @@ use crate::input::InputArgs;
 pub(crate) struct BenchArgs {
     /// Characters to measure, with their own clips: files, `@people`, or one of these by name, such
     /// as `@child` [default: random skeletons and clips]. With --skate, also with the clips of
-    /// `@people` and of files without meshes [default: @people]
+    /// `@people` and of files without meshes [default: @people]. --joints, --load and --retarget are
+    /// for random skeletons, not for these
     #[arg(value_name = "FILE", conflicts_with_all = ["joints", "retarget", "load", "from"])]
     pub(crate) files: Vec<PathBuf>,
     /// Measure foot skate instead of times: how fast planted soles move over the ground, on a
@@ -74,7 +75,7 @@ pub(crate) struct BenchArgs {
     pub(crate) schedule: Vec<Method>,
     /// Additional load to measure besides plain: with constraints, every member looks at a target
     /// and plants both feet; full adds a masked and an additive layer with a slot in each. A list,
-    /// or repeated
+    /// or repeated; not with FILE
     #[arg(long, value_name = "plain|constraints|full", value_delimiter = ',')]
     pub(crate) load: Vec<Load>,
     /// Also measure with clips of other skeletons, whose joints have the same names in another

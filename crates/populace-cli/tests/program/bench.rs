@@ -62,6 +62,13 @@ fn bench_reports_times_and_errors() {
 }
 
 #[test]
+fn help_says_what_is_not_for_given_characters() {
+    let help = String::from_utf8(populace(&["bench", "--help"]).stdout).expect("text");
+    let words: Vec<&str> = help.split_whitespace().collect();
+    assert!(words.join(" ").contains("A list, or repeated; not with FILE"), "{help}");
+}
+
+#[test]
 fn baked_tables_of_clips_of_one_pose_hold_that_pose() {
     let folder = Folder::new();
     let mut still = post();
