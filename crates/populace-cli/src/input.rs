@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use clap::Args;
+use populace::character::{Character, CharacterSource};
 use populace_assets::{Imported, LoadOptions, WriteOptions};
 
 use crate::built_in;
@@ -36,13 +37,7 @@ impl InputArgs {
             memory_limit_bytes: u64::from(self.memory_limit) << 20,
         };
         if let Some(name) = built_in::name_of(file) {
-            let file =
-                populace_assets::to_glb(&built_in::person_of(name)?, &WriteOptions::default())?;
-            return Ok(populace_assets::load_from_reader(
-                &file[..],
-                &format!("@{name}"),
-                &options,
-            )?);
+            return built_in_person(name, &options);
         }
         if file != Path::new("-") {
             return Ok(populace_assets::load_with(file, &options)?);
@@ -52,4 +47,15 @@ impl InputArgs {
         }
         Ok(populace_assets::load_from_reader(std::io::stdin().lock(), "standard input", &options)?)
     }
+}
+
+/// Returns a built-in person as it would be loaded from a file, with its clips.
+fn built_in_person(name: &str, options: &LoadOptions) -> Result<Imported, Failure> {
+    let person = built_in::person_of(name)?;
+    let file = populace_assets::to_glb(&person, &WriteOptions::default())?;
+    let imported = populace_assets::load_from_reader(&file[..], &format!("@{name}"), options)?;
+    let clips = person.clips.clone();
+    let source = CharacterSource { clips, ..CharacterSource::clone(&imported.character) };
+    let character = Character::new(source).map_err(|e| Failure::Run(e.into()))?;
+    Ok(Imported { character, ..imported })
 }

@@ -181,6 +181,13 @@ fn built_in_people_stand_for_files() {
     let d = json_of(&["inspect", "@man", "--json"]);
     assert!(d["joints"].as_u64() > Some(40), "{d}");
     json_of(&["pose", "@woman", "--json", "--device", "native"]);
+    let clips: Vec<_> =
+        d["clips"].as_array().expect("clips").iter().map(|clip| &clip["name"]).collect();
+    assert!(["Idle", "Idle_Look", "Walk", "Run"].iter().all(|name| clips.contains(&&json!(name))));
+    let walking = ["--clip", "Walk", "--time", "0.3", "--json", "--device", "native"];
+    let [own, added] = [&[][..], &["--clips", "@man"]]
+        .map(|more| json_of(&[&["pose", "@man"], &walking[..], more].concat()));
+    assert_eq!(own["joints"], added["joints"]);
     refused(&["inspect", "@people"], 2, &["@people are several", "@man"]);
     refused(&["pose", "@nobody"], 2, &["no built-in \"@nobody\"", "@woman"]);
 }
