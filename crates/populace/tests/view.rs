@@ -7,8 +7,8 @@ use std::sync::{Arc, OnceLock};
 use populace::character::{Character, Level, Region};
 use populace::interop::{View, Visibility};
 use populace::{
-    ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, MemberLook, Placement,
-    Schedule, Space, Target, Trs, Weight,
+    Affine, ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, MemberLook,
+    Placement, Schedule, Space, Target, Trs, Weight,
 };
 
 /// Joints that are left at the second level.
@@ -121,6 +121,35 @@ fn levels_follow_the_distance_and_change_with_hysteresis() {
     let finer = (1..1000).map(|z| coarser - z as f32 * 0.1).find(|z| level_at(*z) == 0).unwrap();
     assert!(finer < 0.95 * coarser, "{finer} {coarser}");
     assert_eq!((level_at(30.0), level_at(1000.0), level_at(1.0)), (1, 2, 0));
+}
+
+#[test]
+fn joints_that_a_level_leaves_out_are_read_as_at_rest() {
+    let far = [0.0, -1.0, -1000.0];
+    for (device, schedule) in [
+        (Device::native(), Schedule::Staged),
+        (Device::native(), Schedule::Fused),
+        (Device::opencl(0), Schedule::Staged),
+        (Device::opencl(0), Schedule::FusedWide),
+    ] {
+        let mut scene = Scene::new(device, schedule, &[AHEAD, far]);
+        scene.crowd.set_view(Some(view(1.0))).unwrap();
+        scene.crowd.update(0.3).unwrap();
+        assert_eq!(scene.seen()[1], (Visibility::InView, 2));
+        let joints: Vec<_> = scene
+            .members
+            .iter()
+            .flat_map(|member| man().skeleton.joints().map(|joint| (*member, joint)))
+            .collect();
+        assert!(joints.len() > 2 * usize::from(JOINTS_LEFT));
+        let mut found = vec![Affine::IDENTITY; joints.len()];
+        scene.crowd.read_joints(&joints, &mut found).unwrap();
+        let wanted = [0, 1].map(|nth: usize| {
+            let mut member = scene.crowd.member_mut(scene.members[nth]).unwrap();
+            member.model_from_joints().unwrap()
+        });
+        assert!(found == wanted.concat(), "{schedule}");
+    }
 }
 
 #[test]

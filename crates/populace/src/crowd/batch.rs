@@ -115,7 +115,8 @@ impl Crowd {
     }
 
     /// Reads joints of members after the last update into `models`: joint to model space, one for
-    /// each of `joints`. Waits for the last update, once.
+    /// each of `joints`. Joints that a member's level of detail leaves out hang from the others as
+    /// at rest. Waits for the last update, once.
     ///
     /// # Errors
     ///
@@ -131,13 +132,44 @@ impl Crowd {
             return Err(Error::BadValue { what, value, allowed: Allowed::Exactly(joints.len()) });
         }
         let mut firsts = Vec::with_capacity(joints.len());
-        for (member, joint) in joints {
-            let (row, body) = self.device_member(*member)?;
-            if joint.0 >= body.joint_count {
-                return Err(Error::UnknownId { what: IdKind::Joint, index: joint.0 });
-            }
-            firsts.push((row.joint_first + joint.0) as usize);
+        let mut hanging = Vec::new();
+        for (nth, (member, joint)) in joints.iter().enumerate() {
+            let (first, rests) = self.place_of_joint(*member, *joint)?;
+            firsts.push(first);
+            hanging.extend((!rests.is_empty()).then_some((nth, rests)));
         }
+        self.read_models(&firsts, models)?;
+        for (nth, rests) in hanging {
+            models[nth] = rests.iter().fold(models[nth], |model, rest| model.mul(rest));
+        }
+        Ok(())
+    }
+
+    /// Returns the index on the device of a member's joint or, if its level of detail leaves that
+    /// out, of the lowest evaluated joint above it, and the rests of the joints from there on.
+    fn place_of_joint(
+        &self,
+        member: MemberId,
+        joint: JointIndex,
+    ) -> Result<(usize, Vec<Affine>), Error> {
+        let (row, body) = self.device_member(member)?;
+        let skeleton = self.skeleton_of(member)?;
+        if joint.index() >= skeleton.joint_count() {
+            return Err(Error::UnknownId { what: IdKind::Joint, index: joint.0 });
+        }
+        let (mut evaluated, mut rests) = (joint, Vec::new());
+        while evaluated.0 >= body.joint_count
+            && let Some(parent) = skeleton.parent(evaluated)
+        {
+            rests.push(Affine::from_trs(skeleton.rest(evaluated)));
+            evaluated = parent;
+        }
+        rests.reverse();
+        Ok(((row.joint_first + evaluated.0) as usize, rests))
+    }
+
+    /// Reads the matrices of joints, which are at `firsts` on the device.
+    fn read_models(&mut self, firsts: &[usize], models: &mut [Affine]) -> Result<(), Error> {
         let span = firsts.iter().min().zip(firsts.iter().max());
         let Some((&first, &last)) = span else { return Ok(()) };
         let Self { state: State { base, .. }, device, .. } = self;
@@ -151,12 +183,12 @@ impl Crowd {
             if at_once {
                 for (nth, buffer) in ROWS.into_iter().enumerate() {
                     backend.read(tables, buffer, first, &mut rows)?;
-                    let found = models.iter_mut().zip(&firsts);
+                    let found = models.iter_mut().zip(firsts);
                     found.for_each(|(model, at)| model.rows[nth] = rows[at - first].0);
                 }
                 return Ok(());
             }
-            for (model, at) in models.iter_mut().zip(&firsts) {
+            for (model, at) in models.iter_mut().zip(firsts) {
                 for (row, buffer) in model.rows.iter_mut().zip(ROWS) {
                     backend.read(tables, buffer, *at, &mut rows)?;
                     *row = rows[0].0;

@@ -116,7 +116,7 @@ impl Crowd {
         Ok(locals)
     }
 
-    fn skeleton_of(&self, member: MemberId) -> Result<&Skeleton, Error> {
+    pub(super) fn skeleton_of(&self, member: MemberId) -> Result<&Skeleton, Error> {
         let base = &self.state.base;
         Ok(&base.character_state(base.check(member)?)?.character.skeleton)
     }
