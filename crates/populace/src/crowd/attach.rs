@@ -75,7 +75,7 @@ impl Attachments {
         self.unlink(base, constraints, child)?;
         self.by_member.get_or_default(child.number()).parent = Some(parent);
         self.by_member.get_or_default(to.number()).children.push(child);
-        self.place_children(base, to)
+        self.place_child(base, to, child)
     }
 
     pub(super) fn detach(
@@ -125,16 +125,21 @@ impl Attachments {
 
     /// Gives all attachments of a member its placement and evaluates them after it.
     pub(super) fn place_children(&self, base: &mut Base, parent: MemberId) -> Result<(), Error> {
-        let placement = base.members.all[parent.number() as usize].placement;
         let mut nth = 0;
         while let Some(child) = self.child(parent, nth) {
-            base.members.all[child.number() as usize].placement = placement;
-            base.tables.set_phase(child.number(), phase(base, parent) + 1)?;
-            base.upload_placement(child)?;
-            self.place_children(base, child)?;
+            self.place_child(base, parent, child)?;
             nth += 1;
         }
         Ok(())
+    }
+
+    /// Gives an attachment of a member its placement and evaluates it after that member.
+    fn place_child(&self, base: &mut Base, parent: MemberId, child: MemberId) -> Result<(), Error> {
+        let placement = base.members.all[parent.number() as usize].placement;
+        base.members.all[child.number() as usize].placement = placement;
+        base.tables.set_phase(child.number(), phase(base, parent) + 1)?;
+        base.upload_placement(child)?;
+        self.place_children(base, child)
     }
 
     fn parent(&self, child: MemberId) -> Option<Parent> {

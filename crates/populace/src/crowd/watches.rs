@@ -39,13 +39,18 @@ impl Watch {
     pub(super) fn key(self) -> (MemberId, JointIndex) {
         (self.member, self.joint)
     }
+
+    /// Its place among the watches of all members.
+    fn place(self) -> (u32, u32) {
+        (self.member.number(), self.serial)
+    }
 }
 
 /// Watches that copy joints to the host.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Readbacks {
-    /// By serial number, with the tick at which each began.
-    readers: BTreeMap<u32, (Watch, u64)>,
+    /// By member index and serial number, with the tick at which each began.
+    readers: BTreeMap<(u32, u32), (Watch, u64)>,
     last_serial: u32,
 }
 
@@ -64,14 +69,14 @@ impl Readbacks {
         constraints.watch_joint(base, member, joint)?;
         self.last_serial = self.last_serial.wrapping_add(1);
         let watch = Watch { member, joint, serial: self.last_serial };
-        self.readers.insert(watch.serial, (watch, base.clock.tick));
+        self.readers.insert(watch.place(), (watch, base.clock.tick));
         Ok(watch)
     }
 
     /// Removes a watch; ignores a stale one.
     pub(super) fn unwatch(&mut self, base: &mut Base, constraints: &mut Constraints, watch: Watch) {
         if self.watched_since(watch).is_some() {
-            self.readers.remove(&watch.serial);
+            self.readers.remove(&watch.place());
             constraints.unwatch_joint(base, watch.member, watch.joint);
         }
     }
@@ -83,7 +88,8 @@ impl Readbacks {
         constraints: &mut Constraints,
         member: MemberId,
     ) {
-        let watches = self.readers.values().map(|(watch, _)| *watch);
+        let of_member = (member.number(), 0)..=(member.number(), u32::MAX);
+        let watches = self.readers.range(of_member).map(|(_, (watch, _))| *watch);
         for watch in watches.filter(|watch| watch.member == member).collect::<Vec<_>>() {
             self.unwatch(base, constraints, watch);
         }
@@ -110,7 +116,7 @@ impl Readbacks {
 
     /// The tick at which a watch began; `None` if it is stale.
     fn watched_since(&self, watch: Watch) -> Option<u64> {
-        let (_, since) = self.readers.get(&watch.serial).filter(|(known, _)| *known == watch)?;
+        let (_, since) = self.readers.get(&watch.place()).filter(|(known, _)| *known == watch)?;
         Some(*since)
     }
 }
