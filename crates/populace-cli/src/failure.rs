@@ -5,7 +5,10 @@ use std::process::ExitCode;
 
 use populace::BackendError;
 
-use crate::people::UNKNOWN_LEGS;
+/// The refusal of a character that cannot walk.
+pub(crate) const UNKNOWN_LEGS: &str = "its joints have no names that are known as hips, legs and \
+    feet, so it cannot walk; leave it out, or rename its joints as VRM, Mixamo, Unreal, KayKit, \
+    Rigify, Quaternius or CMU do";
 
 /// A failure that ends the program.
 #[derive(Debug)]

@@ -25,6 +25,7 @@ mod frames;
 mod given;
 mod image_files;
 mod input;
+mod legs;
 mod levels;
 mod mix;
 mod names;

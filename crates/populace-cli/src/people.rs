@@ -1,10 +1,7 @@
-//! Legs, gaits and looks of the people of any scene.
-
-use std::path::Path;
+//! Gaits and looks of the people of any scene.
 
 use populace::Crowd;
 use populace::character::Character;
-use populace::model::RoleMap;
 use populace_locomotion::GaitSpace;
 use populace_variety::{Appearance, Variety};
 
@@ -14,25 +11,6 @@ use crate::roles::CrowdRole;
 
 /// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
 pub(crate) const EYES: f32 = 0.935;
-
-/// The refusal of a character that cannot walk.
-pub(crate) const UNKNOWN_LEGS: &str = "its joints have no names that are known as hips, legs and feet, so it \
-    cannot walk; leave it out, or rename its joints as VRM, Mixamo, Unreal, KayKit, Rigify, \
-    Quaternius or CMU do";
-
-/// Returns a humanoid with feet that its legs move, as it needs them to walk.
-pub(crate) fn on_legs(character: Character, file: &Path) -> Result<Character, Failure> {
-    let named = |reason: &dyn std::fmt::Display| {
-        Failure::Input(anyhow::anyhow!("{}: {reason}", file.display()))
-    };
-    let Some(roles) = RoleMap::detect(&character.skeleton) else {
-        return Err(named(&UNKNOWN_LEGS));
-    };
-    if roles.loose_feet(&character.skeleton).next().is_none() {
-        return Ok(character);
-    }
-    character.with_feet_on_legs(&roles).map_err(|e| named(&e))
-}
 
 /// Returns the gaits of each role. A humanoid without clips that walk gets those of the built-in
 /// people.

@@ -16,9 +16,9 @@ use crate::built_in;
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
+use crate::legs::on_legs;
 use crate::levels::{Levels, is_cache};
 use crate::names::hint;
-use crate::people::on_legs;
 use crate::progress::Progress;
 use crate::report::message;
 
@@ -200,7 +200,8 @@ fn report_scale(character: &Character, scale: f32, mixed: bool) {
         "which is hardly meant in metres"
     };
     message!(
-        "\"{name}\" is {own} high, {reason}; it is drawn {:.2} m high, and --height sets its height",
+        "\"{name}\" is {own} high, {reason}; it is drawn {:.2} m high, and --height sets its \
+         height",
         scale * own_m
     );
 }

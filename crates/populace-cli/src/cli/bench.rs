@@ -12,8 +12,8 @@ use crate::input::InputArgs;
 pub(crate) struct BenchArgs {
     /// Characters to measure, with their own clips: files, `@people`, or one of these by name, such
     /// as `@child` [default: random skeletons and clips]. With --skate, also with the clips of
-    /// `@people` and of files without meshes [default: @people]. --joints, --load and --retarget are
-    /// for random skeletons, not for these
+    /// `@people` and of files without meshes [default: @people]. --joints, --load and --retarget
+    /// are for random skeletons, not for these
     #[arg(value_name = "FILE", conflicts_with_all = ["joints", "retarget", "load", "from"])]
     pub(crate) files: Vec<PathBuf>,
     /// Measure foot skate instead of times: how fast planted soles move over the ground, on a

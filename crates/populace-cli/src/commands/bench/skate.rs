@@ -12,7 +12,7 @@ use populace_locomotion::GaitClips;
 use crate::built_in;
 use crate::cli::BenchArgs;
 use crate::failure::Failure;
-use crate::people::on_legs;
+use crate::legs::on_legs;
 use crate::progress::Progress;
 use crate::report::{self, message};
 use crate::roles;
