@@ -184,9 +184,20 @@ impl Cameras {
         let Some(Pose { position: [x, y, z], .. }) = subject.pose(id, 0.0) else {
             return Mode::Fixed(framed);
         };
-        let [height, half] = subject.figure_m();
-        let around = [[x, y + height, z], [x - half, y, z], [x + half, y, z], [x, y, z + half]];
-        Mode::Close { camera: Camera::framing(around, aspect), id, from: Vec3::new(x, y, z) }
+        let figure_m = subject.figure_m();
+        let camera = match subject.elevation_rad() {
+            // From above, so that no wall before the person hides it.
+            Some(elevation_rad) => {
+                let around = figure([x, y, z], figure_m).map(Vec3::from);
+                fit(&around, elevated(0.0, elevation_rad), Vec3::Y, ABOVE_FOV_RAD, aspect)
+            }
+            None => {
+                let [height, half] = figure_m;
+                let sides = [[x - half, y, z], [x + half, y, z], [x, y, z + half]];
+                Camera::framing(sides.into_iter().chain([[x, y + height, z]]), aspect)
+            }
+        };
+        Mode::Close { camera, id, from: Vec3::new(x, y, z) }
     }
 
     fn orbit(bounds: &[Vec3], aspect: f32) -> Mode {

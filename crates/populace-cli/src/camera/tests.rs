@@ -122,6 +122,16 @@ fn unknown_people_are_refused_with_those_that_exist() {
     assert!(message.contains('7') && message.contains("0 and 1"), "{message}");
 }
 
+/// A wall of 2 m, a metre before somebody, does not hide the head.
+#[test]
+fn close_cameras_of_places_look_over_walls() {
+    let place = Alone(Some([3.0, 1.0, -7.0]));
+    let camera = Cameras::new(&View::Close, &place, 1.5).unwrap().at(&|_, _| None, 0.0);
+    let [eye, head] = [Vec3::from(camera.eye), Vec3::new(3.0, 2.7, -7.0)];
+    let at_wall = head.lerp(eye, 1.0 / (eye.z - head.z));
+    assert!(at_wall.y > 3.0 && eye.y > 3.0, "{camera:?}");
+}
+
 /// A place with nobody, or with one person who stands.
 struct Alone(Option<[f32; 3]>);
 
@@ -139,11 +149,11 @@ impl Subject for Alone {
     }
 
     fn closest(&self) -> Option<u64> {
-        None
+        self.0.map(|_| 0)
     }
 
     fn pose(&self, _id: u64, _secs: f64) -> Option<Pose> {
-        None
+        self.0.map(|position| Pose { position, heading_rad: 0.0, eye_m: 1.7 })
     }
 
     fn describe_ids(&self) -> String {
