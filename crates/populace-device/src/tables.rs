@@ -25,7 +25,7 @@ use std::collections::{BinaryHeap, HashMap};
 
 use crate::Error;
 use crate::layout::{
-    Body, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES, NONE,
+    Body, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES, Member, NONE,
     PAGE_ENTRIES, PALETTE_BLOCK,
 };
 use crate::playback::MAX_SLOTS;
@@ -168,6 +168,17 @@ impl Tables {
     #[must_use]
     pub fn level_widths(&self) -> &[usize] {
         &self.level_widths
+    }
+
+    /// Returns the row of a member as a device has taken it over; see
+    /// [`with_taken_over`](Self::with_taken_over).
+    ///
+    /// # Panics
+    ///
+    /// If there is no such member.
+    #[must_use]
+    pub fn member_taken_over(&self, member_index: u32) -> Member {
+        self.all.members.value_before(member_index as usize)
     }
 
     /// Joint count of the largest body, padded to whole blocks.

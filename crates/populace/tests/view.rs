@@ -4,11 +4,12 @@
 
 use std::sync::{Arc, OnceLock};
 
-use populace::character::{Character, Level, Region};
+use populace::character::{Character, CharacterSource, Level, Region};
 use populace::interop::{View, Visibility};
+use populace::model::{JointSource, Skeleton};
 use populace::{
-    Affine, ClipPlayback, Crowd, Device, JointIndex, JointOverride, MemberId, MemberLook,
-    Placement, Schedule, Space, Target, Trs, Weight,
+    Affine, BackendError, ClipPlayback, Crowd, Device, Error, JointIndex, JointOverride, MemberId,
+    MemberLook, Placement, Schedule, Space, Target, Trs, Weight,
 };
 
 /// Joints that are left at the second level.
@@ -91,6 +92,7 @@ fn hidden_members_are_not_posed_and_go_on_as_if_they_had_been() {
                 continue;
             }
             let mut scene = Scene::new(device, schedule, &[AHEAD, BEHIND]);
+            scene.crowd.update(0.0).unwrap();
             scene.crowd.set_view(Some(view(0.0))).unwrap();
             for _ in 0..3 {
                 scene.crowd.update(0.1).unwrap();
@@ -306,6 +308,92 @@ fn far_members_are_posed_with_fewer_joints() {
     }
 }
 
+/// Slots of removed members hold what others left there.
+#[test]
+fn members_that_were_never_posed_have_no_results() {
+    for schedule in [Schedule::Staged, Schedule::FusedWide] {
+        for device in [Device::native(), Device::opencl(0)] {
+            let mut scene = Scene::new(device, schedule, &[BEHIND]);
+            let member = scene.members[0];
+            scene.crowd.set_view(Some(view(1.0))).unwrap();
+            for _ in 0..2 {
+                scene.crowd.update(0.1).unwrap();
+                let mut view = scene.crowd.member_mut(member).unwrap();
+                let not_evaluated = Error::Backend(BackendError::NotEvaluated);
+                assert_eq!(view.palette().unwrap_err().to_string(), not_evaluated.to_string());
+                let mut count = 0;
+                scene.crowd.palettes(&mut |_, _| count += 1).unwrap();
+                assert_eq!(count, 0);
+            }
+            scene.crowd.set_view(None).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            scene.palette(0);
+            scene.crowd.set_view(Some(view(1.0))).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            scene.palette(0);
+            scene.crowd.move_to(Device::native()).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            scene.crowd.member_mut(member).unwrap().palette().unwrap_err();
+        }
+    }
+}
+
+/// A constraint that needs more joints than were evaluated holds from the next update on.
+#[test]
+fn results_are_read_as_they_were_evaluated() {
+    for schedule in [Schedule::Staged, Schedule::FusedWide] {
+        for device in [Device::native(), Device::opencl(0)] {
+            let mut scene = Scene::new(device, schedule, &[[0.0, -1.0, -100.0]]);
+            let member = scene.members[0];
+            scene.crowd.set_view(Some(view(1.0))).unwrap();
+            scene.crowd.update(0.1).unwrap();
+            let mut member = scene.crowd.member_mut(member).unwrap();
+            let before = member.model_from_joints().unwrap();
+            let (joint, transform) = (JointIndex(JOINTS_LEFT.into()), Trs::IDENTITY);
+            let bent = JointOverride { joint, space: Space::Local, transform, weight: 1.0 };
+            member.override_joints(&[bent]).unwrap();
+            assert_eq!(member.model_from_joints().unwrap(), before, "{schedule}");
+        }
+    }
+}
+
+/// The rows of a removed character's reduced bodies point into tables that others fill.
+#[test]
+fn characters_with_levels_are_removed_whole() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let (wide, deep) = (chain(40, 1), chain(40, 39));
+    let first = crowd.add_character(with_level(chain(9, 3), 4)).unwrap();
+    crowd.add_character(wide).unwrap();
+    crowd.remove(first).unwrap();
+    for character in [chain(7, 6), deep, chain(3, 1)] {
+        let id = crowd.add_character(character).unwrap();
+        crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+        crowd.update(0.1).unwrap();
+    }
+}
+
+/// Returns `count` joints, of which the first `deep` hang on each other and the others on the last of
+/// those.
+fn chain(count: usize, deep: usize) -> Character {
+    let joint = |nth: usize| JointSource {
+        name: format!("{nth}"),
+        parent: nth.checked_sub(1).map(|before| before.min(deep)),
+        rest: Trs::IDENTITY,
+    };
+    let skeleton = Skeleton::new(&(0..count).map(joint).collect::<Vec<_>>()).unwrap();
+    let (palette, parts, materials, images, skins, clips) =
+        (vec![], vec![], vec![], vec![], vec![], vec![]);
+    let name = "chain".into();
+    let source =
+        CharacterSource { name, skeleton, palette, parts, materials, images, skins, clips };
+    Character::new(source).unwrap()
+}
+
+fn with_level(character: Character, joint_count: usize) -> Character {
+    let level = Level { error_m: 0.1, meshes: Vec::new(), joint_count };
+    character.with_levels(vec![level]).unwrap()
+}
+
 #[test]
 fn members_that_others_need_or_whose_reach_is_unknown_are_posed() {
     let mut scene =
@@ -320,6 +408,7 @@ fn members_that_others_need_or_whose_reach_is_unknown_are_posed() {
         .unwrap()
         .look_at(Target::Point([0.0, 1.0, 0.0]), Weight::FULL)
         .unwrap();
+    crowd.update(0.0).unwrap();
     crowd.set_view(Some(view(0.0))).unwrap();
     for _ in 0..3 {
         crowd.update(0.1).unwrap();
@@ -353,6 +442,7 @@ fn a_run_from_a_snapshot_repeats_to_the_bit() {
                 })
                 .collect()
         };
+        scene.crowd.update(0.0).unwrap();
         scene.crowd.set_view(Some(view(1.0))).unwrap();
         run(&mut scene, 0..25);
         let snapshot = scene.crowd.snapshot().unwrap();

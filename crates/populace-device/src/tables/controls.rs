@@ -32,6 +32,9 @@ use crate::place::Place;
 pub use ground::Ground;
 pub(super) use stages::PARAMETER_ELEMENTS;
 
+/// How feet step for which no stride is set.
+const NO_STRIDE: Float4 = Float4([0.0, 1.0, 0.0, 0.0]);
+
 /// Runs that a control has alone: first element and length. And its program, whose other rows
 /// equal programs share.
 #[derive(Clone, Copy, Debug)]
@@ -198,7 +201,7 @@ impl Tables {
             place: device_place(&standing),
             sine,
             cosine,
-            stride: Float4([0.0, 1.0, 0.0, 0.0]),
+            stride: NO_STRIDE,
             epoch,
             scale_first: NONE,
             member: member_index,
@@ -274,6 +277,7 @@ impl Tables {
         write(&mut self.all.overrides, runs.overrides.0, &program.overrides);
         write(&mut self.all.targets, runs.targets.0, &program.targets);
         write(&mut self.all.stage_values, runs.values.0, &program.values);
+        let known = self.all.controls.as_slice()[control];
         let row = Control {
             step_count: u32_from(program.steps.len() - program.pose_step_count),
             pose_step_count: u32_from(program.pose_step_count),
@@ -282,7 +286,8 @@ impl Tables {
             target_first: u32_from(runs.targets.0),
             scale_first: program.scale_first,
             motion_epoch: program.motion_epoch,
-            ..self.all.controls.as_slice()[control]
+            stride: if program.feet.is_some() { known.stride } else { NO_STRIDE },
+            ..known
         };
         let number = self.replace_program(runs.program, program);
         self.control_spaces.runs[control].program = number;
@@ -325,16 +330,19 @@ impl Tables {
         Ok(())
     }
 
-    /// Sets how a member's locked feet step; see [`Control::stride`]. Does nothing if the member
-    /// has no constraint program.
+    /// Sets how a member's locked feet step; see [`Control::stride`]. Holds until feet are planted
+    /// no longer. Does nothing for a member whose feet are not planted.
     ///
     /// # Errors
     ///
     /// [`Error::BadPlayback`] if the member does not exist.
     pub fn set_stride(&mut self, member_index: u32, stride: Float4) -> Result<(), Error> {
         let control = self.used_member(member_index)?.control;
+        if control == NONE || self.control_spaces.runs[control as usize].feet.is_none() {
+            return Ok(());
+        }
         let controls = &mut self.all.controls;
-        if control != NONE && controls.as_slice()[control as usize].stride != stride {
+        if controls.as_slice()[control as usize].stride != stride {
             controls.change(control as usize).stride = stride;
         }
         Ok(())

@@ -45,8 +45,13 @@ impl Tables {
     ///
     /// [`Error::BadPlayback`] if the body does not exist.
     pub fn remove_body(&mut self, body: BodyIndex) -> Result<(), Error> {
+        let name = self.all.bodies.name();
+        let rows = self.asset_runs.get(&(Asset::Body, body.0)).and_then(|runs| runs.of(name));
         self.remove_asset(Asset::Body, body.0, |tables| {
-            tables.all.bodies.set(body.0 as usize, Body::default());
+            // The body, and its reduced bodies after it.
+            for row in rows.into_iter().flatten() {
+                tables.all.bodies.set(row, Body::default());
+            }
         })?;
         self.soles_of_bodies.remove(&body.0);
         self.measure_levels();

@@ -35,6 +35,11 @@ impl Runs {
         Ok(first)
     }
 
+    /// Returns the run of a table; `None` if the asset holds none of it.
+    pub(super) fn of(&self, table: &str) -> Option<Range<usize>> {
+        self.0.iter().find(|(name, _)| *name == table).map(|(_, run)| run.clone())
+    }
+
     /// Frees all runs.
     pub(super) fn release(self, all: &mut TableSet) {
         for (table, run) in self.0 {

@@ -42,6 +42,28 @@ pub(super) struct Clock {
     pub(super) left_over: f64,
     /// The number of updates.
     pub(super) frame: u64,
+    /// The ticks of the latest updates and the number of updates with each.
+    recent: [(u64, u64); RECENT],
+}
+
+/// Updates whose ticks are known. Results on their way to the host are of one of these.
+const RECENT: usize = 8;
+
+impl Clock {
+    /// Ends an update at a tick.
+    pub(super) fn end_frame(&mut self, tick: u64, left_over: f64) {
+        (self.tick, self.left_over) = (tick, left_over);
+        self.frame += 1;
+        self.recent.rotate_right(1);
+        self.recent[0] = (tick, self.frame);
+    }
+
+    /// Returns the number of updates with the earliest of the recent ones at a tick; `None` if there
+    /// is none. Jumps back in time make ticks smaller, but not this number.
+    pub(super) fn frame_of(&self, tick: u64) -> Option<u64> {
+        let at_tick = self.recent.iter().filter(|(of, frame)| *of == tick && *frame > 0);
+        at_tick.map(|(_, frame)| *frame).min()
+    }
 }
 
 /// The index of a clip in the tables.
@@ -89,6 +111,8 @@ pub(super) struct Members {
     pub(super) all: Vec<MemberState>,
     pub(super) count: usize,
     pub(super) capacity: usize,
+    /// Indices of members that no update has evaluated on the present device.
+    pub(super) unseen: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -99,7 +123,8 @@ pub(super) struct MemberState {
     pub(super) placement: Placement,
     pub(super) user_data: u64,
     pub(super) look: MemberLook,
-    /// The number of updates when the member was spawned.
+    /// The number of updates when the member was spawned, or the present one for a member that has
+    /// been hidden since.
     pub(super) since: u64,
     /// Whether root motion moves it.
     pub(super) moves: bool,
@@ -134,9 +159,9 @@ impl Base {
         Self {
             number,
             tables: Tables::with_capacity(slots_per_member, capacity),
-            clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0 },
+            clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0, recent: [(0, 0); RECENT] },
             assets: Assets::default(),
-            members: Members { all: Vec::new(), count: 0, capacity },
+            members: Members { all: Vec::new(), count: 0, capacity, unseen: Vec::new() },
             view: None,
             is_viewed: false,
         }

@@ -25,10 +25,8 @@ pub(super) struct RootMotion {
 /// The root motion of a member.
 #[derive(Clone, Copy, Debug)]
 struct Moving {
-    /// The tick at which it began.
+    /// The number of updates before it began. A jump back in time does not undo it.
     since: u64,
-    /// The crowd's frame in which it began. A jump back in time does not undo it.
-    since_frame: u64,
     /// The readback of its root joint.
     watch: Watch,
     /// The root's offset from the placement when palettes were last acquired, in metres.
@@ -66,8 +64,7 @@ impl RootMotion {
             Ok(())
         });
         if changed.is_ok() {
-            let (since, since_frame) = (base.clock.tick, base.clock.frame);
-            let moving = Moving { since, since_frame, watch, moved: [0.0; 3] };
+            let moving = Moving { since: base.clock.frame, watch, moved: [0.0; 3] };
             self.moving.insert(member.number(), moving);
             base.members.all[member.number() as usize].moves = true;
         } else if known.is_none() {
@@ -118,7 +115,8 @@ impl RootMotion {
         if self.updated_at.replace(now) == Some(now) {
             return;
         }
-        for (index, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < tick) {
+        let Some(frame) = base.clock.frame_of(tick) else { return };
+        for (index, moving) in self.moving.iter_mut().filter(|(_, moving)| moving.since < frame) {
             let Some(watched) = constraints.watched_index(moving.watch.key()) else { continue };
             let first = (watched * WATCHED_ELEMENTS) as usize;
             let MemberState { character, placement, .. } = base.members.all[index as usize];
@@ -147,7 +145,7 @@ impl RootMotion {
         let moving = self.moving.get(member.number())?;
         let control = base.tables.members().as_slice()[member.number() as usize].control;
         let motion = constraints.motion(member)?;
-        let has_moved = moving.since_frame < base.clock.frame && control != NONE;
+        let has_moved = moving.since < base.clock.frame && control != NONE;
         let first = control as usize * STATES_PER_CONTROL as usize + MOTION_STATE as usize;
         has_moved.then_some(MotionState { motion, first })
     }

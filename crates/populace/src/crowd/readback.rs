@@ -40,7 +40,7 @@ impl Crowd {
         let State { base, readbacks, constraints, .. } = &self.state;
         base.check_crowd(IdKind::Watch, watch.member.parts().crowd, watch.serial)?;
         let fetched = self.device.backend_mut().fetched()?;
-        Ok(fetched.and_then(|(tick, elements)| readbacks.find(constraints, watch, tick, elements)))
+        Ok(fetched.and_then(|found| readbacks.find(base, constraints, watch, found)))
     }
 
     /// Updates the cached root-motion offsets from the newest readback.
@@ -151,7 +151,8 @@ impl Crowd {
         if members.all[member.number() as usize].since == clock.frame {
             return Err(BackendError::NotEvaluated.into());
         }
-        let row = tables.members().as_slice()[member.number() as usize];
+        // A constraint set since then may need more joints than were evaluated.
+        let row = tables.member_taken_over(member.number());
         Ok((row, tables.bodies().as_slice()[row.posed as usize]))
     }
 }

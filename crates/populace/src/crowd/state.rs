@@ -55,6 +55,8 @@ impl State {
 
     /// Starts what is scheduled by `tick`, and checks the tables for an evaluation.
     pub(super) fn begin_due(&mut self, tick: u64) -> Result<(), Error> {
+        // An update that failed may have left some.
+        self.player.take_left();
         self.player.begin_due(&mut self.base, tick)?;
         Ok(self.base.tables.check_ranges()?)
     }
@@ -64,8 +66,8 @@ impl State {
         let Self { base, player, events, .. } = self;
         // After a jump back, no time has passed in which anything could happen.
         events.find(base, player.take_left(), (base.clock.tick.min(tick), tick));
-        (base.clock.tick, base.clock.left_over) = (tick, left_over);
-        base.clock.frame += 1;
+        base.clock.end_frame(tick, left_over);
+        base.note_seen();
     }
 
     pub(super) fn despawn(&mut self, member: MemberId) -> Result<(), Error> {

@@ -49,7 +49,7 @@ impl Watch {
 /// Watches that copy joints to the host.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Readbacks {
-    /// By member index and serial number, with the tick at which each began.
+    /// By member index and serial number, with the number of updates before each began.
     readers: BTreeMap<(u32, u32), (Watch, u64)>,
     last_serial: u32,
 }
@@ -69,7 +69,7 @@ impl Readbacks {
         constraints.watch_joint(base, member, joint)?;
         self.last_serial = self.last_serial.wrapping_add(1);
         let watch = Watch { member, joint, serial: self.last_serial };
-        self.readers.insert(watch.place(), (watch, base.clock.tick));
+        self.readers.insert(watch.place(), (watch, base.clock.frame));
         Ok(watch)
     }
 
@@ -98,13 +98,14 @@ impl Readbacks {
     /// Finds a watch among the watched joints of tick `tick`; `None` if they do not hold it.
     pub(super) fn find(
         &self,
+        base: &Base,
         constraints: &Constraints,
         watch: Watch,
-        tick: u64,
-        elements: &[Float4],
+        (tick, elements): (u64, &[Float4]),
     ) -> Option<JointReadback> {
         // Earlier results may hold another joint at this offset.
-        self.watched_since(watch).filter(|since| tick > *since)?;
+        let frame = base.clock.frame_of(tick)?;
+        self.watched_since(watch).filter(|since| frame > *since)?;
         let first = (constraints.watched_index(watch.key())? * WATCHED_ELEMENTS) as usize;
         let rows = elements.get(first..first + WATCHED_ELEMENTS as usize)?;
         let world_from_joint = Affine { rows: [rows[0].0, rows[1].0, rows[2].0] };
@@ -114,7 +115,7 @@ impl Readbacks {
         seen.then_some(JointReadback { at_secs, world_from_joint })
     }
 
-    /// The tick at which a watch began; `None` if it is stale.
+    /// The number of updates before a watch began; `None` if it is stale.
     fn watched_since(&self, watch: Watch) -> Option<u64> {
         let (_, since) = self.readers.get(&watch.place()).filter(|(known, _)| *known == watch)?;
         Some(*since)

@@ -1,7 +1,7 @@
 //! What devices know of earlier frames belongs to one use of a constraint, in one course of time.
 
 use fastrand::Rng;
-use populace::{Affine, ClipPlayback, Feet, Ground, MemberId, Placement, Target, Weight};
+use populace::{Affine, ClipPlayback, Feet, Ground, MemberId, Placement, Stride, Target, Weight};
 
 use crate::feet::feet;
 use crate::fixture::{Scene, everywhere, skeleton};
@@ -49,6 +49,35 @@ fn feet_that_are_planted_again_start_afresh() {
             }
             scene.update(FRAME_SECS);
             assert_eq!(scene.models(again), scene.models(once), "after {pause} frames");
+        }
+    });
+}
+
+/// Strides hold until feet are planted no longer, and do nothing before they are.
+#[test]
+fn strides_end_with_the_planting() {
+    everywhere(|scene| {
+        let walk = scene.clip("walk");
+        let [plain, ended, early] = [swaying(scene), swaying(scene), swaying(scene)];
+        let turned = Stride::along([0.9, 0.4]);
+        scene.edit(ended).plant_feet_with(&feet()).expect("feet");
+        scene.edit(ended).set_stride(turned).expect("a stride");
+        let none = Feet { weight: 0.0, ..feet() };
+        scene.edit(ended).plant_feet_with(&none).expect("no feet");
+        scene.edit(early).set_stride(turned).expect("a stride");
+        for member in [plain, ended, early] {
+            scene.edit(member).play(walk, ClipPlayback::looping()).expect("a clip that plays");
+            scene.edit(member).plant_feet_with(&feet()).expect("feet");
+        }
+        for frame in 0..60_u8 {
+            for member in [plain, ended, early] {
+                let at = Placement::at([0.0, 0.0, 0.03 * f32::from(frame)]);
+                scene.edit(member).set_placement(at).expect("a member");
+            }
+            scene.update(FRAME_SECS);
+            let expected = scene.models(plain);
+            assert_eq!(scene.models(ended), expected, "frame {frame}, of a stride before");
+            assert_eq!(scene.models(early), expected, "frame {frame}, of a stride too early");
         }
     });
 }

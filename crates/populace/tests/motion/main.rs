@@ -330,6 +330,27 @@ fn motions_of_an_undone_time_are_forgotten() {
     });
 }
 
+/// Results of times before a watch or a motion began are its own after a jump back.
+#[test]
+fn joints_are_read_on_after_a_jump_back() {
+    everywhere(|scene| {
+        let (_, walk) = add(scene, straight("walk ahead", 1.0));
+        scene.update(10.0);
+        let member = walker(scene, walk);
+        let watch = scene.edit(member).watch_joint(populace::JointIndex(0)).expect("a joint");
+        scene.update(0.5);
+        scene.crowd.seek(1.0).expect("a time");
+        for _ in 0..4 {
+            scene.update(0.25);
+        }
+        scene.crowd.finish().expect("a frame");
+        let seen = scene.crowd.readback(watch).expect("a watch").expect("a result");
+        assert!((1.25..=2.0).contains(&seen.at_secs), "{} s", seen.at_secs);
+        let moved = scene.edit(member).moved_placement().expect("a member").position()[2];
+        assert!((moved - 0.5).abs() < 1e-3, "{moved}: the clip begins at 10 s");
+    });
+}
+
 #[test]
 fn jumps_back_in_time_do_not_undo_motion() {
     everywhere(|scene| {
