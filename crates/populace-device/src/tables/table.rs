@@ -168,9 +168,9 @@ impl<T: bytemuck::Pod> Table<T> {
         self.changed.is_empty() && self.known == self.data.len()
     }
 
-    /// Returns the value of an element at the last [`mark_clean`](Self::mark_clean); the present one
-    /// of an element added since. Takes time proportional to the number of changes, for elements
-    /// that changed.
+    /// Returns the value of an element at the last [`mark_clean`](Self::mark_clean); the present
+    /// one of an element added since. Takes time proportional to the number of changes, for
+    /// elements that changed.
     pub(super) fn value_before(&self, index: usize) -> T {
         let is_changed =
             self.is_changed.get(index / 64).is_some_and(|w| w >> (index % 64) & 1 != 0);

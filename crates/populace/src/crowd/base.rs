@@ -58,8 +58,8 @@ impl Clock {
         self.recent[0] = (tick, self.frame);
     }
 
-    /// Returns the number of updates with the earliest of the recent ones at a tick; `None` if there
-    /// is none. Jumps back in time make ticks smaller, but not this number.
+    /// Returns the number of updates with the earliest of the recent ones at a tick; `None` if
+    /// there is none. Jumps back in time make ticks smaller, but not this number.
     pub(super) fn frame_of(&self, tick: u64) -> Option<u64> {
         let at_tick = self.recent.iter().filter(|(of, frame)| *of == tick && *frame > 0);
         at_tick.map(|(_, frame)| *frame).min()
