@@ -16,8 +16,9 @@ use get_up::Rising;
 
 pub use get_up::GetUp;
 
-/// Longest time step that is accepted. A longer one is considered a mistake of the caller.
+/// Longest time that is accepted. A longer one is considered a mistake of the caller.
 const LONGEST_SECS: f32 = 1e6;
+const SECS_RULE: &str = "from 0 to 1,000,000 seconds";
 
 /// Ragdoll state of a member.
 #[non_exhaustive]
@@ -240,8 +241,8 @@ impl Ragdolls {
     /// [`Error::Crowd`] if a device fails.
     pub fn step(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=LONGEST_SECS).contains(&dt_secs) {
-            let rule = "from 0 to 1,000,000 seconds";
-            return Err(Error::BadValue { what: "the time step", value: dt_secs, rule });
+            let (what, rule) = ("the time step", SECS_RULE);
+            return Err(Error::BadValue { what, value: dt_secs, rule });
         }
         self.remove_despawned(crowd);
         if dt_secs <= 0.0 {

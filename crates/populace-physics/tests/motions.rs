@@ -9,11 +9,14 @@
 mod common;
 
 use std::f32::consts::TAU;
+use std::sync::Arc;
 
-use common::{DT, Scene, length, minus};
-use populace::{ClipPlayback, Placement};
+use common::{DT, Scene, chain, length, minus};
+use populace::clip::Clip;
+use populace::model::{ClipSource, Interpolation, Property, Track, Trs};
+use populace::{ActiveClip, ClipId, ClipPlayback, Crowd, JointIndex, Placement};
 use populace_cast::{Look, person};
-use populace_physics::{Error, GetUp, State};
+use populace_physics::{Error, GetUp, RagdollPlan, State};
 
 const NAMES: [&str; 4] = ["GetUp_Back", "GetUp_Front", "GetUp_Left", "GetUp_Right"];
 
@@ -198,6 +201,54 @@ fn members_fall_again_while_they_get_up() {
     assert!(matches!(scene.ragdolls.state(scene.member), State::Limp { .. }));
 }
 
+/// Returns what the member plays, its placement, and its state.
+fn shown(scene: &Scene) -> (Vec<ActiveClip>, Placement, State) {
+    let member = scene.crowd.member(scene.member).unwrap();
+    (member.active_clips(), member.placement(), scene.ragdolls.state(scene.member))
+}
+
+/// Adds a character that shares no joint with a person, and returns its clip.
+fn stray_motion(crowd: &mut Crowd) -> ClipId {
+    let stick = chain(&[[0.0; 3]; 3]);
+    let track = Track {
+        joint: "joint 0".into(),
+        property: Property::Translation,
+        interpolation: Interpolation::Linear,
+        times: vec![0.0, 1.0],
+        values: vec![0.0; 6],
+    };
+    let source = ClipSource { name: "Stray".into(), tracks: vec![track] };
+    let clip = Arc::new(Clip::new(source, &stick.skeleton).unwrap());
+    let stick = crowd.add_character(stick).unwrap();
+    crowd.character_mut(stick).unwrap().add_clip(&clip).unwrap()
+}
+
+#[test]
+fn refused_motions_change_nothing() {
+    let mut scene = lying(&Look::man(), "GetUp_Back", Placement::at([0.0; 3]));
+    let own = GetUp::find(&scene.crowd, scene.character);
+    let stray = stray_motion(&mut scene.crowd);
+    let plan = Arc::new(RagdollPlan::from_skeleton(scene.skeleton()));
+    scene.ragdolls.go_limp(&scene.crowd, scene.member, &plan).unwrap();
+    let before = shown(&scene);
+    assert_eq!(before.2, State::GoingLimp);
+    let misfit = GetUp { back: Some(stray), ..GetUp::default() };
+    let refused = scene.ragdolls.get_up_with(&mut scene.crowd, scene.member, &misfit);
+    assert!(matches!(refused, Err(Error::Crowd(_))), "{refused:?}");
+    assert_eq!(shown(&scene), before);
+    let parent = scene.crowd.spawn(scene.character, Placement::at([3.0, 0.0, 0.0])).unwrap();
+    let mut member = scene.crowd.member_mut(scene.member).unwrap();
+    member.attach_to(parent, JointIndex(0), Trs::IDENTITY).unwrap();
+    let before = shown(&scene);
+    let refused = scene.ragdolls.get_up_with(&mut scene.crowd, scene.member, &own);
+    let is_expected = matches!(refused, Err(Error::Crowd(populace::Error::BadAttachment(_))));
+    assert!(is_expected, "{refused:?}");
+    assert_eq!(shown(&scene), before);
+    scene.crowd.member_mut(scene.member).unwrap().detach().unwrap();
+    scene.ragdolls.get_up_with(&mut scene.crowd, scene.member, &own).unwrap();
+    assert!(matches!(scene.ragdolls.state(scene.member), State::GettingUp { .. }));
+}
+
 #[test]
 fn without_motions_members_blend_and_bad_settings_are_refused() {
     let mut scene = lying(&Look::man(), "GetUp_Front", Placement::at([0.0; 3]));
@@ -209,6 +260,7 @@ fn without_motions_members_blend_and_bad_settings_are_refused() {
         bad(&mut scene, GetUp { layer, ..GetUp::default() });
     }
     bad(&mut scene, GetUp { ease_secs: -1.0, ..GetUp::default() });
+    bad(&mut scene, GetUp { ease_secs: 1e30, ..GetUp::default() });
     bad(&mut scene, GetUp { return_secs: f32::NAN, ..GetUp::default() });
     let none = GetUp { ease_secs: 0.5, return_secs: 0.5, ..GetUp::default() };
     scene.ragdolls.get_up_with(&mut scene.crowd, scene.member, &none).unwrap();

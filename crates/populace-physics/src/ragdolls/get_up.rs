@@ -7,7 +7,7 @@ use populace::{
     CharacterId, ClipId, ClipPlayback, Crowd, LayerSettings, MAX_LAYERS, MemberId, Placement,
 };
 
-use super::Ragdolls;
+use super::{LONGEST_SECS, Ragdolls, SECS_RULE};
 use crate::Error;
 use crate::error::seconds;
 use crate::member_ragdoll::{Ease, Fade};
@@ -35,10 +35,10 @@ pub struct GetUp {
     /// beneath at full weight, and is empty afterwards.
     pub layer: usize,
     /// The time in seconds in which the ragdoll's pose eases into the motion's first pose; 0.8
-    /// unless set. The motion starts then.
+    /// unless set, at most 1,000,000. The motion starts then.
     pub ease_secs: f32,
     /// The time in seconds from the end of the motion until the member is back in what it plays;
-    /// 0.5 unless set.
+    /// 0.5 unless set, at most 1,000,000.
     pub return_secs: f32,
 }
 
@@ -87,8 +87,15 @@ impl GetUp {
     }
 
     fn check(&self) -> Result<(), Error> {
-        seconds("the time to ease into a get-up motion", self.ease_secs)?;
-        seconds("the time to return from a get-up motion", self.return_secs)?;
+        let times = [
+            ("the time to ease into a get-up motion", self.ease_secs),
+            ("the time to return from a get-up motion", self.return_secs),
+        ];
+        for (what, value) in times {
+            if !(0.0..=LONGEST_SECS).contains(&value) {
+                return Err(Error::BadValue { what, value, rule: SECS_RULE });
+            }
+        }
         if (1..MAX_LAYERS).contains(&self.layer) {
             Ok(())
         } else {
@@ -138,12 +145,16 @@ impl Ragdolls {
         over_secs: f32,
     ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
-        let Some(ragdoll) = self.limp(crowd, member)? else { return Ok(()) };
+        let Some(ragdoll) = self.limp(crowd, member)? else {
+            self.withdraw(member);
+            return Ok(());
+        };
         if self.active[ragdoll].is_fully_limp() {
             let placement = crowd.member(member)?.placement();
             let placement = self.active[ragdoll].placement_to_get_up(placement, &self.world);
             crowd.member_mut(member)?.set_placement(placement)?;
         }
+        self.withdraw(member);
         self.active[ragdoll].fade = Some(Fade { elapsed_secs: 0.0, over_secs });
         self.active[ragdoll].write(crowd, &self.world)
     }
@@ -170,7 +181,10 @@ impl Ragdolls {
         get_up: &GetUp,
     ) -> Result<(), Error> {
         get_up.check()?;
-        let Some(ragdoll) = self.limp(crowd, member)? else { return Ok(()) };
+        let Some(ragdoll) = self.limp(crowd, member)? else {
+            self.withdraw(member);
+            return Ok(());
+        };
         let posture = self.active[ragdoll].posture(crowd, &self.world)?;
         let motion = get_up.motion(posture.front.y, posture.left.y);
         let Some(motion) = motion.filter(|_| self.active[ragdoll].is_fully_limp()) else {
@@ -178,8 +192,13 @@ impl Ragdolls {
         };
         let clip = Arc::clone(crowd.clip_mut(motion)?.asset());
         let placement = self.placement_for(crowd, ragdoll, &clip)?;
-        play(crowd, member, get_up, (motion, &clip))?;
+        let before = crowd.member(member)?.placement();
         crowd.member_mut(member)?.set_placement(placement)?;
+        if let Err(error) = play(crowd, member, get_up, (motion, &clip)) {
+            crowd.member_mut(member)?.set_placement(before)?;
+            return Err(error);
+        }
+        self.withdraw(member);
         let ragdoll = self.active.remove(ragdoll);
         let ease = ragdoll.ease(crowd, &self.world, &placement, get_up.ease_secs);
         ease.start(crowd)?;
@@ -195,17 +214,21 @@ impl Ragdolls {
     }
 
     /// Returns the index of a ragdoll that can get up. Returns `None` for a member that gets up
-    /// already, and for one that was about to go limp, which then does not.
-    fn limp(&mut self, crowd: &Crowd, member: MemberId) -> Result<Option<usize>, Error> {
+    /// already, and for one that is about to go limp for the first time.
+    fn limp(&self, crowd: &Crowd, member: MemberId) -> Result<Option<usize>, Error> {
         crowd.member(member)?;
-        let was_pending = self.pending.iter().any(|w| w.member == member);
-        self.pending.retain(|w| w.member != member);
+        let is_pending = self.pending.iter().any(|w| w.member == member);
         let is_rising = self.rising.iter().any(|r| r.member == member);
         match self.active.iter().position(|d| d.member == member) {
             Some(ragdoll) => Ok(self.active[ragdoll].fade.is_none().then_some(ragdoll)),
-            None if was_pending || is_rising => Ok(None),
+            None if is_pending || is_rising => Ok(None),
             None => Err(Error::NotLimp),
         }
+    }
+
+    /// Drops the request that a member goes limp.
+    fn withdraw(&mut self, member: MemberId) {
+        self.pending.retain(|w| w.member != member);
     }
 
     /// Returns the placement at which a motion starts where a ragdoll lies.
