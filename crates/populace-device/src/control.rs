@@ -256,8 +256,9 @@ impl Controls {
 
 /// The rotation of a joint at rest in model space, as if nothing were scaled.
 pub(crate) fn rest_rotation(skeleton: &Skeleton, joint: JointIndex) -> [f32; 4] {
-    let own = skeleton.rest(joint).rotation;
-    skeleton.parent(joint).map_or(own, |parent| quat::mul(rest_rotation(skeleton, parent), own))
+    let up = std::iter::successors(Some(joint), |joint| skeleton.parent(*joint));
+    let rotations: Vec<_> = up.map(|joint| skeleton.rest(joint).rotation).collect();
+    rotations.into_iter().rev().reduce(quat::mul).unwrap_or(quat::identity())
 }
 
 /// Converts a direction from model space to the space of a joint at rest.
@@ -304,4 +305,29 @@ pub(crate) fn path(
     }
     path.reverse();
     Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_model::{JointSource, Trs};
+
+    use super::*;
+
+    #[test]
+    fn rest_rotations_of_long_chains_need_no_deep_stack() {
+        let quarter = [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()];
+        let link = |index: usize| JointSource {
+            name: format!("link {index}"),
+            parent: index.checked_sub(1),
+            rest: if index < 3 {
+                Trs { rotation: quarter, ..Trs::IDENTITY }
+            } else {
+                Trs::IDENTITY
+            },
+        };
+        let skeleton = Skeleton::new(&(0..100_000).map(link).collect::<Vec<_>>()).unwrap();
+        let [x, y, z, w] = rest_rotation(&skeleton, JointIndex(99_999));
+        assert_eq!([x, y], [0.0; 2]);
+        assert!((z - 0.5f32.sqrt()).abs() < 1e-6 && (w + 0.5f32.sqrt()).abs() < 1e-6, "{z} {w}");
+    }
 }
