@@ -111,6 +111,13 @@ pub(crate) struct Triangles<'a> {
     pub(crate) clip: [u32; 4],
 }
 
+/// Returns a rectangle (left, top, width, height) of a window as left, distance from the window's
+/// bottom, width and height, without the rows past the bottom.
+fn from_below([left, top, width, tall]: [u32; 4], window_height: u32) -> [u32; 4] {
+    let end = top.saturating_add(tall).min(window_height);
+    [left, window_height - end, width, end.saturating_sub(top)]
+}
+
 /// The back buffer of a window.
 pub(crate) struct WindowPicture {
     gl: Rc<Gl>,
@@ -172,10 +179,8 @@ impl WindowPicture {
         }
         for run in runs {
             run.texture.bind();
-            let [left, top, width, tall] = run.clip;
-            let low = height.saturating_sub(top.saturating_add(tall));
             let [left, low, width, tall] =
-                [left, low, width, tall].map(|v| i32::try_from(v).unwrap_or(i32::MAX));
+                from_below(run.clip, height).map(|v| i32::try_from(v).unwrap_or(i32::MAX));
             // SAFETY: the context is current; no side is negative.
             unsafe { functions.scissor(left, low, width, tall) }
             self.array.draw_corners(&self.vertices, &self.indices, run.indices);
@@ -206,5 +211,24 @@ impl WindowPicture {
         }
         rgba.chunks_exact_mut(4).for_each(|pixel| pixel[3] = u8::MAX);
         Ok(Image { width: size[0], height: size[1], rgba })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rows_past_the_bottom_of_the_window_are_cut_off() {
+        for (clip, wanted) in [
+            ([5, 10, 20, 30], [5, 60, 20, 30]),
+            ([0, 50, 20, 50], [0, 0, 20, 50]),
+            ([0, 90, 20, 50], [0, 0, 20, 10]),
+            ([0, 0, u32::MAX, u32::MAX], [0, 0, u32::MAX, 100]),
+            ([0, 100, 20, 50], [0, 0, 20, 0]),
+            ([0, u32::MAX, 20, 50], [0, 0, 20, 0]),
+        ] {
+            assert_eq!(from_below(clip, 100), wanted, "{clip:?}");
+        }
     }
 }
