@@ -116,6 +116,7 @@ impl Renderer {
         self.gl.make_current()?;
         self.picture = PictureTarget::new(&self.gl, size)?;
         (self.size, self.marks, self.contact_map) = (size, None, None);
+        self.runs.clear();
         if self.shadow.as_ref().is_some_and(|map| u32::from(map.size()) != shadow_size(size)) {
             self.shadow = None;
         }
@@ -216,7 +217,7 @@ impl Renderer {
         scene: &Scene,
     ) -> Result<Drawn, Error> {
         self.gl.make_current()?;
-        self.palettes.clear();
+        self.clear_palettes();
         let mut first_entries = Vec::with_capacity(crowds.len());
         for crowd in crowds.iter_mut() {
             first_entries.push(self.palettes.acquire(&self.gl, &mut **crowd)?);
@@ -250,8 +251,14 @@ impl Renderer {
     /// device or driver.
     pub fn acquire_palettes(&mut self, source: &mut dyn PaletteSource) -> Result<(), Error> {
         self.gl.make_current()?;
-        self.palettes.clear();
+        self.clear_palettes();
         self.palettes.acquire(&self.gl, source).map(|_| ())
+    }
+
+    /// Gives up all palettes, and with them the runs that are drawn from their pages.
+    fn clear_palettes(&mut self) {
+        self.palettes.clear();
+        self.runs.clear();
     }
 
     /// Draws `instances` from the palettes that were last acquired, for callers who choose, place

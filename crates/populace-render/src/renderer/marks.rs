@@ -25,8 +25,9 @@ pub struct Marks {
 
 impl Renderer {
     /// Draws the instances of the last picture again, from its `camera` over the ground of its
-    /// `scene`, and reads back what each pixel shows. The palettes must be those of the picture.
-    /// The picture itself cannot be read after this call.
+    /// `scene`, and reads back what each pixel shows. No pixel shows an instance after a change of
+    /// size, or once other palettes were acquired. The picture itself cannot be read after this
+    /// call.
     ///
     /// # Errors
     ///

@@ -16,11 +16,13 @@ struct Still {
     mark: TargetMark,
     target: PaletteTarget,
     set: usize,
+    /// Whether the member is gone.
+    is_empty: bool,
 }
 
 impl PaletteSource for Still {
     fn page_lengths(&self) -> Vec<usize> {
-        vec![1]
+        if self.is_empty { Vec::new() } else { vec![1] }
     }
 
     fn refuses(&self, transport: PaletteTransport, _context: &dyn GlContext) -> Option<String> {
@@ -210,6 +212,23 @@ fn marks_show_nothing_after_a_draw_that_failed() {
     assert!(renderer.draw_instances(&[astray], &camera, &scene).is_err());
     let marks = renderer.read_marks(&camera, &scene).unwrap();
     assert!(marks.instances.iter().all(Option::is_none));
+}
+
+/// The runs of a picture name pages that are gone.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_show_nothing_without_the_palettes_or_the_picture() {
+    let (mut renderer, camera) = watched();
+    let character = Arc::new(glass());
+    let scene = Scene::default();
+    renderer.draw_instances(&[pane(&character, 0.0, 0.0)], &camera, &scene).unwrap();
+    renderer.resize([64, 64]).unwrap();
+    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    assert!(marks.instances.iter().all(Option::is_none), "after a change of size");
+    renderer.draw_instances(&[pane(&character, 0.0, 0.0)], &camera, &scene).unwrap();
+    renderer.acquire_palettes(&mut Still { is_empty: true, ..Still::default() }).unwrap();
+    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    assert!(marks.instances.iter().all(Option::is_none), "after other palettes");
 }
 
 #[test]
