@@ -109,11 +109,9 @@ impl SplitBackend {
                 .collect();
             self.balance.measured(work.into_iter());
         }
-        let all = self.places.members();
-        let (mut share, mut first, mut place) = (0.0, 0, 0);
-        for (part, own) in self.parts.iter_mut().zip(self.balance.shares()) {
-            share += own;
-            let end = nth_of(share, all).max(first);
+        let ends = self.balance.ends(self.places.members());
+        let (mut first, mut place) = (0, 0);
+        for (part, end) in self.parts.iter_mut().zip(ends) {
             // The device of the last member also takes the free indices after it.
             let place_end = self.places.place_after(end);
             (part.places, part.members) = (place..place_end, end - first);
@@ -240,16 +238,6 @@ fn bring(
     })?;
     result?;
     if scattered { to.write(StageBuffer::Palette, page * PAGE, copy) } else { Ok(()) }
-}
-
-/// Returns the number of members of a share.
-#[expect(
-    clippy::cast_possible_truncation,
-    clippy::cast_sign_loss,
-    reason = "shares lie between 0 and 1, and there are less than 2^32 members"
-)]
-fn nth_of(share: f64, all: usize) -> usize {
-    ((share * all as f64).round() as usize).min(all)
 }
 
 impl Backend for SplitBackend {

@@ -55,6 +55,21 @@ impl Balance {
         self.speeds.is_empty()
     }
 
+    /// Returns the ends of the devices' ranges of `all` members. With measured shares each device
+    /// has a member, as long as there are enough: a device without members shows no speed.
+    pub(crate) fn ends(&self, all: usize) -> Vec<usize> {
+        let count = self.shares.len();
+        let least = usize::from(!self.is_fixed() && all >= count);
+        let (mut share, mut first) = (0.0, 0);
+        let end_of = |(index, own): (usize, &f64)| {
+            share += own;
+            let later = count - 1 - index;
+            first = nth_of(share, all).clamp(first + least, all - later * least);
+            first
+        };
+        self.shares.iter().enumerate().map(end_of).collect()
+    }
+
     /// Takes the members and milliseconds of each device in a frame. A frame in which any time is
     /// unknown changes nothing.
     pub(crate) fn measured(&mut self, work: impl Iterator<Item = (usize, Option<f64>)> + Clone) {
@@ -77,6 +92,16 @@ impl Balance {
         let total: f64 = self.shares.iter().sum();
         self.shares.iter_mut().for_each(|share| *share /= total);
     }
+}
+
+/// Returns the number of members of a share.
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "shares lie between 0 and 1, and there are less than 2^32 members"
+)]
+fn nth_of(share: f64, all: usize) -> usize {
+    ((share * all as f64).round() as usize).min(all)
 }
 
 #[cfg(test)]

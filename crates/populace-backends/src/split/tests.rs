@@ -60,6 +60,39 @@ fn one_bit_of_difference_on_the_second_device_is_detected() {
     check_same_frames(&mut NativeBackend::new(2, Schedule::Fused).unwrap(), &mut split);
 }
 
+/// A device that is slow for a while has the least share of few members, and later more again.
+#[test]
+fn shares_of_few_members_follow_the_speeds() {
+    let mut balance = Balance::new(3, None);
+    let mut run = |ms_each: [f64; 3]| {
+        for _ in 0..90 {
+            let ends = balance.ends(100);
+            let counts = [ends[0], ends[1] - ends[0], ends[2] - ends[1]];
+            assert_eq!((ends[2], counts.contains(&0)), (100, false), "{ends:?}");
+            let times = counts.iter().zip(ms_each).map(|(count, ms)| Some(*count as f64 * ms));
+            balance.measured(counts.into_iter().zip(times.collect::<Vec<_>>()));
+        }
+        balance.shares().to_vec()
+    };
+    for (ms_each, wanted) in [
+        ([300.0, 1.0, 1.0], [1.0 / 256.0, 0.5, 0.5]),
+        ([1.0, 2.0, 300.0], [2.0 / 3.0, 1.0 / 3.0, 1.0 / 256.0]),
+    ] {
+        let shares = run(ms_each);
+        for (share, wanted) in shares.iter().zip(wanted) {
+            assert!((share - wanted).abs() < 5e-3, "{shares:?}");
+        }
+    }
+}
+
+#[test]
+fn devices_without_a_share_or_a_member_for_each_have_none() {
+    let fixed = Balance::new(3, Some(vec![0.0, 0.999, 0.001]));
+    assert_eq!(fixed.ends(100), [0, 100, 100]);
+    assert_eq!(Balance::new(4, None).ends(2), [1, 1, 2, 2]);
+    assert_eq!(Balance::new(2, None).ends(0), [0, 0]);
+}
+
 #[cfg(feature = "opencl")]
 mod with_opencl {
     use std::sync::{Arc, OnceLock};
