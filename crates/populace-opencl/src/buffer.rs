@@ -340,8 +340,42 @@ impl<T: Element> Buffer<T> {
         count: usize,
         what: &str,
     ) -> Result<(), BackendError> {
+        if let Some(larger) = self.grown(device, queue, count, what)? {
+            *self = larger;
+        }
+        Ok(())
+    }
+
+    /// Grows two buffers of equal length, which are copied to each other: both or, after an error,
+    /// neither.
+    pub(crate) fn grow_pair(
+        [first, second]: [&mut Self; 2],
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        count: usize,
+        what: &str,
+    ) -> Result<(), BackendError> {
+        let larger_first = first.grown(device, queue, count, what)?;
+        if let Some(larger) = second.grown(device, queue, count, what)? {
+            *second = larger;
+        }
+        if let Some(larger) = larger_first {
+            *first = larger;
+        }
+        Ok(())
+    }
+
+    /// Returns a buffer of at least `count` elements with the same contents and zeros after them;
+    /// `None` if this one is as long.
+    fn grown(
+        &self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        count: usize,
+        what: &str,
+    ) -> Result<Option<Self>, BackendError> {
         if count <= self.len {
-            return Ok(());
+            return Ok(None);
         }
         let capacity = count.next_power_of_two();
         let mut larger = Self::new(device, capacity, what)?;
@@ -353,8 +387,7 @@ impl<T: Element> Buffer<T> {
         filled
             .and_then(|()| larger.copy_from(queue, self))
             .map_err(|e| device.failed("grow a buffer", &e))?;
-        *self = larger;
-        Ok(())
+        Ok(Some(larger))
     }
 
     /// Enqueues the filling of a range with zeros.

@@ -77,9 +77,8 @@ impl History {
         for states in &mut self.states {
             states.grow(device, queue, tables.state_elements(), "states of members")?;
         }
-        for watched in &mut self.watched {
-            watched.grow(device, queue, tables.watched_elements(), "watched joints")?;
-        }
+        let (pair, count) = (self.watched.each_mut(), tables.watched_elements());
+        Buffer::grow_pair(pair, device, queue, count, "watched joints")?;
         let watched = &mut self.watched[self.now];
         let cleared = tables.new_watched_elements().try_for_each(|run| watched.clear(queue, run));
         cleared.map_err(|e| device.failed("clear watched joints", &e))

@@ -46,8 +46,8 @@ impl Machines {
     ) -> Result<(), BackendError> {
         let count = tables.machine_instances().as_slice().len();
         self.has_kept = false;
-        self.before.grow(device, queue, count, "state machines")?;
-        self.running.grow(device, queue, count, "state machines")
+        let pair = [&mut self.before, &mut self.running];
+        Buffer::grow_pair(pair, device, queue, count, "state machines")
     }
 
     /// Enqueues a copy of all states, before a frame advances them.
