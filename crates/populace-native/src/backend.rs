@@ -1,5 +1,6 @@
 //! Native device: buffers, threads and schedules.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::time::Instant;
 
 use populace_device::layout::{Float4, PAGE_ENTRIES};
@@ -143,6 +144,28 @@ impl NativeBackend {
         }
     }
 
+    /// Runs a frame's phases by the schedule.
+    fn run_frame(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
+        let start = Instant::now();
+        if self.is_staged() {
+            let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
+            stages.try_for_each(|stage| self.run_stage(tables, frame, stage))?;
+        } else {
+            self.last = Some(frame);
+            self.reading.forget();
+            if frame.begins() {
+                self.pages.begin_frame();
+                let Self { pool, history, .. } = self;
+                history.keep_running();
+                pool.install(|| advance(tables, frame.tick, &mut history.running));
+            }
+            self.run_phases(tables, frame);
+        }
+        let before_ms = self.frame_ms.filter(|_| !frame.begins()).unwrap_or(0.0);
+        self.frame_ms = Some(before_ms + start.elapsed().as_secs_f64() * 1e3);
+        Ok(())
+    }
+
     /// Returns the elements of a buffer from `first` on; of the palettes, those of one page.
     fn elements(&mut self, buffer: StageBuffer, first: usize) -> &mut [Float4] {
         let all: &mut [Float4] = match buffer {
@@ -242,25 +265,14 @@ impl Backend for NativeBackend {
         Ok(())
     }
 
+    /// Takes the frame back if a user stage panics, since a caller may catch the panic.
     fn run(&mut self, tables: &Tables, frame: Frame) -> Result<(), BackendError> {
-        let start = Instant::now();
-        if self.is_staged() {
-            let mut stages = Stage::ALL.into_iter().filter(|stage| frame.runs(*stage, tables));
-            stages.try_for_each(|stage| self.run_stage(tables, frame, stage))?;
-        } else {
-            self.last = Some(frame);
-            self.reading.forget();
-            if frame.begins() {
-                self.pages.begin_frame();
-                let Self { pool, history, .. } = self;
-                history.keep_running();
-                pool.install(|| advance(tables, frame.tick, &mut history.running));
-            }
-            self.run_phases(tables, frame);
-        }
-        let before_ms = self.frame_ms.filter(|_| !frame.begins()).unwrap_or(0.0);
-        self.frame_ms = Some(before_ms + start.elapsed().as_secs_f64() * 1e3);
-        Ok(())
+        let run = catch_unwind(AssertUnwindSafe(|| self.run_frame(tables, frame)));
+        run.unwrap_or_else(|panic| {
+            self.scratch.iter_mut().for_each(|own| own.writes.clear());
+            self.undo_frame();
+            resume_unwind(panic)
+        })
     }
 
     fn undo_frame(&mut self) {

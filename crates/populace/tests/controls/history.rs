@@ -1,10 +1,17 @@
 //! What devices know of earlier frames belongs to one use of a constraint, in one course of time.
 
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use fastrand::Rng;
-use populace::{Affine, ClipPlayback, Feet, Ground, MemberId, Placement, Stride, Target, Weight};
+use populace::{
+    Affine, After, ClipPlayback, Device, Feet, Ground, MemberId, Placement, Schedule, StageUse,
+    Stride, Target, UserStage, Weight,
+};
 
 use crate::feet::feet;
-use crate::fixture::{Scene, everywhere, skeleton};
+use crate::fixture::{Scene, everywhere, scene, skeleton};
 use crate::gaze::gaze;
 
 const FRAME_SECS: f32 = 1.0 / 30.0;
@@ -80,6 +87,43 @@ fn strides_end_with_the_planting() {
             assert_eq!(scene.models(early), expected, "frame {frame}, of a stride too early");
         }
     });
+}
+
+/// The frame of a panic would lose what feet know of the frame before it.
+#[test]
+fn frames_in_which_a_stage_panics_leave_no_trace() {
+    for schedule in [Schedule::Staged, Schedule::Fused] {
+        let course = |panics: bool| {
+            let mut scene = scene(Device::Native { threads: 2 }, schedule);
+            slope(&mut scene);
+            let [planted, tripping] = [swaying(&mut scene), swaying(&mut scene)];
+            scene.edit(planted).plant_feet_with(&feet()).expect("feet");
+            let trips = Arc::new(AtomicBool::new(false));
+            let heard = Arc::clone(&trips);
+            let trip = UserStage::new("trip").rust(move |_| {
+                if heard.load(Ordering::Relaxed) {
+                    resume_unwind(Box::new("tripped"));
+                }
+            });
+            let trip = scene.crowd.add_stage(After::Transform, trip).expect("a stage");
+            scene.edit(tripping).set_stage(trip, StageUse::on_all()).expect("a stage use");
+            let mut shown = Vec::new();
+            for frame in 0..8_u8 {
+                let at = Placement::at([0.1 * f32::from(frame), 0.0, 0.0]);
+                scene.edit(planted).set_placement(at).expect("a member");
+                if panics && frame > 2 {
+                    trips.store(true, Ordering::Relaxed);
+                    let update = catch_unwind(AssertUnwindSafe(|| scene.update(FRAME_SECS)));
+                    assert!(update.is_err(), "the stage panics");
+                    trips.store(false, Ordering::Relaxed);
+                }
+                scene.update(FRAME_SECS);
+                shown.push(scene.models(planted));
+            }
+            shown
+        };
+        assert_eq!(course(true), course(false), "{schedule}");
+    }
 }
 
 #[test]
