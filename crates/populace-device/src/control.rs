@@ -309,13 +309,15 @@ pub(crate) fn path(
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::FRAC_1_SQRT_2;
+
     use populace_model::{JointSource, Trs};
 
     use super::*;
 
     #[test]
     fn rest_rotations_of_long_chains_need_no_deep_stack() {
-        let quarter = [0.0, 0.0, 0.5f32.sqrt(), 0.5f32.sqrt()];
+        let quarter = [0.0, 0.0, FRAC_1_SQRT_2, FRAC_1_SQRT_2];
         let link = |index: usize| JointSource {
             name: format!("link {index}"),
             parent: index.checked_sub(1),
@@ -328,6 +330,6 @@ mod tests {
         let skeleton = Skeleton::new(&(0..100_000).map(link).collect::<Vec<_>>()).unwrap();
         let [x, y, z, w] = rest_rotation(&skeleton, JointIndex(99_999));
         assert_eq!([x, y], [0.0; 2]);
-        assert!((z - 0.5f32.sqrt()).abs() < 1e-6 && (w + 0.5f32.sqrt()).abs() < 1e-6, "{z} {w}");
+        assert!((z - FRAC_1_SQRT_2).abs() < 1e-6 && (w + FRAC_1_SQRT_2).abs() < 1e-6, "{z} {w}");
     }
 }
