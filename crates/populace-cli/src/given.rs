@@ -6,7 +6,7 @@ use crate::cli::{PictureArgs, TrajectoryArgs};
 use crate::failure::Failure;
 use crate::{scene, trajectory};
 
-/// What a command was given that is not always of use.
+/// Inputs and options of a command. Some have no meaning for some shows.
 pub(crate) struct Given<'a> {
     pub(crate) inputs: &'a [PathBuf],
     pub(crate) members: Option<u32>,

@@ -50,19 +50,19 @@ pub(crate) struct RoleClip {
     pub(crate) motion: Option<(RootMotion, f32)>,
 }
 
-/// What members play.
+/// The clips that members play.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub(crate) enum ClipChoice<'a> {
     /// Gaits, by the speed at which each member goes: all characters need legs.
     #[default]
     Gaits,
-    /// What a scene says: gaits or clips.
+    /// Gaits or clips, as the scene says.
     Scene,
     /// Clips as they are.
     Clips {
         /// The clip of this name; the default clips if `None`.
         name: Option<&'a str>,
-        /// Whether root motion is extracted from the clip to move the member.
+        /// True if root motion is extracted from the clip to move the member.
         root_motion: bool,
     },
 }

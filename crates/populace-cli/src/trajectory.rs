@@ -14,7 +14,7 @@ use crate::report::counted;
 
 /// Bytes by which a glTF file is told from others.
 const HEAD_BYTES: u64 = 4096;
-/// What else the program reads, for files that are none of it.
+/// The other inputs of the program, for the refusal of unknown files.
 const OTHER_INPUTS: &str = "characters are glTF files (.glb, .gltf, .vrm), and scenes end in .toml";
 /// Words behind a fact that an option said.
 const TOLD: &str = " (as told)";

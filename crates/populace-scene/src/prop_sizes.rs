@@ -9,7 +9,7 @@ pub(crate) const MOST_SEATS: f32 = 512.0;
 #[derive(Debug)]
 pub(crate) struct Size {
     pub(crate) what: &'static str,
-    /// What the prop has if the number is left out.
+    /// The value if the number is left out.
     usual: f32,
     pub(crate) least: f32,
     pub(crate) most: f32,

@@ -73,7 +73,7 @@ fn more_spectators_than_seats_are_refused() {
     assert!(error.to_string().contains("600 people watch from 500 seats"), "{error}");
 }
 
-/// Plans that are made in code are not those of a file, which refuses such footways itself.
+/// Plans that are made in code are not checked as those of a file are.
 #[test]
 fn footways_without_length_are_refused() {
     let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\

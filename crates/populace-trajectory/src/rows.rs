@@ -11,7 +11,7 @@ use crate::{Fact, Location, Place, Unit};
 
 /// Times and frames from here on are faults: whole numbers beyond are not exact.
 const LATEST: f64 = 9e15;
-/// Coordinates from here on are faults, whatever their unit.
+/// Coordinates from here on are faults in any unit.
 const FARTHEST: f64 = 1e9;
 
 /// The axis by which rows are in order.
@@ -60,7 +60,7 @@ struct Broken {
     rows: usize,
     /// The place of the first.
     first: Option<Location>,
-    /// What the first has instead of an id, a time or a position, if its reader says so.
+    /// The value that the first has in place of an id, a time or a position, if its reader says so.
     why: String,
 }
 

@@ -16,7 +16,7 @@ struct Still {
     mark: TargetMark,
     target: PaletteTarget,
     set: usize,
-    /// Whether the member is gone.
+    /// True if the member is gone.
     is_empty: bool,
 }
 

@@ -8,7 +8,7 @@ use crate::plan::{CameraKey, CameraPlan, LightPlan, OutputPlan, ScenePlan};
 
 /// The skies, by name.
 const SKIES: [&str; 4] = ["day", "evening", "overcast", "studio"];
-/// What `--camera` takes for something else than the name of a camera.
+/// Names that `--camera` takes for other cameras.
 const TAKEN_NAMES: [&str; 7] = ["crowd", "close", "top", "iso", "orbit", "follow", "eye"];
 const TAKEN_CHARS: [char; 4] = [':', ',', '/', '.'];
 

@@ -185,7 +185,7 @@ fn body_heights_that_no_body_has_are_one_warning() {
     let [warning] = &of(&["1.7", "175", "0.2", "182"])[..] else { panic!("warnings") };
     assert!(warning.contains("3 agents") && warning.contains("height_cm"), "{warning}");
     assert!(warning.contains("175.00 m of agent \"p1\""), "{warning}");
-    // Unknown ones are none, and those of vehicles are not of bodies.
+    // Unknown heights are not warned of, nor are heights of vehicles.
     assert_eq!(of(&["1.7", "0", "nan", ""]), [""; 0]);
     let street = "id,frame,x,y,height,type\n1,0,0,0,3.5,bus\n2,0,0,5,1.7,ped\n";
     assert_eq!(warnings(street, &ReadSettings::default()).1, [""; 0]);

@@ -1,4 +1,4 @@
-//! What devices know of earlier frames belongs to one use of a constraint, in one course of time.
+//! State of earlier frames belongs to one use of a constraint, in one course of time.
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
