@@ -46,12 +46,13 @@ impl Recording {
     #[must_use]
     pub fn summary(&self) -> Summary {
         let secs = self.secs();
-        let (gaps, mut speeds) = self.gaps_and_speeds();
+        let interval_secs = self.usual_interval_secs();
+        let (gaps, mut speeds) = self.gaps_and_speeds(interval_secs);
         Summary {
             agents: self.agents.len(),
             frames: frames(self.times.clone()),
             fps: self.source.fps.value,
-            rows_per_sec: self.rows_per_sec(),
+            rows_per_sec: self.rows_per_sec_of(interval_secs),
             duration_s: (secs[1] - secs[0]).max(0.0),
             peak_agents: self.peak_agents(),
             median_speed_m_s: percentile(&mut speeds, 50),
@@ -65,8 +66,11 @@ impl Recording {
     /// unless agents have a row in every other frame or in fewer.
     #[must_use]
     pub fn rows_per_sec(&self) -> f64 {
+        self.rows_per_sec_of(self.usual_interval_secs())
+    }
+
+    fn rows_per_sec_of(&self, interval_secs: f64) -> f64 {
         let fps = self.source.fps.value;
-        let interval_secs = self.usual_interval_secs();
         if interval_secs * fps > GAP_INTERVALS { 1.0 / interval_secs } else { fps }
     }
 
@@ -95,8 +99,8 @@ impl Recording {
     }
 
     /// Returns the gaps, and the speeds of people elsewhere.
-    fn gaps_and_speeds(&self) -> (Gaps, Vec<f64>) {
-        let longest = GAP_INTERVALS * self.usual_interval_secs();
+    fn gaps_and_speeds(&self, interval_secs: f64) -> (Gaps, Vec<f64>) {
+        let longest = GAP_INTERVALS * interval_secs;
         let (mut gaps, mut speeds) = (Gaps::default(), Vec::new());
         for agent in &self.agents {
             let widest = self.add_speeds(agent, longest, &mut speeds);

@@ -35,7 +35,7 @@ pub enum Error {
     Layout {
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong.
+        /// The fault.
         fault: String,
     },
     /// A line of a script expected something else.

@@ -308,7 +308,8 @@ fn far_members_are_posed_with_fewer_joints() {
     }
 }
 
-/// Slots of removed members hold what others left there.
+/// The palette of a new member holds matrices of an earlier member until the first update that poses
+/// it.
 #[test]
 fn members_that_were_never_posed_have_no_results() {
     for schedule in [Schedule::Staged, Schedule::FusedWide] {

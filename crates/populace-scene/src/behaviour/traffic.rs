@@ -287,8 +287,8 @@ impl Traffic {
         Ok(())
     }
 
-    /// Lets vehicles that begin on a stretch of a lane, or cannot stop before it, stand before it
-    /// one behind the other.
+    /// Queues vehicles before a stretch of a lane: all that begin on it, and all that cannot stop
+    /// in time.
     pub(crate) fn hold(
         &mut self,
         crowd: &mut Crowd,
