@@ -19,6 +19,8 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         const BoundClip clip = tables->bound_clips[slot.bound_clip];
         slot.blocks = tables->bound_blocks + clip.block_first;
         slot.ranges = tables->poses + clip.range_first;
+        slot.from = row_start(tables, slot.at.row0);
+        slot.to = row_start(tables, slot.at.row1);
         playback.has_floats = playback.has_floats || tables->clips[clip.rows].has_floats;
         playing[playback.count++] = slot;
     }
@@ -338,12 +340,9 @@ INLINE void place_span(const Company *all, const Posing *posing, uint first, con
     for (uint joint = first; joint < end; joint++) {
         Matrix own;
         components_of(posed_joint(all, posing, posed, still, first, joint - first), own.m);
-        if (!are_led(all) && all->parents[joint] != NONE) {
-            Matrix parent;
-            models_of(joints, all->parents[joint], &parent);
-            matrix_product(&parent, &own, &own);
-        }
-        keep_models(joints, joint, &own);
+        const uint parent = are_led(all) ? NONE : all->parents[joint];
+        if (parent != NONE) keep_beneath(joints, parent, joint, &own);
+        else keep_models(joints, joint, &own);
     }
 }
 

@@ -89,12 +89,11 @@ INLINE bool is_due(uint owner, Member member, uint place_first, uint place_end, 
 
 INLINE void descend_to(const Company *all, Hierarchy joints, uint joint)
 {
-    if (all->parents[joint] == NONE) return;
-    Matrix parent, own;
-    models_of(joints, all->parents[joint], &parent);
-    locals_of(joints, joint, &own);
-    matrix_product(&parent, &own, &own);
-    keep_models(joints, joint, &own);
+    const uint parent = all->parents[joint];
+    if (parent == NONE) return;
+    Matrix locals;
+    locals_of(joints, joint, &locals);
+    keep_beneath(joints, parent, joint, &locals);
 }
 
 // Leads members with programs down their hierarchies.

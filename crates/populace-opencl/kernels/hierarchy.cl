@@ -44,6 +44,23 @@ INLINE void keep_models(Hierarchy all, uint joint, const Matrix *models)
     all.joints[joint] = *models;
 }
 
+// Keeps the transforms of a joint beneath its parent, from its local ones. Rows are read and written
+// one after the other, so that registers hold one.
+INLINE void keep_beneath(Hierarchy all, uint parent, uint joint, const Matrix *locals)
+{
+    __global const Real *from = all.joints[parent].m;
+    __global Real *to = all.joints[joint].m;
+#pragma unroll
+    for (uint row = 0; row < 12; row += 4) {
+        const MatrixRow above = { from[row], from[row + 1], from[row + 2], from[row + 3] };
+        const MatrixRow model = row_product(above, locals);
+        to[row] = model.x;
+        to[row + 1] = model.y;
+        to[row + 2] = model.z;
+        to[row + 3] = model.w;
+    }
+}
+
 INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
 {
     models_of(joints, joint, locals);

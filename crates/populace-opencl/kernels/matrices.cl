@@ -7,20 +7,41 @@ typedef struct {
     Real m[12];
 } Matrix;
 
-// Writes a * b, which applies b first.
+// A row of a matrix.
+typedef struct {
+    Real x, y, z, w;
+} MatrixRow;
+
+INLINE MatrixRow matrix_row(const Matrix *all, uint row)
+{
+    const MatrixRow r = { all->m[4 * row], all->m[4 * row + 1], all->m[4 * row + 2],
+                          all->m[4 * row + 3] };
+    return r;
+}
+
+INLINE void put_matrix_row(Matrix *all, uint row, MatrixRow r)
+{
+    all->m[4 * row] = r.x;
+    all->m[4 * row + 1] = r.y;
+    all->m[4 * row + 2] = r.z;
+    all->m[4 * row + 3] = r.w;
+}
+
+// Returns a row of a * b, which applies b first, from that row of a.
+INLINE MatrixRow row_product(MatrixRow a, const Matrix *b)
+{
+    const MatrixRow r = { a.x * b->m[0] + a.y * b->m[4] + a.z * b->m[8],
+                          a.x * b->m[1] + a.y * b->m[5] + a.z * b->m[9],
+                          a.x * b->m[2] + a.y * b->m[6] + a.z * b->m[10],
+                          a.x * b->m[3] + a.y * b->m[7] + a.z * b->m[11] + a.w };
+    return r;
+}
+
+// Writes a * b, row by row, so that registers hold one. `to` may be a, but not b.
 INLINE void matrix_product(const Matrix *a, const Matrix *b, Matrix *to)
 {
-    Matrix product;
 #pragma unroll
-    for (uint row = 0; row < 12; row += 4) {
-        const Real x = a->m[row], y = a->m[row + 1], z = a->m[row + 2], w = a->m[row + 3];
-#pragma unroll
-        for (uint column = 0; column < 3; column++)
-            product.m[row + column] =
-                x * b->m[column] + y * b->m[4 + column] + z * b->m[8 + column];
-        product.m[row + 3] = x * b->m[3] + y * b->m[7] + z * b->m[11] + w;
-    }
-    *to = product;
+    for (uint row = 0; row < 3; row++) put_matrix_row(to, row, row_product(matrix_row(a, row), b));
 }
 
 INLINE Vec3 matrix_origin(const Matrix *m)
@@ -49,13 +70,13 @@ INLINE Vec3 matrix_transform_point(const Matrix *m, Vec3 p)
 INLINE void matrix_rotated(Matrix *m, Quat rotation)
 {
     const Local turn = { { 0.0f, 0.0f, 0.0f }, rotation, { 1.0f, 1.0f, 1.0f } };
-    const Real x = m->m[3], y = m->m[7], z = m->m[11];
+    const Matrix before = *m;
     Matrix turned;
     components_of(turn, turned.m);
-    matrix_product(&turned, m, m);
-    m->m[3] = x;
-    m->m[7] = y;
-    m->m[11] = z;
+    matrix_product(&turned, &before, m);
+    m->m[3] = before.m[3];
+    m->m[7] = before.m[7];
+    m->m[11] = before.m[11];
 }
 
 // Returns the transform in one lane.

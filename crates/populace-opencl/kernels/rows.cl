@@ -19,6 +19,15 @@ typedef struct {
 // neighbours, so that a compiler knows how far apart they are.
 typedef __global const float *Stored;
 
+// Where a row begins: its index among words, or with lanes a pointer, which saves additions.
+#if LANES == 1
+typedef uint RowStart;
+INLINE RowStart row_start(const ClipTables *tables, uint row) { return row; }
+#else
+typedef __global const uint *RowStart;
+INLINE RowStart row_start(const ClipTables *tables, uint row) { return tables->rows + row; }
+#endif
+
 // A slot as it plays now. `secs` is the time after the start of the clip; NAN for live clips, without
 // weight, and in the staged schedule.
 typedef struct {
@@ -28,9 +37,10 @@ typedef struct {
     // The weights of both rows; see Rows.
     uint halves;
 #if LANES > 1
-    // The clip's first block of columns, and its ranges. play_all() sets them.
+    // The clip's first block of columns, its ranges, and both rows. play_all() sets them.
     __global const BoundBlock *blocks;
     Stored ranges;
+    RowStart from, to;
 #endif
 } Playing;
 
@@ -50,11 +60,6 @@ INLINE Planes planes_of(BoundBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
-INLINE uint plane_at(Planes planes, uint row, uint plane)
-{
-    return row + planes.first + plane * (planes.lanes & ~ROW_FLOATS);
-}
-
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
 // that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
 // none.
@@ -70,6 +75,12 @@ INLINE Columns columns_of(__global const BoundBlock *blocks, uint joint, bool no
     return columns;
 }
 
+// Returns the first word of a plane, after the beginning of its row.
+INLINE uint plane_at(Columns columns, Planes planes, uint plane)
+{
+    return planes.first + plane * (columns.no_floats ? planes.lanes : planes.lanes & ~ROW_FLOATS);
+}
+
 INLINE bool are_floats(Columns columns, Planes planes)
 {
     return !columns.no_floats && planes.lanes & ROW_FLOATS;
@@ -77,32 +88,33 @@ INLINE bool are_floats(Columns columns, Planes planes)
 
 #if LANES == 1
 
-INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return tables->rows[plane_at(planes, row, plane) + columns.lane];
+    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane];
 }
 
 // Returns words whose lower halves are those of a plane with two lanes in a word.
-INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    return tables->rows[plane_at(planes, row, plane) + columns.lane / 2] >> 16 * (columns.lane % 2);
+    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane / 2]
+           >> 16 * (columns.lane % 2);
 }
 
 #else
 
-INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return LOAD(tables->rows + plane_at(planes, row, plane) + columns.lane);
+    return LOAD(row + plane_at(columns, planes, plane) + columns.lane);
 }
 
-INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, uint row,
+INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
     __global const ushort *halves =
-        (__global const ushort *)(tables->rows + plane_at(planes, row, plane));
+        (__global const ushort *)(row + plane_at(columns, planes, plane));
     return CONVERT_WORDS(LOAD(halves + columns.lane));
 }
 
@@ -111,7 +123,7 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 // Two rows, and their weights. `between` is for floats. `halves` is for 16-bit numbers, in ROW_PARTS:
 // the lower half is the weight of `from`, the upper half that of `to`.
 typedef struct {
-    uint from, to;
+    RowStart from, to;
     float between;
     uint halves;
 } Rows;
@@ -124,16 +136,21 @@ INLINE uint halves_of(float between)
     return ((uint)ROW_PARTS - second) | second << 16;
 }
 
-INLINE Rows rows_of(SlotSample at)
+INLINE Rows rows_of(const ClipTables *tables, SlotSample at)
 {
-    const Rows rows = { at.row0, at.row1, at.between, halves_of(at.between) };
+    const Rows rows = { row_start(tables, at.row0), row_start(tables, at.row1), at.between,
+                        halves_of(at.between) };
     return rows;
 }
 
 // Returns the rows that a slot plays.
 INLINE Rows rows_in(Playing playing)
 {
+#if LANES == 1
     const Rows rows = { playing.at.row0, playing.at.row1, playing.at.between, playing.halves };
+#else
+    const Rows rows = { playing.from, playing.to, playing.at.between, playing.halves };
+#endif
     return rows;
 }
 

@@ -61,9 +61,10 @@ INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer, bo
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(
-                sample_joint(tables, playing.bound_clip, joint, rows_of(start), no_floats, rest),
-                rest);
+            const Local reference =
+                normalized(sample_joint(tables, playing.bound_clip, joint, rows_of(tables, start),
+                                        no_floats, rest),
+                           rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
