@@ -1,6 +1,7 @@
 //! Draws the people of a trajectory file: `populace render bottleneck.sqlite`.
 
 mod agents;
+mod metered;
 mod overlays;
 mod people;
 mod place;
@@ -10,7 +11,6 @@ use std::time::Instant;
 
 use populace::character::Image;
 use populace::{Crowd, MemberId};
-use populace_locomotion::SkateMeter;
 use populace_render::{Camera, Ground, Scene};
 use populace_scene::{Motions, Replay};
 use populace_trajectory::Recording;
@@ -32,12 +32,11 @@ use crate::report::{self, message};
 use crate::roles::{self, ClipChoice, LoadedRoles};
 use crate::trajectory::{self, ReadArgs};
 use agents::Agents;
+use metered::Metered;
 use overlays::Overlays;
 use people::CastSettings;
 use place::{Place, SLAB_M};
 
-/// People whose feet are measured when most are there.
-const METERED: usize = 16;
 /// Clips that a member plays at the same time: idle, walk and run.
 const SLOTS: usize = 4;
 
@@ -173,7 +172,7 @@ impl ReplayJob<'_> {
         let gaits = crate::people::gaits(crowd, roles)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, roles, &settings);
-        let every = capacity(&motions).div_ceil(METERED);
+        let metered = Metered::new(capacity(&motions));
         let heights = people::body_heights(&people, roles);
         let subject = Agents::new(&recording, motions.clone(), heights.clone());
         let from_secs = recording.secs()[0];
@@ -194,8 +193,7 @@ impl ReplayJob<'_> {
             subject,
             view: args.camera.clone(),
             cameras: None,
-            meter: SkateMeter::new(),
-            every,
+            metered,
             overlays,
             place: Place::default(),
             behave_ms: 0.0,
@@ -272,9 +270,7 @@ struct ReplayAction {
     view: View,
     /// `None` if nothing is drawn.
     cameras: Option<Cameras>,
-    meter: SkateMeter,
-    /// The feet of agents are measured whose index is a multiple of this.
-    every: usize,
+    metered: Metered,
     overlays: Overlays,
     place: Place,
     behave_ms: f64,
@@ -287,18 +283,15 @@ impl ReplayAction {
         self.place.change(crowd, self.replay.secs())?;
         self.overlays.dress(crowd, &self.recording, &self.replay)?;
         self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
+        self.metered.find(crowd, &self.replay)?;
         crowd.update(secs)?;
-        let metered = self.replay.present().filter(|(agent, _)| agent % self.every == 0);
-        for (_, member) in metered {
-            self.meter.sample(crowd, member, secs)?;
-        }
-        Ok(())
+        self.metered.sample(crowd, secs)
     }
 
     /// Returns foot skate and the error of positions as JSON, by their names.
     fn measures(&self) -> Value {
         let error = self.replay.position_error();
-        let skate = self.meter.skate();
+        let skate = self.metered.skate();
         let skate = skate
             .map(|skate| json!({"mean_m_s": skate.mean_m_per_sec, "p95_m_s": skate.p95_m_per_sec}));
         let error = json!({"max_m": error.max_m, "max_raw_m": error.max_raw_m});
@@ -353,7 +346,7 @@ impl crate::watched::Watched for ReplayAction {
     fn rewind(&mut self) {
         self.replay = self.first.clone();
         self.place.forget();
-        self.meter = SkateMeter::new();
+        self.metered.rewind();
     }
 
     fn leads_members(&self) -> bool {

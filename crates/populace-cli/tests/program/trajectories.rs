@@ -243,6 +243,25 @@ fn films_show_the_people_of_a_recording() {
     }
 }
 
+/// People are measured wherever the camera looks, and how far away it is: those out of view from
+/// the beginning, and those of coarse levels.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn foot_skate_does_not_depend_on_the_camera() {
+    let folder = Folder::new();
+    let (file, out) = (write(&folder, "walk.txt", &rows()), folder.text("x.gif"));
+    let film = ["render", &file, "--cast", "@woman", "--frames", "0..20"];
+    let native = ["--device", "native"];
+    let expected = json_of(&[&film[..], &["--no-draw"], &native].concat());
+    let expected = &expected["foot_skate"];
+    assert!(expected["mean_m_s"].as_f64() > Some(0.0), "{expected}");
+    for camera in ["eye:1", "9,1.5,-3,9,1.5,-60", "0,90,90,0,0,0"] {
+        let drawn = ["--size", "32x18", "--json", "--out", &out, "--camera", camera];
+        let d = json_of(&[&film[..], &drawn, &native].concat());
+        assert_eq!(d["foot_skate"], *expected, "{camera}");
+    }
+}
+
 #[test]
 fn wrong_usage_with_recordings_exits_with_2() {
     let folder = Folder::new();
