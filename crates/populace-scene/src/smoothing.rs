@@ -65,7 +65,8 @@ fn monotone_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     std::iter::once(first.1).chain(inner).chain([last.1]).collect()
 }
 
-/// Smooths values at even times.
+/// Smooths values at even times. The line from the first value to the last stays as it is: only the
+/// distances from it are filtered, so uniform motion is kept however short it is.
 pub(crate) fn low_pass(values: &mut [f64], step_secs: f64, cutoff_hz: f64) {
     let count = values.len();
     // Above half the sampling rate there is nothing to remove.
@@ -73,17 +74,25 @@ pub(crate) fn low_pass(values: &mut [f64], step_secs: f64, cutoff_hz: f64) {
         return;
     }
     let filter = Filter::new(step_secs, cutoff_hz);
-    let padding = periods(step_secs, cutoff_hz).min(count - 1);
-    let (first, last) = (values[0], values[count - 1]);
-    // Turned about its ends, the curve goes on with the slope that it has there.
-    let before = (1..=padding).rev().map(|nth| 2.0 * first - values[nth]);
-    let after = (1..=padding).map(|nth| 2.0 * last - values[count - 1 - nth]);
-    let mut padded: Vec<f64> = before.chain(values.iter().copied()).chain(after).collect();
+    let padding = periods(step_secs, cutoff_hz);
+    let last = count - 1;
+    let (first, slope) = (values[0], (values[last] - values[0]) / last as f64);
+    let line = |nth: usize| first + slope * nth as f64;
+    let off = |nth: usize| values[nth] - line(nth);
+    // Turned about its ends, again and again, the curve goes on with the slope that it has there.
+    let turned = |nth: usize| match nth % (2 * last) {
+        nth if nth <= last => off(nth),
+        nth => -off(2 * last - nth),
+    };
+    let before = (1..=padding).rev().map(|nth| -turned(nth));
+    let mut padded: Vec<f64> = before.chain((0..count + padding).map(turned)).collect();
     for _ in 0..2 {
         filter.run(&mut padded);
         padded.reverse();
     }
-    values.copy_from_slice(&padded[padding..padding + count]);
+    for (nth, (value, smooth)) in values.iter_mut().zip(&padded[padding..]).enumerate() {
+        *value = line(nth) + smooth;
+    }
 }
 
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small count")]
@@ -192,11 +201,13 @@ mod tests {
 
     #[test]
     fn straight_lines_stay_and_nothing_is_delayed() {
-        let line: Vec<f64> = (0..200).map(|nth| 3.0 - 0.05 * f64::from(nth)).collect();
-        let mut smooth = line.clone();
-        low_pass(&mut smooth, STEP_SECS, 0.5);
-        for (nth, (found, expected)) in smooth.iter().zip(&line).enumerate() {
-            assert!((found - expected).abs() < 0.01, "{nth}: {found}, not {expected}");
+        for count in [3, 4, 6, 12, 25, 50, 200] {
+            let line: Vec<f64> = (0..count).map(|nth| 3.0 - 0.05 * f64::from(nth)).collect();
+            let mut smooth = line.clone();
+            low_pass(&mut smooth, STEP_SECS, 0.5);
+            for (nth, (found, expected)) in smooth.iter().zip(&line).enumerate() {
+                assert!((found - expected).abs() < 1e-9, "{nth} of {count}: {found}, {expected}");
+            }
         }
         let mut hump: Vec<f64> =
             (-100..=100).map(|nth| (-(f64::from(nth) * 0.03).powi(2)).exp()).collect();
@@ -207,6 +218,21 @@ mod tests {
         let mut short = [1.0, 2.0];
         low_pass(&mut short, STEP_SECS, 0.5);
         assert_eq!(short, [1.0, 2.0]);
+    }
+
+    /// Curves that are much shorter than a period of the cut-off frequency become straight lines.
+    #[test]
+    fn sway_leaves_short_curves_too() {
+        for count in [6, 12] {
+            let curve = wave(2.0);
+            let mut smooth = curve[..count].to_vec();
+            low_pass(&mut smooth, STEP_SECS, 0.5);
+            let slope = (curve[count - 1] - curve[0]) / (count - 1) as f64;
+            for (nth, found) in smooth.iter().enumerate() {
+                let line = curve[0] + slope * nth as f64;
+                assert!((found - line).abs() < 0.06, "{nth} of {count}: {found}, not {line}");
+            }
+        }
     }
 
     #[test]
