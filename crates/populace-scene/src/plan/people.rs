@@ -122,8 +122,6 @@ impl Default for StrollPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SpectatePlan {
-    /// Where they look.
-    pub watch: [f32; 3],
     /// Times in a minute at which one person claps.
     pub clap: f32,
     /// Times in a minute at which one person cheers.
@@ -138,7 +136,7 @@ impl Default for SpectatePlan {
     fn default() -> Self {
         // A wave passes about 20 seats of 0.5 m each second (I. Farkas, D. Helbing and T. Vicsek,
         // "Mexican waves in an excitable medium", Nature 419 (2002), 131).
-        Self { watch: [0.0; 3], clap: 2.0, cheer: 0.6, wave_every_s: 20.0, wave_speed: 11.0 }
+        Self { clap: 2.0, cheer: 0.6, wave_every_s: 20.0, wave_speed: 11.0 }
     }
 }
 

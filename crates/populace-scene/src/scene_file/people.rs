@@ -91,7 +91,6 @@ fn check_stroll(plan: &ScenePlan, stroll: &StrollPlan) -> Option<Fault> {
 
 fn check_spectate(spectate: &SpectatePlan) -> Option<Fault> {
     first([
-        COORDINATE.check_all("watch", &spectate.watch),
         RATE.check("clap", spectate.clap),
         RATE.check("cheer", spectate.cheer),
         WAVE_EVERY.check("wave_every_s", spectate.wave_every_s),
