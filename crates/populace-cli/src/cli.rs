@@ -74,27 +74,32 @@ pub(crate) enum Command {
     ///
     /// Where there is a display, a window opens, as by `populace view @street`. With --out, or
     /// without a display, a picture shows the first frame of the street, and everything else works
-    /// as in `populace render`.
+    /// as in `populace render`, whose help lists the fields of --json.
     Demo(DemoArgs),
-    /// Draw a crowd of characters from files into pictures or a film, without a window.
+    /// Draw a trajectory file, a scene or a crowd of characters into pictures or a film, without a
+    /// window.
     ///
     /// A humanoid character without clips plays the walk and idle clips of the built-in people.
     ///
     /// The path of the film, of the picture, or of the first of several, is printed on stdout. With
-    /// --json, a document is printed instead. Its `frames` is the number of frames, of which
-    /// `skipped` existed, and `ms_median` holds medians of milliseconds per frame: `animate` lasts
-    /// from the call that evaluates the frame until the device has finished, `draw` from then until
-    /// the picture is read back, and `total` until the file is written, or the picture handed to
-    /// the encoder of the film. `view` is the part of `animate` that chose visibility and levels of
-    /// detail. `shadow`, `members` and `surroundings` are the times of passes by the timers of
-    /// OpenGL. The rest describes the last picture: `drawn_members`, `triangles`, what the `shadow`
-    /// map shows, `draw_calls` by pass, members in view by their level of detail in `levels`, those
-    /// out of view that throw a shadow into it in `shadow_only`, and those that cannot be seen in
+    /// --json, a document is printed instead. Its `out` is that path, `frames` the number of
+    /// frames, of which `skipped` existed, and `device`, `schedule` and `members` say who was
+    /// evaluated where. `ms_median` holds medians of milliseconds per frame: `behave` is the time
+    /// of behaviours and of trajectories; then `animate` lasts from the call that evaluates the
+    /// frame until the device has finished, `draw` from then until the picture is read back, and
+    /// `total` from the beginning until the file is written, or the picture handed to the encoder
+    /// of the film. `view` is the part of `animate` that chose visibility and levels of detail.
+    /// `shadow`, `members` and `surroundings` are the times of passes by the timers of OpenGL.
+    ///
+    /// These fields describe the last picture: `drawn_members`, `triangles`, what the `shadow` map
+    /// shows, `draw_calls` by pass, members in view by their level of detail in `levels`, those out
+    /// of view that throw a shadow into it in `shadow_only`, and those that cannot be seen in
     /// `hidden`.
     ///
     /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
     /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from
-    /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`.
+    /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`. With a
+    /// scene, `counts` says how often each thing has happened.
     ///
     /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no
     /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed
@@ -122,7 +127,7 @@ pub(crate) enum Command {
     ///
     /// Prints a line `--frames A..B` for each chunk, with the numbers of its first and last frame,
     /// which `populace render` takes with --out FILE.png. A chunk has the same pictures wherever
-    /// and whenever it is drawn. A trajectory file says how many frames there are.
+    /// and whenever it is drawn. A trajectory file or a scene says how many frames there are.
     ///
     /// With --json, `frame_count` is the number of all frames, and `chunks` holds the `first` and
     /// the `last` frame of each chunk.
@@ -190,15 +195,16 @@ pub(crate) enum Command {
 
 #[derive(Args, Debug)]
 pub(crate) struct RenderArgs {
-    /// Characters: glTF 2.0 files (.gltf, .glb), - for standard input, @people for all built-in
-    /// people, or one of them, such as @woman or @child. The clips of files without meshes are
-    /// added to all characters
+    /// A trajectory file, a scene (.toml), or characters: glTF 2.0 files (.gltf, .glb), - for one
+    /// from standard input, @people for all built-in people, or one of them, such as @woman or
+    /// @child. Characters beside a trajectory file play its people. The clips of files without
+    /// meshes are added to all characters
     #[arg(required_unless_present = "cast", value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// More characters: files, folders with glTF files, or built-in people
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
-    /// Number of members of the crowd [default: 1000]
+    /// Number of members of a crowd of characters [default: 1000]
     #[arg(
         long,
         value_name = "N",
@@ -235,7 +241,7 @@ pub(crate) struct DemoArgs {
     /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
     #[arg(long, value_name = "FILE.toml", conflicts_with = "out")]
     pub(crate) write_scene: Option<PathBuf>,
-    /// File with lines such as \"at 0.5 click 300 200\" that drive the window
+    /// File with lines such as "at 0.5 click 300 200" that drive the window
     #[cfg(feature = "viewer")]
     #[arg(long, value_name = "FILE", conflicts_with = "out")]
     pub(crate) script: Option<PathBuf>,

@@ -1,5 +1,6 @@
 //! Input files, and the limits on what they refer to and how much memory they take.
 
+use std::io::BufRead;
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -10,6 +11,9 @@ use populace_assets::{Imported, LoadOptions, WriteOptions};
 
 use crate::built_in;
 use crate::failure::Failure;
+
+/// Added to the refusal of anything else than glTF on standard input.
+const OTHERS_BY_PATH: &str = "; trajectory files and scenes are read by their path";
 
 /// Limits for input files.
 #[derive(Args, Clone, Debug)]
@@ -45,7 +49,14 @@ impl InputArgs {
         if self.stdin_is_read.swap(true, Ordering::Relaxed) {
             return Err(Failure::usage("- is given twice; standard input can be read only once"));
         }
-        Ok(populace_assets::load_from_reader(std::io::stdin().lock(), "standard input", &options)?)
+        let mut stdin = std::io::stdin().lock();
+        let head = stdin.fill_buf().unwrap_or_default().trim_ascii_start();
+        let is_other = !(head.is_empty() || head.starts_with(b"glTF") || head.starts_with(b"{"));
+        let loaded = populace_assets::load_from_reader(stdin, "standard input", &options);
+        loaded.map_err(|error| {
+            let hint = if is_other { OTHERS_BY_PATH } else { "" };
+            Failure::Input(anyhow::anyhow!("{error}{hint}"))
+        })
     }
 }
 

@@ -20,7 +20,7 @@ use crate::camera::{Keys, View};
 use crate::cli::{FrameRange, MOST_FRAMES, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
-use crate::filming::Filming;
+use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter};
 use crate::names::hint;
@@ -172,12 +172,14 @@ impl SceneSource<'_> {
 
     /// Brings the plan into a crowd. What is wrong in it is named with the scene file.
     fn live(&self, crowd: &mut Crowd) -> Result<(LiveScene, LoadedRoles), Failure> {
-        LiveScene::new(crowd, self).map_err(|failure| match failure {
+        let (live, loaded) = LiveScene::new(crowd, self).map_err(|failure| match failure {
             Failure::Input(reason) | Failure::Usage(reason) if self.cast.is_empty() => {
                 self.named(format!("{reason:#}"))
             }
             other => other,
-        })
+        })?;
+        check_hidden(&loaded.roles, &self.picture.hide)?;
+        Ok((live, loaded))
     }
 
     /// Returns an error about the scene file, if there is one.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use populace_film::{Film, FilmSettings, Pixels, encode_png};
+use populace_film::{Encoder, Film, FilmSettings, Format, Pixels, encode_png};
 
 use crate::failure::Failure;
 use crate::frame_loop::{FrameSink, Shot};
@@ -26,6 +26,10 @@ impl<'a> Sink<'a> {
         settings: &FilmSettings,
         skip_existing: bool,
     ) -> Result<Self, Failure> {
+        let is_mp4 = Format::of(&outputs.first()) == Some(Format::Mp4);
+        if settings.encoder != Encoder::default() && !is_mp4 {
+            return Err(Failure::usage("--encoder is for MP4 films; name --out FILE.mp4"));
+        }
         let film = match outputs.form() {
             Form::Film if skip_existing => {
                 return Err(Failure::usage(

@@ -10,10 +10,12 @@ use populace_film::{Encoder, FrameRate};
 #[derive(Args, Debug)]
 pub(crate) struct FilmArgs {
     /// Frames to draw: N frames from frame 0 on, or those from A to B, both included. Frame k shows
-    /// the time k / fps, whichever frames are drawn [default: one picture]
+    /// the time k / fps, whichever frames are drawn [default: one picture; for .mp4 and .gif, all
+    /// frames of a trajectory file or a scene]
     #[arg(long, value_name = "N|A..B")]
     pub(crate) frames: Option<FrameRange>,
-    /// Frames per second, from 0.001 to 1000, or a fraction such as 30000/1001 [default: 30]
+    /// Frames per second, from 0.001 to 1000, or a fraction such as 30000/1001 [default: 30; 25 for
+    /// a trajectory file; that of a scene file]
     #[arg(long, value_name = "N")]
     pub(crate) fps: Option<FrameRate>,
     /// Draw one picture, of this time in seconds

@@ -10,14 +10,15 @@ use crate::trajectory::ReadArgs;
 
 #[derive(Args, Debug)]
 pub(crate) struct PlanArgs {
-    /// Inputs of `populace render`: a trajectory file, and characters
+    /// Inputs of `populace render`: a trajectory file or a scene, and characters
     #[arg(required = true, value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
     /// Frames of the film: N frames from frame 0 on, or those from A to B, both included [default:
-    /// the whole trajectory file]
+    /// the whole trajectory file, or the `seconds` of a scene file]
     #[arg(long, value_name = "N|A..B")]
     pub(crate) frames: Option<FrameRange>,
-    /// Frames per second, from 0.001 to 1000, or a fraction such as 30000/1001 [default: 25]
+    /// Frames per second, from 0.001 to 1000, or a fraction such as 30000/1001 [default: 25 for a
+    /// trajectory file; that of a scene file]
     #[arg(long, value_name = "N")]
     pub(crate) fps: Option<FrameRate>,
     /// Number of frames of each chunk; the last may have fewer

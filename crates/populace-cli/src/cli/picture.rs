@@ -17,19 +17,20 @@ const SIZE: [u32; 2] = [1280, 720];
 /// Options for drawing a crowd.
 #[derive(Args, Debug)]
 pub(crate) struct PictureArgs {
-    /// Width and height of the picture in pixels [default: 1280x720]
+    /// Width and height of the picture in pixels [default: 1280x720; that of a scene file]
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub(crate) size: Option<Size>,
     #[command(flatten)]
     pub(crate) film: FilmArgs,
     /// Camera: crowd shows all members, and close one of the nearest, with which it goes; top looks
     /// straight down, iso at a slant from far away, and orbit circles them once a minute; follow:ID
-    /// goes behind the member with this number, counted from 0, and eye:ID sees with its eyes; six
-    /// numbers are the positions of the camera and of its target in metres, and PATH.toml holds key
+    /// goes behind the member with this number, counted from 0, or the person with this id of a
+    /// trajectory file, and eye:ID sees with its eyes; six numbers are the positions of the camera
+    /// and of its target in metres; NAME is a camera of the scene file, and PATH.toml holds key
     /// frames of a moving camera
     #[arg(
         long,
-        value_name = "crowd|close|top|iso|orbit|follow:ID|eye:ID|X,Y,Z,X,Y,Z|PATH.toml",
+        value_name = "crowd|close|top|iso|orbit|follow:ID|eye:ID|X,Y,Z,X,Y,Z|NAME|PATH.toml",
         default_value = "crowd",
         allow_hyphen_values = true
     )]

@@ -23,14 +23,14 @@ pub(crate) struct ViewArgs {
     /// More characters: files, folders with glTF files, or built-in people
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
-    /// Number of members of the crowd [default: 200]
+    /// Number of members of a crowd of characters [default: 200]
     #[arg(
         long,
         value_name = "N",
         value_parser = clap::value_parser!(u32).range(1..=10_000_000)
     )]
     pub(crate) members: Option<u32>,
-    /// File with lines such as \"at 0.5 click 300 200\" that drive the window
+    /// File with lines such as "at 0.5 click 300 200" that drive the window
     #[arg(long, value_name = "FILE")]
     pub(crate) script: Option<PathBuf>,
     /// File that remembers the size and the panels of the window [default: viewer.toml in your
@@ -80,9 +80,33 @@ impl ViewArgs {
     }
 }
 
-/// Hides the options of films from the help.
+/// Hides the options of films from the help, and says what others mean in a window.
 pub(super) fn without_films(command: clap::Command) -> clap::Command {
     FILM_OPTIONS
         .into_iter()
         .fold(command, |command, name| command.mut_arg(name, |arg| arg.hide(true)))
+        .mut_arg("size", |arg| {
+            arg.help("Width and height of the window in pixels [default: those of the layout]")
+        })
+        .mut_arg("at", |arg| arg.help("Time at which the window begins, in seconds"))
+        .mut_arg("json", |arg| arg.help("Print one JSON document once the window is closed"))
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_help_says_what_options_mean_in_a_window() {
+        let mut command = super::super::command();
+        let mut help = |name: &str| {
+            let command = command.find_subcommand_mut(name).expect("a command");
+            command.render_long_help().to_string().split_whitespace().collect::<Vec<_>>().join(" ")
+        };
+        let view = help("view");
+        for text in ["Time at which the window begins", "document once the window is closed"] {
+            assert!(view.contains(text), "{text}: {view}");
+        }
+        for name in ["demo", "view"] {
+            assert!(help(name).contains("such as \"at 0.5 click 300 200\" that"), "{name}");
+        }
+    }
 }

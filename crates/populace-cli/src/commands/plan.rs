@@ -41,7 +41,7 @@ fn frames(args: &PlanArgs) -> Result<FrameRange, Failure> {
     let Some(file) = args.inputs.iter().find(is_trajectory) else {
         return Err(Failure::usage(
             "none of the inputs is a trajectory file or a scene, which would say how long the film \
-             is; name one, or say with --frames N how many frames it has",
+             is; give the path of one, or say with --frames N how many frames it has",
         ));
     };
     let recording = args.read.load(file)?;

@@ -92,7 +92,7 @@ fn remember(file: &Path, layout: &Layout) {
 fn describe(args: &ViewArgs, closed: &Closed) -> Result<(), Failure> {
     let times = &closed.report;
     message!("{} frames, median: {:.1} ms", times.frame_ms.len(), times.median_ms());
-    if args.script.is_some() {
+    if !times.inputs.is_empty() {
         message!("input was shown after at most {} frames", times.most_frames());
     }
     if !args.picture.json {

@@ -15,7 +15,6 @@ use super::SceneSource;
 use super::past::Past;
 use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
-use crate::filming::check_hidden;
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::levels::Levels;
 use crate::people::{EYES, appearances, gaits};
@@ -140,7 +139,6 @@ fn casts(
             Levels::wanted(args),
             cast.varied && !args.plain,
         )?;
-        check_hidden(&loaded.roles, &args.hide)?;
         files.extend(loaded.files);
         casts.insert(cast.name.clone(), loaded.roles);
     }

@@ -247,6 +247,8 @@ fn films_that_cannot_be_made_are_refused_at_once() {
     refuse("f.png", &["--shutter", "361"], &["--shutter", "0 to 360"]);
     refuse("f.png", &["--images", "depth,normals"], &["--images", "depth, id or alpha"]);
     refuse("f.png", &["--encoder", "x264"], &["openh264 or ffmpeg"]);
+    refuse("f.png", &["--encoder", "ffmpeg"], &["--encoder is for MP4 films"]);
+    refuse("f.gif", &["--frames", "2", "--encoder", "ffmpeg"], &["--out FILE.mp4"]);
     refuse("f.png", &["--camera", "follow:3"], &["numbers from 0 to 2"]);
     refuse("f.png", &["--camera", &keys], &["keys.toml", "line 4", "`to` must differ"]);
     refuse("f.png", &["--camera", "missing.toml"], &["missing.toml"]);

@@ -84,6 +84,7 @@ fn dash_reads_standard_input() {
     assert_eq!(posed.status.code(), Some(0), "{posed:?}");
     for (args, bytes, code, words) in [
         (&["inspect", "-"][..], &b"GIF89a"[..], 1, "standard input is refused"),
+        (&["render", "-", "--out", "x.png"], b"id,frame,x,y\n", 1, "scenes are read by their path"),
         (&["inspect", "-", "-"], file.as_bytes(), 2, "- is given twice"),
         (&["pose", "-", "--memory-limit", "1"], &[b' '; 2 << 20], 1, "--memory-limit"),
     ] {

@@ -190,6 +190,9 @@ fn wrong_scenes_are_refused_with_line_and_key() {
     );
     std::fs::write(&scene, crowd).unwrap();
     refused(&["render", &scene, "--out", "x.png"], 1, &["2 `layers`", "give at most 1"]);
+    let two = "[[cast]]\nname = \"b\"\nfrom = [\"@woman\"]\n";
+    std::fs::write(&scene, format!("{good}{two}")).unwrap();
+    refused(&["render", &scene, "--hide", "xyz", "--out", "x.png"], 2, &["no node \"xyz\""]);
     std::fs::write(&scene, good).unwrap();
     refused(&["render", &scene, "--members", "5", "--out", "x.png"], 2, &["the scene file says"]);
     refused(
