@@ -1,6 +1,7 @@
 #!/bin/sh
 # Checks what the documentation names: paths in backticks, links between pages, and the tests of
-# docs/paper.md and docs/contributing/. Lists what does not exist, and fails if there is any.
+# docs/paper.md and docs/contributing/. Lists what does not exist, and fails if there is any. Also
+# looks for files with unsafe code that decision 29 does not list.
 set -eu
 cd "$(dirname "$0")/.."
 
@@ -10,7 +11,7 @@ missing() { # PAGE NAME
     failed=1
 }
 
-pages=$(git ls-files -- 'ARCHITECTURE.md' 'CONTRIBUTING.md' 'README.md' 'docs/*.md')
+pages=$(git ls-files -- '*.md')
 [ -n "$pages" ] || { echo "check-docs: git lists no pages here" >&2; exit 2; }
 
 for page in $pages; do
@@ -18,6 +19,11 @@ for page in $pages; do
     for path in $(grep -oE '`(crates|docs|scripts|fuzz|\.github)/[^` ]*`' "$page" | tr -d '`'); do
         case "$path" in *twist*) continue ;; esac
         [ -e "$path" ] || missing "$page" "$path"
+    done
+    # Paths from the root of a crate, in its own page.
+    for path in $(grep -oE '`(src|tests|examples|benches)/[^` ]*`' "$page" | tr -d '`'); do
+        case "$page" in crates/*/README.md) ;; *) continue ;; esac
+        [ -e "$(dirname "$page")/$path" ] || missing "$page" "$path"
     done
     # Links, relative to the page.
     for link in $(grep -oE '\]\([^)#: ]+' "$page" | cut -c3-); do
@@ -31,5 +37,13 @@ for page in docs/paper.md docs/contributing/*.md; do
     for name in $(grep -oE '`[a-z0-9]+(_[a-z0-9]+){2,}`' "$page" | tr -d '`' | sort -u); do
         grep -rqwF --include='*.rs' --include='*.cl' "$name" crates || missing "$page" "$name"
     done
+done
+
+unsafe=docs/decisions/029-unsafe-code-has-named-places.md
+for file in $(git grep -l unsafe_code -- 'crates/*/src/*.rs'); do
+    grep -qF -e "\`$file\`" -e "\`$(dirname "$file")/\`" "$unsafe" || {
+        echo "$unsafe does not list $file, which allows unsafe code" >&2
+        failed=1
+    }
 done
 exit $failed

@@ -47,6 +47,8 @@ def write_seeds():
 
 
 def main():
+    if len(sys.argv) < 2:
+        sys.exit("usage: fuzz.py SECONDS [TARGET...]")
     secs, *chosen = sys.argv[1:]
     if not fuzz("--version")[0]:
         sys.exit("rustup toolchain install nightly; cargo install cargo-fuzz")

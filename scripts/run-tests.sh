@@ -7,18 +7,20 @@ set -eu
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 
-# Each line: the folder of the package, in which its tests run, and the program.
+# Two lines each: the folder of the package, in which its tests run, and the program.
 cargo test "$@" --no-run --message-format=json-render-diagnostics >"$folder/built"
 manifest='"manifest_path":"\([^"]*\)/Cargo.toml"'
 executable='"test":true.*"executable":"\([^"]*\)"'
-sed -n "s|.*$manifest.*$executable.*|\1 \2|p" "$folder/built" >"$folder/programs"
+sed -n "s|.*$manifest.*$executable.*|\1\\
+\2|p" "$folder/built" >"$folder/programs"
 
 one='
     cd "$2"
     log="$1/$(basename "$3")"
     { echo "     Running $3"; "$3" || echo "$3" >>"$1/failed"; } >"$log" 2>&1
     cat "$log"'
-xargs -P 2 -L 1 sh -c "$one" run "$folder" <"$folder/programs" | tee "$folder/all"
+tr '\n' '\0' <"$folder/programs" |
+    xargs -0 -P 2 -n 2 sh -c "$one" run "$folder" | tee "$folder/all"
 { cargo test "$@" --doc --no-fail-fast 2>&1 || echo documentation >>"$folder/failed"; } |
     tee -a "$folder/all"
 
