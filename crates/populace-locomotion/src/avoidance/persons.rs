@@ -32,9 +32,9 @@ pub(crate) struct Neighbours<'a> {
 }
 
 impl<'a> Neighbours<'a> {
-    /// Chooses the neighbours that a walker would meet soonest: by the time to a collision, or
-    /// by the gap between them if that is shorter. They are in order of distance, and of indices at
-    /// the same distance.
+    /// Chooses the neighbours in sight that a walker would meet soonest: by the time to a
+    /// collision, or by the gap between them if that is shorter. They are in order of distance, and
+    /// of indices at the same distance.
     pub(crate) fn choose(
         grid: &'a Grid,
         body: &Body,
@@ -57,8 +57,10 @@ impl<'a> Neighbours<'a> {
                 oncoming += 1.0;
             }
             if square <= square_limit {
-                let key = urgency(body, other, square);
-                if soonest.insert(Ranked { key, index: other.index, place }) {
+                let ranked =
+                    Ranked { key: urgency(body, other, square), index: other.index, place };
+                if soonest.takes(&ranked) && !hidden(other.position) {
+                    soonest.insert(ranked);
                     let limit = widest + 1.01 * fastest * soonest.all[most - 1].key;
                     square_limit = square_limit.min(limit * limit);
                 }
@@ -66,10 +68,8 @@ impl<'a> Neighbours<'a> {
         });
         for ranked in soonest.iter() {
             let other = &grid.walkers()[ranked.place as usize];
-            if !hidden(other.position) {
-                let key = other.position.distance_squared(body.position);
-                nearest.insert(Ranked { key, ..*ranked });
-            }
+            let key = other.position.distance_squared(body.position);
+            nearest.insert(Ranked { key, ..*ranked });
         }
         let mut all = [None; MOST_NEIGHBOURS];
         for (other, ranked) in all.iter_mut().zip(nearest.iter()) {
@@ -108,8 +108,13 @@ struct Ranking {
 }
 
 impl Ranking {
-    /// Takes a neighbour if it is among the first; returns whether it is.
-    fn insert(&mut self, new: Ranked) -> bool {
+    /// Returns whether a neighbour is among the first.
+    fn takes(&self, new: &Ranked) -> bool {
+        new.is_before(&self.all[self.most - 1])
+    }
+
+    /// Takes a neighbour if it is among the first.
+    fn insert(&mut self, new: Ranked) {
         let all = &mut self.all[..self.most];
         let mut at = all.len();
         while at > 0 && new.is_before(&all[at - 1]) {
@@ -118,11 +123,9 @@ impl Ranking {
             }
             at -= 1;
         }
-        let is_among = at < all.len();
-        if is_among {
+        if at < all.len() {
             all[at] = new;
         }
-        is_among
     }
 
     fn iter(&self) -> impl Iterator<Item = &Ranked> {

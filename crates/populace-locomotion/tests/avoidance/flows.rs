@@ -117,3 +117,25 @@ fn nobody_heeds_those_behind_a_wall() -> Result<(), Error> {
     }
     Ok(())
 }
+
+/// People behind a wall take no place among the neighbours that a walker heeds.
+#[test]
+fn a_walker_sees_who_is_ahead_beside_people_behind_a_wall() -> Result<(), Error> {
+    let told = |behind: usize| {
+        let wall = Obstacle::line([[-20.0, -0.3], [20.0, -0.3]]);
+        let settings = AvoidanceSettings { neighbours: 2, ..AvoidanceSettings::default() };
+        let mut walk = Walk::new(settings, &[wall])?;
+        walk.add([0.0, 0.0], 0.25, 0);
+        walk.add([2.0, 0.0], 0.25, 0);
+        for nth in 0..behind {
+            walk.add([0.3 * nth as f32, -0.6], 0.25, 0);
+        }
+        walk.velocities[0] = [1.3, 0.0];
+        walk.step(|nth, _| [if nth == 0 { 1.3 } else { 0.0 }, 0.0])?;
+        Ok(walk.told[0])
+    };
+    let alone = told(0)?;
+    assert!(alone[0] < 1.25 || alone[1] > 0.05, "{alone:?} leads into the one ahead");
+    assert_eq!(told(5)?, alone);
+    Ok(())
+}
