@@ -62,7 +62,7 @@ pub use settings::{AvoidanceSettings, GroupSettings};
 use walls::Walls;
 
 /// The largest coordinate, in metres.
-const LARGEST_M: f32 = 1e6;
+pub(crate) const LARGEST_M: f32 = 1e6;
 const WITHIN_LARGEST: &str = "from -1e6 to 1e6";
 /// The fewest walkers for one thread.
 const FEWEST_PER_THREAD: usize = 64;

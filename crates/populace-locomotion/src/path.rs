@@ -3,6 +3,7 @@
 use glam::Vec2;
 
 use crate::Error;
+use crate::avoidance::LARGEST_M;
 
 /// Distance at which a walker turns to the next point of its path, in metres.
 const REACHED_M: f32 = 0.5;
@@ -10,8 +11,6 @@ const REACHED_M: f32 = 0.5;
 const REACHED_SECS: f32 = 0.4;
 /// Distance from its goal at which a walker has arrived, in metres.
 const ARRIVED_M: f32 = 0.05;
-/// The largest coordinate, in metres.
-const LARGEST_M: f32 = 1e6;
 
 /// Points on the ground that a walker passes in turn, `[x, z]` in metres.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,7 +9,7 @@ use glam::Vec2;
 use populace::{Crowd, Ground, MemberId, Placement, SpacePoint, Stride};
 use rayon::prelude::*;
 
-use crate::avoidance::{Agents, Avoidance, Stagger};
+use crate::avoidance::{Agents, Avoidance, LARGEST_M, Stagger};
 use crate::error::within;
 use crate::walker::{AHEAD_M, Lead, Walker, WalkerSettings, Wish, ground_below};
 use crate::{Error, GaitSpace};
@@ -190,8 +190,9 @@ impl Walkers {
         self.walkers.first().map_or(0.0, |walker| walker.step.cycles_per_sec)
     }
 
-    /// Moves all walkers on by `secs`, and sets what their members show. A walker that was led at
-    /// more than 100 metres per second goes on at 100.
+    /// Moves all walkers on by `secs`, and sets what their members show; 0 seconds change nothing.
+    /// A walker that was led at more than 100 metres per second goes on at 100. Coordinates of
+    /// -1e6 and 1e6 metres stop walkers as walls do.
     ///
     /// # Errors
     ///
@@ -223,8 +224,9 @@ impl Walkers {
         Ok(())
     }
 
-    /// Leads all walkers: each is where and how its lead says after `secs`, and steps accordingly.
-    /// In place of [`update`](Self::update); goals, avoidance and limits have no effect.
+    /// Leads all walkers: each is where and how its lead says after `secs`, and steps accordingly;
+    /// 0 seconds change nothing. In place of [`update`](Self::update); goals, avoidance and limits
+    /// have no effect. Walkers that [rest](Self::rest) stay where they are.
     ///
     /// # Errors
     ///
@@ -249,6 +251,9 @@ impl Walkers {
         let leads = leads.par_iter().zip(&self.phases).zip(&self.orders);
         walkers.zip(leads).with_min_len(FEWEST_PER_THREAD).for_each(
             |(((walker, (placement, stride)), (position, velocity)), ((lead, phase), orders))| {
+                if orders.manner == Manner::Rests {
+                    return;
+                }
                 walker.follow(lead, *phase, secs);
                 walker.step(&gaits[orders.gaits as usize], secs, None);
                 (placement.1, stride.1) = (walker.placement(), walker.stride);
@@ -355,6 +360,7 @@ impl Walkers {
                     let from = walker.position.to_array();
                     avoidance.slide(from, wanted.to_array(), *radius).into()
                 });
+                let at = at.clamp(Vec2::splat(-LARGEST_M), Vec2::splat(LARGEST_M));
                 walker.arrive(at, wanted, ground, secs);
                 walker.step(&gaits[orders.gaits as usize], secs, ground.zip(*phase));
                 (placement.1, stride.1) = (walker.placement(), walker.stride);
@@ -367,10 +373,9 @@ impl Walkers {
     fn show(&mut self, crowd: &mut Crowd, share: Stagger) -> Result<(), Error> {
         self.points.clear();
         for index in (share.nth..self.members.len()).step_by(share.count) {
-            let walker = &mut self.walkers[index];
+            let walker = &self.walkers[index];
             let is_moved = self.orders[index].manner != Manner::Rests;
             if is_moved && walker.told != Some(walker.step) {
-                walker.told = Some(walker.step);
                 self.points.push((self.members[index], walker.step.point()));
             }
         }
@@ -387,9 +392,17 @@ impl Walkers {
             strides.extend(moving().map(|index| self.strides[index]));
             (&*placements, &*strides)
         };
-        crowd.set_placements(placements)?;
-        crowd.set_blend_parameters(&self.points, BLENDED_SECS)?;
-        Ok(crowd.set_strides(strides)?)
+        // A member that the crowd refuses keeps as little as possible from the others.
+        let placed = crowd.set_placements(placements);
+        let blended = crowd.set_blend_parameters(&self.points, BLENDED_SECS);
+        let stepped = crowd.set_strides(strides);
+        if blended.is_ok() {
+            for (member, _) in &self.points {
+                let walker = &mut self.walkers[self.by_member[member.number() as usize] as usize];
+                walker.told = Some(walker.step);
+            }
+        }
+        Ok(placed.and(blended).and(stepped)?)
     }
 }
 

@@ -81,6 +81,9 @@ impl Orders {
 
     /// Returns the velocity that leads to the goal, for a step of `secs`.
     pub(super) fn velocity(&mut self, at: Vec2, slows: f32, secs: f32) -> Vec2 {
+        if self.manner == Manner::Rests {
+            return Vec2::ZERO;
+        }
         match &self.goal {
             Goal::Stand => return Vec2::ZERO,
             Goal::Velocity(velocity) => return (*velocity).into(),
@@ -178,20 +181,24 @@ impl Walkers {
     }
 
     /// Makes a walker go straight to its goal, like somebody who reads a message. It steers around
-    /// nobody, and others steer around it. Walls still stop it. `false` ends this and any rest.
+    /// nobody, and others steer around it. Walls still stop it. `false` ends this. A walker that
+    /// [rests](Self::rest) goes on resting, and heeds others once it resumes.
     ///
     /// # Errors
     ///
     /// A member that is no walker.
     pub fn set_heedless(&mut self, member: MemberId, is_heedless: bool) -> Result<(), Error> {
         let index = self.index_of(member)?;
-        self.orders[index].manner = if is_heedless { Manner::Heedless } else { Manner::Heeds };
+        let manner = &mut self.orders[index].manner;
+        if *manner != Manner::Rests {
+            *manner = if is_heedless { Manner::Heedless } else { Manner::Heeds };
+        }
         Ok(())
     }
 
     /// Leaves a member to something else that moves it, such as a ragdoll: its placement, clips and
     /// strides are no longer set. Others walk around a disc of `radius_m` at a point `[x, z]` in
-    /// metres. [`resume`](Self::resume) makes the member walk again.
+    /// metres. Only [`resume`](Self::resume) and [`add`](Self::add) make the member walk again.
     ///
     /// # Errors
     ///

@@ -1,6 +1,5 @@
 //! Members become walkers, and cease to be.
 
-use glam::Vec2;
 use populace::{BlendSpacePlayback, CharacterId, Crowd, MemberId, SpacePoint};
 
 use super::goals::Orders;
@@ -34,7 +33,8 @@ impl Walkers {
     ///
     /// # Errors
     ///
-    /// As [`add`](Self::add), and a lead with a number that is not from -1e6 to 1e6.
+    /// As [`add`](Self::add), a lead with a number that is not from -1e6 to 1e6, or a phase that is
+    /// not from 0 to 1.
     pub fn add_led(
         &mut self,
         crowd: &mut Crowd,
@@ -43,6 +43,7 @@ impl Walkers {
         phase: f32,
     ) -> Result<(), Error> {
         lead.check()?;
+        within("the phase of a step", phase, 0.0..=1.0, "from 0 to 1")?;
         let (mut walker, orders, radius_m) = self.standing(crowd, member)?;
         let phase = walker.begin(lead, &self.gaits[orders.gaits as usize], phase);
         self.start(crowd, member, (walker.step.point(), phase), &orders)?;
@@ -92,7 +93,10 @@ impl Walkers {
         let space = self.gaits[orders.gaits as usize].space();
         let playback = BlendSpacePlayback::new().phase(phase);
         if let Err(error) = view.play_blend_space(space, at, playback) {
-            view.plant_feet(0.0)?;
+            // A walker that is added again goes on as it was.
+            if self.index(member).is_none() {
+                view.plant_feet(0.0)?;
+            }
             return Err(error.into());
         }
         Ok(())
@@ -127,7 +131,7 @@ impl Walkers {
         self.orders[index] = orders;
         self.walkers[index] = walker;
         self.positions[index] = walker.position.to_array();
-        self.velocities[index] = Vec2::ZERO.to_array();
+        self.velocities[index] = walker.velocity.to_array();
         self.evades[index] = false;
         self.placements[index] = (member, walker.placement());
         self.strides[index] = (member, walker.stride);

@@ -177,3 +177,60 @@ fn groups_keep_together() {
     assert!(together < 1.6, "{together} m");
     assert!(alone > 2.2, "{alone} m: they would keep together anyway");
 }
+
+/// Heeding others does not end a rest, and the rest's radius ends with it.
+#[test]
+fn a_rest_ends_by_resume_alone() {
+    let mut town = Town::new();
+    town.avoid();
+    let member = town.add_at([0.0; 2]);
+    town.walkers.rest(member, [0.0; 2], 0.9).unwrap();
+    town.walkers.set_velocities(&[[0.0, 1.0]]).unwrap();
+    for is_heedless in [true, false] {
+        town.walkers.set_heedless(member, is_heedless).unwrap();
+        town.run(1.0);
+        assert_eq!(town.walkers.positions(), [[0.0; 2]], "heedless: {is_heedless}");
+    }
+    town.walkers.resume(&town.crowd, member).unwrap();
+    town.walkers.set_velocities(&[[0.0, 1.0]]).unwrap();
+    town.run(2.0);
+    assert!(town.position(member).y > 1.0);
+}
+
+/// Somebody that lies has no velocity that others could see, nor does it come towards them.
+#[test]
+fn orders_to_who_rests_do_not_turn_others() {
+    let way = |ordered: bool| {
+        let mut town = Town::new();
+        town.avoid();
+        let [walks, lies] = [0.0, 6.0].map(|z| town.add_at([0.1, z]));
+        town.send(walks, 1.0, Goal::Velocity([0.0, 1.0]));
+        town.walkers.rest(lies, [0.0, 6.0], 0.7).unwrap();
+        if ordered {
+            town.walkers.set_goal(lies, Goal::Velocity([0.0, -1.0])).unwrap();
+        }
+        town.run(4.0);
+        town.position(walks)
+    };
+    assert_eq!(way(true), way(false));
+}
+
+/// Walkers stop at the largest coordinate, and turn back from there.
+#[test]
+fn the_largest_coordinate_stops_walkers() {
+    for avoids in [true, false] {
+        let mut town = Town::new();
+        if avoids {
+            town.avoid();
+        }
+        let member = town.add_at([0.0, 999_999.0]);
+        town.send(member, 1.0, Goal::Velocity([0.0, 5.0]));
+        town.run(5.0);
+        assert_eq!(town.walkers.positions(), [[0.0, 1e6]], "avoids: {avoids}");
+        // It gains speed until its steps are no longer rounded away.
+        assert!(town.velocity(member).length() < 0.2, "avoids: {avoids}");
+        town.send(member, 1.0, Goal::Velocity([0.0, -1.0]));
+        town.run(6.0);
+        assert!(town.position(member).y < 999_998.0, "avoids: {avoids}");
+    }
+}

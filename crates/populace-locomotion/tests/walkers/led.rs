@@ -1,6 +1,6 @@
 //! Walkers that are led through a motion.
 
-use populace::Placement;
+use populace::{Ground, Placement};
 use populace_locomotion::{Error, Lead, SkateMeter};
 
 use crate::fixture::{FRAME_SECS, Town};
@@ -77,6 +77,37 @@ fn it_begins_under_way() {
     let weight = |clip: &populace::ActiveClip| clip.weight;
     let moving: f32 = playing.iter().filter(|clip| clip.time_secs > 0.0).map(weight).sum();
     assert!(moving > 0.5, "{playing:?}");
+    assert_eq!(town.walkers.velocities(), [round(0.0).velocity]);
+}
+
+#[test]
+fn who_is_refused_as_a_walker_again_keeps_its_feet_planted() {
+    let joints = |refused: &[f32]| {
+        let mut town = town();
+        // Feet that are planted are raised to the ground.
+        town.crowd.set_ground(&Ground::plane(0.2, [0.0; 2]).unwrap()).unwrap();
+        let member = town.walkers.members()[0];
+        for phase in refused {
+            let wrong = town.walkers.add_led(&mut town.crowd, member, &round(0.0), *phase);
+            assert!(wrong.is_err(), "{phase}: {wrong:?}");
+        }
+        town.walkers.follow(&mut town.crowd, &[round(0.1)], 0.1).unwrap();
+        town.crowd.update(0.1).unwrap();
+        town.crowd.member_mut(member).unwrap().model_from_joints().unwrap()
+    };
+    let planted = joints(&[]);
+    assert_eq!(joints(&[f32::NAN]), planted);
+    assert_eq!(joints(&[-0.1, 1.5]), planted);
+}
+
+#[test]
+fn who_rests_is_not_led() {
+    let mut town = town();
+    let member = town.walkers.members()[0];
+    town.walkers.rest(member, [7.0, 8.0], 0.7).unwrap();
+    town.walkers.follow(&mut town.crowd, &[round(1.0)], FRAME_SECS).unwrap();
+    let walkers = &town.walkers;
+    assert_eq!((walkers.positions(), walkers.velocities()), (&[[7.0, 8.0]][..], &[[0.0; 2]][..]));
 }
 
 #[test]

@@ -165,3 +165,50 @@ fn a_walker_that_is_added_again_begins_anew() {
     town.run(1.0);
     assert_eq!(town.position(member).to_array(), [5.0, 5.0]);
 }
+
+/// A member that the crowd refuses holds up no other walker once it is gone.
+#[test]
+fn who_was_refused_beside_another_shows_its_steps_later() {
+    let mut town = Town::new();
+    let [waves, walks] = [0.0, 3.0].map(|x| town.add_at([x, 0.0]));
+    town.walkers.set_velocities(&[[0.0, 1.0]; 2]).unwrap();
+    let idle = town.crowd.clip(town.person, "Idle").unwrap();
+    let playback = populace::ClipPlayback::looping();
+    town.crowd.member_mut(waves).unwrap().play(idle, playback).unwrap();
+    for _ in 0..20 {
+        // Each update renews what all walkers play, and is refused for one.
+        let _ = town.walkers.update(&mut town.crowd, 0.1);
+        town.crowd.update(0.1).unwrap();
+    }
+    assert_eq!(town.velocity(walks).length(), 1.0);
+    town.walkers.remove(waves).unwrap();
+    for _ in 0..5 {
+        town.walkers.update(&mut town.crowd, 0.1).unwrap();
+        town.crowd.update(0.1).unwrap();
+    }
+    let playing = town.crowd.member(walks).unwrap().active_clips();
+    let still: f32 = playing.iter().filter(|clip| clip.clip == idle).map(|clip| clip.weight).sum();
+    assert!(still < 0.5, "{playing:?}");
+}
+
+/// Others step as they move while the crowd refuses one of them.
+#[test]
+fn strides_are_told_beside_who_plays_something_else() {
+    let joints = |refused: bool| {
+        let mut town = Town::new();
+        let [walks, waves] = [0.0, 3.0].map(|x| town.add_at([x, 0.0]));
+        town.walkers.set_velocities(&[[0.0, 1.0]; 2]).unwrap();
+        if refused {
+            let idle = town.crowd.clip(town.person, "Idle").unwrap();
+            let playback = populace::ClipPlayback::looping();
+            town.crowd.member_mut(waves).unwrap().play(idle, playback).unwrap();
+        }
+        // Each update renews what all walkers play.
+        for _ in 0..5 {
+            assert_eq!(town.walkers.update(&mut town.crowd, 0.1).is_err(), refused);
+            town.crowd.update(0.1).unwrap();
+        }
+        town.crowd.member_mut(walks).unwrap().model_from_joints().unwrap()
+    };
+    assert_eq!(joints(true), joints(false));
+}
