@@ -32,7 +32,7 @@ pub(super) const COLUMNS: [f64; 6] = [-1.0, -0.92, -0.4, 0.4, 0.92, 1.0];
 
 /// The middle of the steering wheel.
 pub(super) fn wheel_middle() -> DVec3 {
-    DVec3::new(0.38, 0.86, 0.47)
+    DVec3::new(0.38, 0.88, 0.41)
 }
 
 /// The direction of the steering wheel's axis, towards the driver.

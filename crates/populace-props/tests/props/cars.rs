@@ -1,6 +1,9 @@
 //! Cars: their plan, doors, wheels and clips.
 
 use glam::{DQuat, DVec3};
+use populace_cast::{
+    CAR_SEAT_M, STEERING_WHEEL_M, STEERING_WHEEL_RADIUS_M, STEERING_WHEEL_TILT_RAD,
+};
 use populace_model::Property;
 use populace_props::{Car, CarKind, DOOR_TURN_RAD, DRIVER_SEAT, car};
 
@@ -89,8 +92,13 @@ fn seats_and_wheel_are_where_people_reach_them() {
         assert!(up[0].away > 0.85, "{name}: only {} m over the seat", up[0].away);
         let wheel = place_of(&car, "SteeringWheel");
         assert!(wheel.distance(wide(plan.steering_wheel)) < 1e-6);
-        assert!(wheel.distance(wide(plan.seat) + DVec3::new(0.0, 0.36, 0.42)) < 1e-6);
+        // The wheel is where the hands of `Drive` are.
+        let held = wide(STEERING_WHEEL_M) - DVec3::Y * f64::from(CAR_SEAT_M[1]);
+        assert!(wheel.distance(wide(plan.seat) + held) < 1e-6, "{name}: {wheel}");
+        assert_eq!(plan.steering_radius_m, STEERING_WHEEL_RADIUS_M);
         let axis = wide(plan.steering_axis);
+        let tilt = axis.angle_between(-DVec3::Z) - f64::from(STEERING_WHEEL_TILT_RAD);
+        assert!(axis.y > 0.0 && tilt.abs() < 0.01, "{name}: {tilt}");
         for point in moved_by(&car, "SteeringWheel") {
             let out = point - wheel;
             let across = (out - axis * out.dot(axis)).length();
