@@ -23,6 +23,8 @@ const STONE_M: f64 = 0.16;
 const GUTTER_M: f64 = 0.28;
 /// Height in metres of markings over the asphalt.
 const PAINT_M: f64 = 0.006;
+/// Distance in metres from the ramps of a crossing within which others mark nothing.
+const CLEAR_M: f64 = 1.6;
 
 /// The way in which a crossing is marked.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -111,6 +113,7 @@ pub fn road(plan: &RoadPlan) -> Result<Road, Error> {
     layer.parking_lines(&ramps);
     for (crossing, ramp) in &crossings {
         layer.crossing(crossing.kind, ramp);
+        layer.approaches(&ramps, ramp);
     }
     let character = b.build(Vec::new())?;
     Ok(Road { character, length_m: length, kerb_m: kerb, sidewalk_m: sidewalk, ramps })
@@ -267,7 +270,8 @@ impl Layer<'_> {
     fn centre_line(&mut self, ramps: &[Ramp]) {
         let mut x = -self.half + 1.0;
         while x + 2.0 < self.half {
-            let is_free = ramps.iter().all(|r| x + 2.0 < r.from() - 1.6 || x > r.to() + 1.6);
+            let is_free =
+                ramps.iter().all(|r| x + 2.0 < r.from() - CLEAR_M || x > r.to() + CLEAR_M);
             if is_free {
                 self.mark(self.finishes.paint, [x, x + 2.0], [-0.06, 0.06]);
             }
@@ -310,13 +314,28 @@ impl Layer<'_> {
                 }
             }
         }
+    }
+
+    /// Marks where cars wait before a crossing, and that nobody overtakes there. Neither is beyond
+    /// the road's ends or at other crossings.
+    fn approaches(&mut self, ramps: &[Ramp], ramp: &Ramp) {
+        let before = ramps.iter().map(|other| other.to() + CLEAR_M).filter(|x| *x < ramp.to());
+        let beyond = ramps.iter().map(|other| other.from() - CLEAR_M).filter(|x| *x > ramp.from());
+        let (low, high) = (before.fold(-self.half, f64::max), beyond.fold(self.half, f64::min));
+        let [l, r] = ramp.flat();
         // Cars to +X come from -X, on the side of +Z.
         let edge = LANE - GUTTER_M - 0.05;
-        self.mark(paint, [l - 1.6, l - 1.25], [0.12, edge]);
-        self.mark(paint, [r + 1.25, r + 1.6], [-edge, -0.12]);
-        for (x, z) in [(l - 1.4, 0.0), (r - 2.6, 0.0)] {
-            let from = if x < l { x - 4.0 } else { r + 1.4 };
-            self.mark(paint, [from, from + 4.0], [z - 0.06, z + 0.06]);
+        for (x, z) in [
+            ([l - 1.6, l - 1.25], [0.12, edge]),
+            ([r + 1.25, r + 1.6], [-edge, -0.12]),
+            ([l - 5.4, l - 1.4], [-0.06, 0.06]),
+            ([r + 1.4, r + 5.4], [-0.06, 0.06]),
+        ] {
+            // Between crossings close together nothing is free, and low is above high.
+            let x = x.map(|x| x.max(low).min(high));
+            if x[0] < x[1] {
+                self.mark(self.finishes.paint, x, z);
+            }
         }
     }
 
@@ -341,14 +360,15 @@ impl Layer<'_> {
                 }
             }
             if side > 0.0 {
-                self.lid(x + 9.0, 0.9);
+                self.lid(ramps, x + 9.0, 0.9);
             }
             x += 17.0;
         }
     }
 
-    fn lid(&mut self, x: f64, z: f64) {
-        if x + 0.4 > self.half {
+    fn lid(&mut self, ramps: &[Ramp], x: f64, z: f64) {
+        let is_free = ramps.iter().all(|ramp| x + 0.4 < ramp.from() || x - 0.4 > ramp.to());
+        if x + 0.4 > self.half || !is_free {
             return;
         }
         let disc = |radius: f64, y: f64| {

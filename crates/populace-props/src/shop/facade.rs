@@ -28,7 +28,7 @@ pub(super) fn build(b: &mut Builder, style: &Style, finishes: &Finishes) {
         glazing(b, finishes, window, &mut dice);
         surround(b, style, finishes, window);
         if style.shutters && !window.has_balcony {
-            shutters(b, finishes, window);
+            shutters(b, style, finishes, window);
         }
         if style.boxes && window.y[0] < GROUND_M + style.storey_m && dice.chance(0.7) {
             flowers(b, finishes, window, &mut dice);
@@ -195,9 +195,11 @@ fn surround(b: &mut Builder, style: &Style, finishes: &Finishes, window: &Window
     }
 }
 
-fn shutters(b: &mut Builder, finishes: &Finishes, window: &Window) {
+fn shutters(b: &mut Builder, style: &Style, finishes: &Finishes, window: &Window) {
     let ([x0, x1], [y0, y1]) = (window.x, window.y);
-    let width = 0.46 * (x1 - x0);
+    // Those of neighbouring windows do not meet.
+    let room = 0.5 * (style.window_step() - (x1 - x0)) - 0.13;
+    let width = room.min(0.46 * (x1 - x0));
     for [from, to] in [[x0 - 0.12 - width, x0 - 0.12], [x1 + 0.12, x1 + 0.12 + width]] {
         b.on(finishes.wood);
         front_block(b, [from, to], [y0, y1], 0.045);

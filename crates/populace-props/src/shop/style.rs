@@ -196,9 +196,14 @@ impl Style {
         if self.door_left { to - 0.5 * DOOR_M } else { from + 0.5 * DOOR_M }
     }
 
+    /// Distance in metres between the middles of neighbouring windows.
+    pub(super) fn window_step(&self) -> f64 {
+        (self.width - 0.5) / f64::from(self.bays)
+    }
+
     /// Middles in x of the windows of a storey.
     pub(super) fn window_middles(&self) -> Vec<f64> {
-        let step = (self.width - 0.5) / f64::from(self.bays);
+        let step = self.window_step();
         let first = -0.5 * (self.width - 0.5) + 0.5 * step;
         (0..self.bays).map(|bay| first + step * f64::from(bay)).collect()
     }

@@ -104,6 +104,75 @@ fn the_height_of_a_road_is_that_of_its_mesh() {
     assert_eq!(road.height_m(0.0, 0.0), -KERB_M);
 }
 
+/// Returns the ends along the road of all triangles of a material whose corners are at most
+/// `aside_m` from its middle.
+fn marks(plan: &RoadPlan, material: &str, aside_m: f64) -> Vec<[f64; 2]> {
+    let road = road(plan).unwrap();
+    let of = triangles(&road.character).into_iter().filter(|(_, _, name)| *name == material);
+    let near = of.filter(|(corners, ..)| corners.iter().all(|corner| corner.z.abs() <= aside_m));
+    near.map(|([a, b, c], ..)| [a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)]).collect()
+}
+
+#[test]
+fn markings_end_with_the_road() {
+    for (length, kind) in [(4.0, CrossingKind::Signals), (8.0, CrossingKind::Zebra)] {
+        let crossings = vec![Crossing { x_m: 0.0, width_m: 2.0, kind }];
+        let plan = RoadPlan { length_m: length, crossings, ..RoadPlan::default() };
+        let half = 0.5 * f64::from(length);
+        for [from, to] in marks(&plan, "Road paint", f64::MAX) {
+            assert!(from >= -half && to <= half, "{length} m: from {from} to {to}");
+        }
+    }
+}
+
+#[test]
+fn lines_and_lids_leave_crossings_free() {
+    for (apart, width_m) in [(3.0, 1.5), (6.0, 4.0), (7.5, 4.0), (9.0, 4.0), (40.0, 4.0)] {
+        let crossing = |x_m| Crossing { x_m, width_m, kind: CrossingKind::Zebra };
+        let middles = [-apart, 0.0, apart];
+        let crossings = middles.map(crossing).to_vec();
+        let plan = RoadPlan { length_m: 100.0, crossings, ..RoadPlan::default() };
+        for (material, aside_m) in [("Road paint", 0.07), ("Iron", 2.0), ("Kerb", 2.0)] {
+            let marks = marks(&plan, material, aside_m);
+            assert!(!marks.is_empty(), "{apart} m apart: no {material}");
+            for [from, to] in marks {
+                let half = f64::from(0.5 * width_m);
+                let clears = |m: f32| to < f64::from(m) - half || from > f64::from(m) + half;
+                let is_free = middles.into_iter().all(clears);
+                assert!(is_free, "{apart} m apart: {material} from {from} to {to}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shutters_of_neighbouring_windows_do_not_meet() {
+    let mut shutters = 0;
+    for seed in 0..20 {
+        for width in [5.0, 7.0, 7.5] {
+            let house = shopfront(seed, width).unwrap();
+            let fronts: Vec<_> = triangles(&house.character)
+                .into_iter()
+                .filter(|([a, b, c], _, material)| {
+                    *material == "Trousers joinery"
+                        && [a, b, c].iter().all(|p| (p.z - 0.045).abs() < 1e-4)
+                })
+                .map(|([a, b, c], ..)| ([a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x)], a.y))
+                .filter(|(_, y)| *y > 4.0)
+                .collect();
+            shutters += fronts.len();
+            for ([from, to], _) in &fronts {
+                for ([other_from, other_to], _) in &fronts {
+                    let is_same = (from - other_from).abs() < 1e-4;
+                    let is_apart = other_from - to > 0.01 || from - other_to > 0.01;
+                    assert!(is_same || is_apart, "{seed}, {width} m: {to} and {other_from}");
+                }
+            }
+        }
+    }
+    assert!(shutters > 100, "{shutters}");
+}
+
 #[test]
 fn plans_of_roads_that_make_no_sense_give_roads() {
     let crossing = |x_m, width_m| Crossing { x_m, width_m, kind: CrossingKind::Zebra };
