@@ -36,7 +36,8 @@ impl BodySystem {
     ///
     /// # Errors
     ///
-    /// [`Error::Io`] and [`Error::BadData`] for targets that cannot be read.
+    /// [`Error::BadValue`] and [`Error::BadTarget`] for a body out of its ranges, [`Error::Io`] and
+    /// [`Error::BadData`] for targets that cannot be read.
     pub fn character(&mut self, person: &Person) -> Result<Character, Error> {
         let body = self.body(&person.body)?;
         let mut pieces = self.pieces(&body, person);

@@ -42,6 +42,22 @@ pub enum Error {
         /// The fault.
         what: String,
     },
+    /// A number of a body is out of its range.
+    #[error("{what} of a body is {value}; it must be {rule}")]
+    BadValue {
+        /// The quantity.
+        what: &'static str,
+        /// The value.
+        value: f32,
+        /// The values that are allowed.
+        rule: &'static str,
+    },
+    /// The name of a target leads out of the body system.
+    #[error("the target \"{name}\" could lie elsewhere; name it as in nose/nose-hump-incr")]
+    BadTarget {
+        /// The name as given.
+        name: String,
+    },
     /// The person is not a valid character.
     #[error(transparent)]
     Character(#[from] populace_character::Error),

@@ -189,7 +189,7 @@ impl Person {
             (_, true) => "woman",
             (_, false) => "man",
         };
-        let name = format!("{kind}-{:03}", index + 1);
+        let name = format!("{kind}-{:03}", u64::from(index) + 1);
         Self { name, body, features, outfit, seed: seed ^ u64::from(index) }
     }
 }

@@ -1,6 +1,7 @@
 //! Shapes: how targets move the base mesh for a phenotype.
 
 use std::collections::{BTreeMap, HashMap};
+use std::path::{Component, Path};
 
 use glam::Vec3;
 use serde_json::Value;
@@ -26,7 +27,8 @@ pub struct Phenotype {
     pub height: f32,
     /// Proportions; 1 is ideal.
     pub proportions: f32,
-    /// Shares of African, Asian and Caucasian ancestors. They count relative to their sum.
+    /// Shares of African, Asian and Caucasian ancestors, each 0 or more. They count relative to
+    /// their sum, which is above 0.
     pub ancestry: [f32; 3],
     /// Single targets beyond those, such as `nose/nose-hump-incr`, with their weights. Names that
     /// the body system lacks are ignored.
@@ -34,6 +36,43 @@ pub struct Phenotype {
 }
 
 impl Phenotype {
+    /// Refuses numbers out of their ranges, and targets that could lie elsewhere.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let Self { gender, age, muscle, weight, height, proportions, .. } = *self;
+        let values = [
+            ("the gender", gender),
+            ("the age", age),
+            ("the muscle", muscle),
+            ("the weight", weight),
+            ("the height", height),
+            ("the proportions", proportions),
+        ];
+        let details = self.details.iter().map(|(_, weight)| ("the weight of a target", *weight));
+        for (what, value) in values.into_iter().chain(details) {
+            if !(0.0..=1.0).contains(&value) {
+                return Err(Error::BadValue { what, value, rule: "from 0 to 1" });
+            }
+        }
+        for value in self.ancestry {
+            if !(0.0..=1e6).contains(&value) {
+                let what = "a share of the ancestry";
+                return Err(Error::BadValue { what, value, rule: "from 0 to 1e6" });
+            }
+        }
+        let value = self.ancestry.iter().sum();
+        if value <= 0.0 {
+            let what = "the sum of the ancestry";
+            return Err(Error::BadValue { what, value, rule: "above 0" });
+        }
+        let leads_out = |name: &str| {
+            Path::new(name).components().any(|part| !matches!(part, Component::Normal(_)))
+        };
+        match self.details.iter().find(|(name, _)| leads_out(name)) {
+            Some((name, _)) => Err(Error::BadTarget { name: name.clone() }),
+            None => Ok(()),
+        }
+    }
+
     fn value(&self, name: &str) -> f32 {
         match name {
             "gender" => self.gender,
@@ -99,12 +138,9 @@ impl Rules {
         if name == "race" {
             let sum: f32 = who.ancestry.iter().sum();
             let names = ["african", "asian", "caucasian"].map(str::to_owned);
-            return names
-                .into_iter()
-                .zip(who.ancestry.map(|share| share / sum.max(1e-6)))
-                .collect();
+            return names.into_iter().zip(who.ancestry.map(|share| share / sum)).collect();
         }
-        let value = who.value(name).clamp(0.0, 1.0);
+        let value = who.value(name);
         let ranges = self.ranges.get(name).map_or(&[][..], Vec::as_slice);
         let Some(range) = ranges.iter().find(|r| (r.lowest..=r.highest).contains(&value)) else {
             return vec![(String::new(), 1.0)];
@@ -148,6 +184,7 @@ pub(crate) fn positions(
     targets: &mut Targets,
     source: &mut Source,
 ) -> Result<Vec<Vec3>, Error> {
+    who.check()?;
     let mut positions = base.to_vec();
     let folders = ["macrodetails/", "macrodetails/height/", "macrodetails/proportions/", "breast/"];
     for (name, weight) in rules.weights(who) {

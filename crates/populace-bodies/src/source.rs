@@ -1,7 +1,7 @@
 //! The files of a body system, in a wheel or in a folder.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
@@ -45,8 +45,12 @@ impl Source {
                 .ok_or_else(|| missing(format!("no folder below it holds {MESH}")))?;
             Place::Folder(root)
         } else {
-            let archive = Archive::open(path)
-                .map_err(|e| missing(format!("it is no folder and no wheel: {e}")))?;
+            let archive = Archive::open(path).map_err(|source| match source.kind() {
+                ErrorKind::InvalidData => {
+                    missing(format!("it is no folder and no wheel: {source}"))
+                }
+                _ => Error::Io { path: path.to_owned(), source },
+            })?;
             let names = archive.names();
             let root = names.iter().find_map(|name| name.strip_suffix(MESH).map(str::to_owned));
             let root = root.ok_or_else(|| missing(format!("the archive holds no {MESH}")))?;
@@ -75,10 +79,8 @@ impl Source {
     pub(crate) fn text(&mut self, name: &str) -> Result<String, Error> {
         let bytes = self.bytes(name)?;
         let bytes = if name.ends_with(".gz") {
-            let mut unpacked = Vec::new();
-            let read = GzDecoder::new(&bytes[..]).take(MAX_BYTES).read_to_end(&mut unpacked);
-            read.map_err(|e| Error::bad(name, format!("is not gzip: {e}")))?;
-            unpacked
+            let unpacked = read_all(GzDecoder::new(&bytes[..]));
+            unpacked.map_err(|e| Error::bad(name, format!("cannot be unpacked: {e}")))?
         } else {
             bytes
         };
@@ -86,20 +88,17 @@ impl Source {
     }
 
     fn bytes(&mut self, name: &str) -> Result<Vec<u8>, Error> {
-        let mut bytes = Vec::new();
         match &mut self.place {
             Place::Folder(root) => {
                 let path = root.join(name);
-                let read =
-                    File::open(&path).and_then(|f| f.take(MAX_BYTES).read_to_end(&mut bytes));
-                read.map_err(|source| Error::Io { path, source })?;
+                let read = File::open(&path).and_then(read_all);
+                read.map_err(|source| Error::Io { path, source })
             }
             Place::Archive { archive, root } => {
                 let read = archive.read(&format!("{root}{name}"), MAX_BYTES);
-                bytes = read.map_err(|e| Error::bad(name, format!("cannot be unpacked: {e}")))?;
+                read.map_err(|e| Error::bad(name, format!("cannot be unpacked: {e}")))
             }
         }
-        Ok(bytes)
     }
 
     /// Checks that the data says that it is CC0: in its licence text, or at the head of the mesh.
@@ -111,6 +110,16 @@ impl Source {
         }
         if told { Ok(()) } else { Err(Error::Licence { path: self.path.clone() }) }
     }
+}
+
+/// Reads a file of at most [`MAX_BYTES`] bytes.
+fn read_all(from: impl Read) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    from.take(MAX_BYTES + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(io::Error::new(ErrorKind::InvalidData, "it is too large"));
+    }
+    Ok(bytes)
 }
 
 /// Returns the folder that holds the mesh: `folder` itself or the first below it by name.

@@ -117,9 +117,13 @@ fn in_palm(
 /// forward. It is scaled so that a box of `width_m` along X fits between the palms. It is not for
 /// other clips: the hands hold it by what they play.
 ///
-/// `None` if the character is not one of this crate's people, or has another skeleton.
+/// `None` if the character is not one of this crate's people, or has another skeleton, and for a
+/// width that is not above 0.
 #[must_use]
 pub fn carried(character: &Character, width_m: f32) -> Option<(JointIndex, Trs)> {
+    if width_m.is_nan() || width_m <= 0.0 {
+        return None;
+    }
     let [chest, elbow] =
         joints(&character.skeleton, ["Spine4", "LeftForearm"], ["chest", "l_forearm"])?;
     let clip = character.clips.iter().find(|clip| clip.name() == "Carry")?;

@@ -3,10 +3,10 @@
 use std::sync::Arc;
 
 use glam::Vec2;
-use populace::Error;
 use populace::character::Character;
 use populace::clip::Clip;
 use populace::model::Side;
+use populace::{Allowed, Error};
 
 use crate::contacts::{Contact, Standing};
 use crate::mix::MixedClip;
@@ -65,6 +65,11 @@ impl Gait {
         character: &Arc<Character>,
         clips: &[MixedClip],
     ) -> Result<Option<Self>, Error> {
+        if let Some(bad) = clips.iter().find(|mixed| !(0.0..=1.0).contains(&mixed.weight)) {
+            let (what, allowed) =
+                ("the weight of a clip", Allowed::Range { least: 0.0, most: 1.0 });
+            return Err(Error::BadValue { what, value: bad.weight, allowed });
+        }
         let Some(soles) = Soles::sample(character, clips)? else { return Ok(None) };
         Ok(Self::of(&soles))
     }

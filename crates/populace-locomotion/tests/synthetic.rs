@@ -319,7 +319,9 @@ fn mixes_share_one_phase() {
     near(gait.speed_m_per_sec(), 0.625, 0.01);
     assert_eq!(Gait::measure(&body, &pose).unwrap(), None);
     assert_eq!(Gait::measure_mix(&body, &[]).unwrap(), None);
-    assert!(Gait::measure_mix(&body, &[MixedClip::new(&fast, 1.5)]).is_err());
+    for weight in [1.5, -0.1, f32::NAN] {
+        assert!(Gait::measure_mix(&body, &[MixedClip::new(&fast, weight)]).is_err(), "{weight}");
+    }
 }
 
 fn of(contact: &Contact) -> (Side, f32, f32) {

@@ -12,7 +12,7 @@ impl Dice {
         Self(Rng::from_state(seed ^ stream.wrapping_mul(0xA076_1D64_78BD_642F)))
     }
 
-    /// Returns a number from `low` to below `high`.
+    /// Returns a number from `low` to `high`.
     pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         self.0.between(low, high)
     }

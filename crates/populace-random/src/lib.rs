@@ -53,7 +53,7 @@ impl Rng {
         mixed(self.0)
     }
 
-    /// Returns a uniformly distributed number in `low..high`.
+    /// Returns a uniformly distributed number from `low` to `high`, which rounding can give.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.bits() >> 11) as f64 / 9_007_199_254_740_992.0)
     }
@@ -63,7 +63,8 @@ impl Rng {
         unit_of(self.bits())
     }
 
-    /// Returns a uniformly distributed number in `low..high`, from 24 bits.
+    /// Returns a uniformly distributed number from `low` to `high`, from 24 bits. Rounding can
+    /// give `high`.
     pub fn between_f32(&mut self, low: f32, high: f32) -> f32 {
         low + (high - low) * self.unit()
     }
@@ -84,7 +85,7 @@ impl Rng {
         self.between(0.0, 1.0) < share.into()
     }
 
-    /// Returns a vector with all components in `low..high`.
+    /// Returns a vector with all components from `low` to `high`.
     pub fn vector(&mut self, low: f64, high: f64) -> DVec3 {
         DVec3::new(self.between(low, high), self.between(low, high), self.between(low, high))
     }

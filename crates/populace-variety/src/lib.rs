@@ -42,9 +42,11 @@ const TRIES: usize = 8;
 pub struct Variety {
     /// Number that decides everything.
     pub seed: u64,
-    /// Standard deviation of heights, as a fraction. Heights stay within two and a half of them.
+    /// Standard deviation of heights, as a fraction from 0 to 0.3. Heights stay within two and a
+    /// half of them. A number beyond the range counts as the nearest one, and NaN as 0.
     pub height: f32,
-    /// Largest deviation of paces, as a fraction.
+    /// Largest deviation of paces, as a fraction from 0 to 0.9. A number beyond the range counts as
+    /// the nearest one, and NaN as 0.
     pub pace: f32,
     /// Share of members, from 0 to 1, that wear an option of each group but hair.
     pub worn: f32,
@@ -99,12 +101,16 @@ impl Variety {
                 (0..TRIES).map(|_| wardrobe.look(&mut random, self.worn)).collect::<Vec<_>>()
             });
             let look = tried.min_by_key(|look| likeness(look)).unwrap_or_default();
-            let height = 1.0 + self.height * bell(&mut random);
-            let pace = 1.0 + self.pace * (2.0 * random.f32() - 1.0);
+            let height = 1.0 + within(self.height, 0.3) * bell(&mut random);
+            let pace = 1.0 + within(self.pace, 0.9) * (2.0 * random.f32() - 1.0);
             all[member] = Some(Appearance { look, height, pace });
         }
         all.into_iter().flatten().collect()
     }
+}
+
+fn within(value: f32, most: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, most) }
 }
 
 /// Returns a number from -2.5 to 2.5 with a standard deviation of about 1.

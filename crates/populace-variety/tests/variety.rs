@@ -67,3 +67,17 @@ fn regions_get_the_chosen_colours_whatever_the_character_wears() {
     tops.dedup();
     assert!(tops.len() > 15, "{} kinds of tops", tops.len());
 }
+
+#[test]
+fn heights_and_paces_stay_above_zero_for_all_settings() {
+    let people = populace_cast::cast().unwrap();
+    let characters: Vec<_> = people.iter().collect();
+    let members: Vec<_> = (0..200).map(|i| (0, [i as f32, 0.0, 0.0])).collect();
+    for of in [f32::NAN, f32::INFINITY, -1.0, 0.5, 3.0] {
+        let variety = Variety { height: of, pace: of, ..Variety::default() };
+        for appearance in variety.appearances(&characters, &members) {
+            let Appearance { height, pace, .. } = appearance;
+            assert!((0.25..=1.75).contains(&height) && (0.1..=1.9).contains(&pace), "{of}");
+        }
+    }
+}

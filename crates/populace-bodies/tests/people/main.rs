@@ -134,6 +134,45 @@ fn targets_shape_the_body_by_the_rules() {
 }
 
 #[test]
+fn bodies_out_of_their_ranges_are_refused() {
+    let refused = |change: &dyn Fn(&mut Phenotype)| {
+        let mut person = man();
+        change(&mut person.body);
+        BodySystem::open(made().path()).unwrap().character(&person).err().unwrap().to_string()
+    };
+    for bad in [f32::NAN, -0.1, 1.1] {
+        assert!(refused(&|body| body.age = bad).contains("the age of a body is"));
+        let error = refused(&|body| body.details = vec![("nose/none".into(), bad)]);
+        assert!(error.contains("the weight of a target"), "{error}");
+    }
+    for bad in [[0.0; 3], [f32::NAN, 1.0, 1.0], [-1.0, 1.0, 1.0], [f32::INFINITY; 3]] {
+        let error = refused(&|body| body.ancestry = bad);
+        assert!(error.contains("ancestry"), "{error}");
+    }
+    for bad in ["../../x", "/etc/x", "nose/../../x"] {
+        let error = refused(&|body| body.details = vec![(bad.into(), 1.0)]);
+        assert!(error.contains(bad) && error.contains("nose/nose-hump-incr"), "{error}");
+    }
+}
+
+#[test]
+fn files_beyond_the_limit_are_refused_also_in_folders() {
+    let root = made();
+    let mesh = root.path().join("data/mpfb2/3dobjs/base.obj");
+    std::fs::File::options().write(true).open(mesh).unwrap().set_len((64 << 20) + 1).unwrap();
+    let error = BodySystem::open(root.path()).err().unwrap();
+    assert!(
+        matches!(error, Error::Io { .. }) && error.to_string().contains("too large"),
+        "{error}"
+    );
+}
+
+#[test]
+fn the_last_person_of_a_seed_has_a_name() {
+    assert!(Person::random(1, u32::MAX).name.ends_with("-4294967296"));
+}
+
+#[test]
 fn seed_gives_the_same_person_and_others_differ() {
     assert_eq!(Person::random(7, 2), Person::random(7, 2));
     assert_ne!(Person::random(7, 2), Person::random(7, 3));

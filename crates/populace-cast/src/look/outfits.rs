@@ -84,6 +84,9 @@ impl Colors {
     }
 }
 
+/// Outfits after which they repeat: a multiple of all counts of choices.
+const REPEATS: usize = 126_000_000;
+
 impl Look {
     /// Returns the same build with other clothes, colours, hair and face. Hair, hat, glasses and
     /// bag are among those that the look wears or has to spare.
@@ -95,11 +98,12 @@ impl Look {
         if number == 0 {
             return look;
         }
+        look.name = format!("{} {}", self.name, number.saturating_add(1));
+        let number = number % REPEATS;
         // Different people start elsewhere.
         let own: usize = self.name.bytes().map(usize::from).sum();
         let seed = own + number;
         let pick = |count: usize, stride: usize| (number * stride + own) % count;
-        look.name = format!("{} {}", self.name, number + 1);
         let old = self.stoop_rad > 0.1;
         look.colors.skin = SKINS[pick(SKINS.len(), 5)];
         if !old {
@@ -119,7 +123,7 @@ impl Look {
 
     fn vary_face(&mut self, seed: usize) {
         let vary = |salt: usize| {
-            let mixed = (seed * 37 + salt * 101) * 2_654_435 % 1000;
+            let mixed = (seed % 1000 * 37 + salt * 101) * 435 % 1000;
             mixed as f64 / 500.0 - 1.0
         };
         let face = &mut self.face;

@@ -14,3 +14,9 @@ fn outfits_differ_between_numbers_and_builds() {
     }
     assert_eq!(Look::man().in_outfit(0), Look::man());
 }
+
+#[test]
+fn outfits_of_all_numbers_are_there() {
+    let last = Look::man().in_outfit(usize::MAX);
+    assert!(last.name.ends_with(&usize::MAX.to_string()), "{}", last.name);
+}

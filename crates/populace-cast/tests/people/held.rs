@@ -1,7 +1,7 @@
 //! Places of phones in hands, and of skirts on laps.
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace_cast::{Bottom, Look, phone_at_ear, phone_to_read};
+use populace_cast::{Bottom, Look, carried, phone_at_ear, phone_to_read};
 use populace_character::Character;
 use populace_model::{JointIndex, Trs};
 
@@ -78,5 +78,12 @@ fn skirts_lie_on_the_thighs_of_who_sits() {
         let top = lap.map(|p| p.y - middle.y).fold(f64::MIN, f64::max);
         assert!(top < LAP * height, "{}: {:.4}", character.name, top / height);
         assert!(top > 0.02 * height, "{}: {:.4}", character.name, top / height);
+    }
+}
+
+#[test]
+fn boxes_without_a_width_are_not_carried() {
+    for width_m in [f32::NAN, 0.0, -1.0] {
+        assert!(people().iter().all(|person| carried(person, width_m).is_none()), "{width_m}");
     }
 }
