@@ -6,7 +6,8 @@ use glam::Vec3;
 /// Position and heading of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Pose {
-    /// The ground between the feet, in world space in metres.
+    /// The ground between the feet, in world space in metres; for who sits, rides or lies, the
+    /// point as far below its eyes.
     pub(crate) position: [f32; 3],
     /// Heading about +Y in radians; 0 faces +Z.
     pub(crate) heading_rad: f32,

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
+use glam::Vec3;
 use populace::character::{Character, Region};
 use populace::{Crowd, MemberId};
 use populace_locomotion::GaitSpace;
@@ -17,7 +18,7 @@ use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::levels::Levels;
-use crate::people::{EYES, appearances, gaits};
+use crate::people::{EYES, appearances, eyes, gaits};
 use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
 
 /// Half the width of a person in metres, for framing.
@@ -32,6 +33,8 @@ pub(super) struct LiveScene {
     /// Positions, headings and heights of the eyes of people.
     poses: Past,
     eyes_m: Vec<f32>,
+    /// The person that the camera goes with.
+    filmed: Option<usize>,
     /// Corners of the boxes around things.
     things: Vec<[f32; 3]>,
 }
@@ -83,19 +86,34 @@ impl LiveScene {
         source.announce(crowd, people.len());
         let roles = casts.into_values().flatten().collect();
         let numbers = people.iter().copied().zip(0..).collect();
-        let mut scene =
-            Self { numbers, behaviours, stage, people, poses: Past::default(), eyes_m, things };
+        let mut scene = Self {
+            numbers,
+            behaviours,
+            stage,
+            people,
+            poses: Past::default(),
+            eyes_m,
+            filmed: None,
+            things,
+        };
         scene.note_poses(crowd, 0.0)?;
         Ok((scene, LoadedRoles { roles, files }))
     }
 
     /// Notes where people are, `secs` after the last time.
-    fn note_poses(&mut self, crowd: &Crowd, secs: f64) -> Result<(), Failure> {
+    fn note_poses(&mut self, crowd: &mut Crowd, secs: f64) -> Result<(), Failure> {
         let mut poses = Vec::with_capacity(self.people.len());
         for (member, eye_m) in self.people.iter().zip(&self.eyes_m) {
             let placement = crowd.member(*member)?.placement();
             let (position, heading_rad) = (placement.position(), placement.yaw_rad());
             poses.push(Pose { position, heading_rad, eye_m: *eye_m });
+        }
+        // Who sits, rides or lies sees from elsewhere than over its placement.
+        if let Some((member, pose)) =
+            self.filmed.and_then(|nth| Some((*self.people.get(nth)?, poses.get_mut(nth)?)))
+            && let Some(eyes) = eyes(crowd, member)?
+        {
+            pose.position = (eyes - pose.eye_m * Vec3::Y).to_array();
         }
         self.poses.pass(secs, poses);
         Ok(())
@@ -249,7 +267,11 @@ pub(super) struct FilmedScene {
 }
 
 impl FilmedScene {
-    pub(super) fn new(live: LiveScene, view: View) -> Self {
+    pub(super) fn new(mut live: LiveScene, view: View) -> Self {
+        live.filmed = match &view {
+            View::Follow { id } | View::Eye { id } => id.parse().ok(),
+            _ => None,
+        };
         #[cfg(feature = "viewer")]
         let first = (live.behaviours.clone(), live.stage.clone());
         Self {
