@@ -86,6 +86,19 @@ fn battle() {
     assert_scene_unchanged("battle", text, &fewer, "-5.5,2.4,-0.3,3,0.9,0");
 }
 
+/// The camera is in the car, before the face of who drives.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn eyes_of_a_driver() {
+    let text = r#"schema = 1
+cast = [{ name = "people", from = ["@man"], varied = false }]
+crowd = [{ cast = "people", count = 1, does.stroll.drive = 120 }]
+footway = [{ name = "walk", points = [[-20, 6], [60, 6]], width_m = 2 }]
+lane = [{ name = "lane", ends = [[-20, 1.6], [60, 1.6]], vehicles = 1, speed = 0.1 }]
+"#;
+    assert_scene_unchanged("driver", text, &[], "eye:0");
+}
+
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
 fn built_in_people() {
