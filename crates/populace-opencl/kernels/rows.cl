@@ -60,6 +60,12 @@ INLINE Planes planes_of(BoundBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
+// Returns the first word of a plane, after the beginning of its row.
+INLINE uint plane_at(Planes planes, uint plane)
+{
+    return planes.first + plane * (planes.lanes & ~ROW_FLOATS);
+}
+
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
 // that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
 // none.
@@ -75,12 +81,6 @@ INLINE Columns columns_of(__global const BoundBlock *blocks, uint joint, bool no
     return columns;
 }
 
-// Returns the first word of a plane, after the beginning of its row.
-INLINE uint plane_at(Columns columns, Planes planes, uint plane)
-{
-    return planes.first + plane * (columns.no_floats ? planes.lanes : planes.lanes & ~ROW_FLOATS);
-}
-
 INLINE bool are_floats(Columns columns, Planes planes)
 {
     return !columns.no_floats && planes.lanes & ROW_FLOATS;
@@ -91,14 +91,14 @@ INLINE bool are_floats(Columns columns, Planes planes)
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane];
+    return tables->rows[row + plane_at(planes, plane) + columns.lane];
 }
 
 // Returns words whose lower halves are those of a plane with two lanes in a word.
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane / 2]
+    return tables->rows[row + plane_at(planes, plane) + columns.lane / 2]
            >> 16 * (columns.lane % 2);
 }
 
@@ -107,14 +107,13 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return LOAD(row + plane_at(columns, planes, plane) + columns.lane);
+    return LOAD(row + plane_at(planes, plane) + columns.lane);
 }
 
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    __global const ushort *halves =
-        (__global const ushort *)(row + plane_at(columns, planes, plane));
+    __global const ushort *halves = (__global const ushort *)(row + plane_at(planes, plane));
     return CONVERT_WORDS(LOAD(halves + columns.lane));
 }
 
