@@ -121,15 +121,18 @@ impl Skeleton {
 
     /// Sets the pose in which meshes were bound to the joints, as the local transform of each
     /// joint, in level order. A file that was written in the middle of a movement has another rest.
-    /// Missing transforms and those that are not finite are at rest. A pose without a joint that
-    /// turns visibly from its rest counts as the rest.
+    /// Missing transforms, and those that are not finite or whose rotation has length zero, are at
+    /// rest. A pose without a joint that turns visibly from its rest counts as the rest.
     #[must_use]
     pub fn with_bind_pose(mut self, locals: &[Trs]) -> Self {
         let mut pose = self.clone();
         let parts = Arc::make_mut(&mut pose.parts);
         parts.bind_pose = None;
-        for (own, given) in parts.rest.iter_mut().zip(locals).filter(|(_, of)| of.is_finite()) {
-            *own = Trs { rotation: f64math::normalized(given.rotation), ..*given };
+        for (own, given) in parts.rest.iter_mut().zip(locals) {
+            let given = Trs { rotation: f64math::normalized(given.rotation), ..*given };
+            if given.is_finite() {
+                *own = given;
+            }
         }
         let rotation = |of: &Trs| f64math::quat(of.rotation);
         let turns =
@@ -435,6 +438,9 @@ mod tests {
         let same = skeleton.clone().with_bind_pose(&[Trs::IDENTITY, bent(0.01)]);
         assert_eq!(same, skeleton);
         let nan = Trs { scale: [f32::NAN; 3], ..Trs::IDENTITY };
+        let none = Trs { rotation: [0.0; 4], ..Trs::IDENTITY };
+        let rests = skeleton.clone().with_bind_pose(&[none, bent(0.5)]);
+        assert_eq!(rests.in_bind_pose().rest(JointIndex(0)), &Trs::IDENTITY, "no rotation");
         let bound = skeleton.clone().with_bind_pose(&[nan, bent(0.5)]).with_soles(&soles);
         let pose = bound.in_bind_pose();
         assert_eq!(
