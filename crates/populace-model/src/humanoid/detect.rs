@@ -1,5 +1,7 @@
 //! Detection of roles by joint names.
 
+use std::collections::HashMap;
+
 use super::names::Name;
 use super::schemes::{ALL, Scheme};
 use super::{NEEDED, Role, RoleMap, Side};
@@ -27,8 +29,10 @@ impl RoleMap {
 
 /// Returns the best map of a naming: some namings have several candidates for the hips.
 fn by_scheme(skeleton: &Skeleton, scheme: &Scheme) -> Option<RoleMap> {
-    let names: Vec<Name> =
-        skeleton.joints().map(|j| Name::of(skeleton.name(j), scheme.drop)).collect();
+    let mut names = Names::new();
+    for joint in skeleton.joints() {
+        names.entry(Name::of(skeleton.name(joint), scheme.drop)).or_default().push(joint);
+    }
     let maps = candidates(&names, scheme, Role::Hips)
         .into_iter()
         .map(|hips| assign_roles(skeleton, scheme, &names, hips));
@@ -45,24 +49,21 @@ fn is_humanoid(map: &RoleMap) -> bool {
         && back.into_iter().any(|role| map.joint(role).is_some())
 }
 
+/// The joints of each name, in level order. A file may hold many bodies.
+type Names = HashMap<Name, Vec<JointIndex>>;
+
 /// Returns the joints whose names fit a role, most likely first.
-fn candidates(names: &[Name], scheme: &Scheme, role: Role) -> Vec<JointIndex> {
+fn candidates(names: &Names, scheme: &Scheme, role: Role) -> Vec<JointIndex> {
     matching(names, &scheme.names_of(role), role)
 }
 
-fn matching(names: &[Name], wanted: &[String], role: Role) -> Vec<JointIndex> {
-    let named = |key: &String| {
-        let joints = (0u32..).zip(names);
-        joints
-            .filter(|(_, n)| n.key == *key && n.side == role.side())
-            .map(|(j, _)| JointIndex(j))
-            .collect::<Vec<_>>()
-    };
-    wanted.iter().flat_map(named).collect()
+fn matching(names: &Names, wanted: &[String], role: Role) -> Vec<JointIndex> {
+    let named = |key: &String| names.get(&Name { side: role.side(), key: key.clone() });
+    wanted.iter().filter_map(named).flatten().copied().collect()
 }
 
 /// Finds all roles below these hips.
-fn assign_roles(skeleton: &Skeleton, scheme: &Scheme, names: &[Name], hips: JointIndex) -> RoleMap {
+fn assign_roles(skeleton: &Skeleton, scheme: &Scheme, names: &Names, hips: JointIndex) -> RoleMap {
     let mut map = RoleMap::empty(skeleton, scheme.name);
     map.joints.insert(Role::Hips, hips);
     for role in all_roles().filter(|role| *role != Role::Hips) {

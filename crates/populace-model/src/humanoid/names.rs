@@ -3,7 +3,7 @@
 use super::Side;
 
 /// A joint's name in lower case, without separators, prefixes and the side.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct Name {
     pub(super) side: Option<Side>,
     pub(super) key: String,
