@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
+use populace_model::humanoid::name_words;
 use populace_model::{JointIndex, Skeleton, f64math};
 
 use crate::rows::Rows;
@@ -110,18 +111,70 @@ fn ground_speed(
 /// Returns the joints that touch the ground, by name: toes, else feet, else ankles, without the
 /// helper joints of rigs.
 fn feet(skeleton: &Skeleton) -> Vec<JointIndex> {
-    let named = |word: &str| -> Vec<JointIndex> {
-        let is_foot = |name: &str| {
-            let name = name.to_lowercase();
-            let helper =
-                ["control", "ik", "roll", "pole", "target", "end"].iter().any(|h| name.contains(h));
-            name.contains(word) && !helper
-        };
-        skeleton.joints().filter(|&j| is_foot(skeleton.name(j))).collect()
+    let words: Vec<Vec<String>> = skeleton.joints().map(|j| name_words(skeleton.name(j))).collect();
+    let named = |part: &&str| -> Vec<JointIndex> {
+        let joints = skeleton.joints().zip(&words);
+        joints.filter(|(_, words)| is_named(words, part)).map(|(joint, _)| joint).collect()
     };
-    ["toe", "foot", "ankle"]
-        .iter()
-        .map(|word| named(word))
-        .find(|feet| !feet.is_empty())
-        .unwrap_or_default()
+    let all = ["toe", "foot", "ankle"];
+    all.iter().map(named).find(|feet| !feet.is_empty()).unwrap_or_default()
+}
+
+/// Words of the names of helper joints.
+const HELPERS: [&str; 6] = ["control", "ik", "roll", "pole", "target", "end"];
+
+/// Returns whether one of a name's words has `part` in it and none tells of a helper, such as "ik",
+/// "ikl" and "footik". Bodies may be called Mike.
+fn is_named(words: &[String], part: &str) -> bool {
+    let helps = |word: &String| {
+        let word = word.trim_end_matches(char::is_numeric);
+        HELPERS.iter().any(|helper| match word.strip_prefix(helper) {
+            Some("" | "l" | "r") => true,
+            _ => word.contains(part) && word.contains(helper),
+        })
+    };
+    words.iter().any(|word| word.contains(part)) && !words.iter().any(helps)
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_model::{JointSource, Trs};
+
+    use super::*;
+
+    fn is_foot(name: &str) -> bool {
+        let joint = JointSource { name: name.into(), parent: None, rest: Trs::IDENTITY };
+        !feet(&Skeleton::new(&[joint]).unwrap()).is_empty()
+    }
+
+    #[test]
+    fn names_of_bodies_make_no_helpers_of_feet() {
+        for name in [
+            "LeftToeBase",
+            "Viking:LeftToeBase",
+            "Troll|foot.L",
+            "Mike_LeftFoot",
+            "Legend_L_Foot",
+            "Napoleon:ankle_r",
+            "toe1",
+        ] {
+            assert!(is_foot(name), "{name}");
+        }
+        for name in [
+            "foot_ik.L",
+            "footik_l",
+            "Target01_foot",
+            "IKFootL",
+            "FootIKL",
+            "foot_roll",
+            "toe_end",
+            "LeftToe_End",
+            "FootControl",
+            "foot_pole_target",
+            "hand",
+            "Foot:hand",
+        ] {
+            assert!(!is_foot(name), "{name}");
+        }
+    }
 }

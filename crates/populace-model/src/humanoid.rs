@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 use crate::{Error, JointIndex, RoleFault, Skeleton};
 
 pub use crate::role::{Finger, Phalanx, Role, Side};
+pub use names::name_words;
 
 /// The joints of one skeleton by humanoid role.
 #[derive(Clone, Debug, PartialEq)]

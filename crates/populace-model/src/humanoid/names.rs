@@ -12,9 +12,7 @@ pub(super) struct Name {
 impl Name {
     /// Parses a joint's name. `drop` lists the prefix words of a naming, which are removed.
     pub(super) fn of(joint: &str, drop: &[&str]) -> Self {
-        // "mixamorig:Hips", "Armature|Hips".
-        let bare = joint.rsplit([':', '|']).next().unwrap_or(joint);
-        let mut words = words(bare);
+        let mut words = name_words(joint);
         let dropped = words.iter().take_while(|word| drop.contains(&word.as_str())).count();
         if dropped < words.len() {
             words.drain(..dropped);
@@ -48,12 +46,15 @@ fn side_of(word: &str) -> Option<Side> {
     }
 }
 
-/// Splits a name into lower-case words, at anything but letters and digits, and before capitals
-/// that follow a lower-case letter or digit or precede a lower-case letter, as in "upperLeg" and
-/// "LHipJoint".
-fn words(name: &str) -> Vec<String> {
+/// Splits the name of a joint into lower-case words, at anything but letters and digits, and before
+/// capitals that follow a lower-case letter or digit or precede a lower-case letter, as in
+/// "upperLeg" and "LHipJoint". The body's name before it, as in "mixamorig:Hips" and
+/// "Armature|Hips", is left out.
+#[must_use]
+pub fn name_words(joint: &str) -> Vec<String> {
+    let bare = joint.rsplit([':', '|']).next().unwrap_or(joint);
     let mut words = vec![String::new()];
-    let letters: Vec<char> = name.chars().collect();
+    let letters: Vec<char> = bare.chars().collect();
     for (at, &letter) in letters.iter().enumerate() {
         let before = at.checked_sub(1).map(|at| letters[at]);
         let after = letters.get(at + 1);
