@@ -228,13 +228,14 @@ impl Clip {
         &self.rows.storage.ranges
     }
 
-    /// Iterates over the poses of every `every`th row, as local transforms of all joints.
+    /// Iterates over the poses of every `every`th row, as local transforms of all joints. 0 counts
+    /// as 1: all rows.
     pub fn row_poses(&self, every: usize) -> impl Iterator<Item = Vec<DAffine3>> + '_ {
         let pose = move |row| {
             let local = |joint| self.rows.local(joint, row, 0.0).affine();
             self.skeleton.joints().map(local).collect()
         };
-        (0..self.row_count()).step_by(every).map(pose)
+        (0..self.row_count()).step_by(every.max(1)).map(pose)
     }
 
     /// All rows, one after the other.
@@ -308,6 +309,67 @@ mod tests {
         // when the limit was reached.
         assert!(stats.row_count < 20 * 8 + 2000 + 50, "{} rows", stats.row_count);
         assert!(stats.error_bound_m > stats.tolerance_m);
+    }
+
+    /// Two joints, one below the other at 1 m. The upper one has a rotation track, the lower one a
+    /// translation track.
+    fn arm(rotation: Track, translations: &[[f32; 3]]) -> Clip {
+        let below = Trs { translation: [0.0, 1.0, 0.0], ..Trs::IDENTITY };
+        let joint = |name: &str, parent, rest| JointSource { name: name.into(), parent, rest };
+        let skeleton =
+            Skeleton::new(&[joint("up", None, Trs::IDENTITY), joint("low", Some(0), below)]);
+        let translation = Track {
+            joint: "low".into(),
+            property: Property::Translation,
+            interpolation: Interpolation::Linear,
+            times: (0..translations.len()).map(|key| key as f32).collect(),
+            values: translations.concat(),
+        };
+        let tracks = vec![Track { joint: "up".into(), ..rotation }, translation];
+        Clip::new(ClipSource { name: "arm".into(), tracks }, &skeleton.unwrap()).unwrap()
+    }
+
+    fn turns(interpolation: Interpolation, values: &[[f32; 4]]) -> Track {
+        let per_key = if interpolation == Interpolation::CubicSpline { 3 } else { 1 };
+        Track {
+            joint: String::new(),
+            property: Property::Rotation,
+            interpolation,
+            times: (0..values.len() / per_key).map(|key| key as f32).collect(),
+            values: values.concat(),
+        }
+    }
+
+    #[test]
+    fn error_bound_holds_for_joints_that_go_far() {
+        let half = std::f32::consts::FRAC_1_SQRT_2;
+        let (one, quarter, none) = ([0.0, 0.0, 0.0, 1.0], [0.0, half, 0.0, half], [0.0; 4]);
+        for rotation in [
+            turns(Interpolation::Linear, &[one, quarter]),
+            turns(Interpolation::CubicSpline, &[none, one, none, none, quarter, none]),
+        ] {
+            let clip = arm(rotation, &[[0.0, 1.0, 0.0], [1000.0, 1.0, 0.0]]);
+            let worst_m = clip.measured_error_m(&clip.skeleton, 20);
+            let bound_m = clip.stats().error_bound_m;
+            assert!(worst_m <= bound_m, "{worst_m} m of {bound_m} m");
+        }
+    }
+
+    #[test]
+    fn splines_through_no_rotation_give_rotations() {
+        let (one, none) = ([0.0, 0.0, 0.0, 1.0], [0.0; 4]);
+        let spline = [none, one, none, none, one.map(|c| -c), none];
+        let slow = turns(Interpolation::CubicSpline, &spline);
+        let clip = arm(Track { times: vec![0.0, 2.0], ..slow }, &[[0.0, 1.0, 0.0]; 3]);
+        for pose in clip.row_poses(1) {
+            assert!(pose.iter().all(glam::DAffine3::is_finite), "{pose:?}");
+        }
+    }
+
+    #[test]
+    fn every_row_is_the_least_step() {
+        let clip = arm(turns(Interpolation::Linear, &[[0.0, 0.0, 0.0, 1.0]]), &[[0.0; 3]]);
+        assert_eq!(clip.row_poses(0).count(), clip.row_count());
     }
 
     #[test]

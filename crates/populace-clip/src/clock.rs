@@ -11,7 +11,8 @@ pub const TICK_SECS: f32 = 1.0 / 705_600.0;
 
 /// Converts seconds to ticks, rounded to the nearest.
 ///
-/// Negative and non-finite times give 0.
+/// Negative times and NaN give 0. Times that no tick can count, infinity included, give the last
+/// tick, [`u64::MAX`].
 #[must_use]
 pub fn ticks_from_secs(secs: f64) -> u64 {
     #[expect(

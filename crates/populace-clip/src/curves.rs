@@ -1,6 +1,6 @@
 //! Source curves, sampled in double precision.
 
-use glam::{DAffine3, DQuat, DVec3};
+use glam::{DAffine3, DQuat, DVec3, DVec4};
 use populace_model::{
     ClipSource, Interpolation, JointIndex, Property, Skeleton, Track, Trs, f64math,
 };
@@ -153,12 +153,19 @@ fn sample(track: &Track, secs: f64, side: Side) -> [f64; 4] {
                 widen(&track.values[first..first + width])
             };
             let (u2, u3) = (u * u, u * u * u);
-            combine([
+            let mixed = combine([
                 (2.0 * u3 - 3.0 * u2 + 1.0, value(key)),
                 (span * (u3 - 2.0 * u2 + u), tangent(key, 2)),
                 (-2.0 * u3 + 3.0 * u2, value(next)),
                 (span * (u3 - u2), tangent(next, 0)),
-            ])
+            ]);
+            // Between a quaternion and its negative, a spline may pass through 0, which is none.
+            let is_rotation = DVec4::from_array(mixed).try_normalize().is_some();
+            if is_rotation || track.property != Property::Rotation {
+                mixed
+            } else {
+                value(if u < 0.5 { key } else { next })
+            }
         }
     }
 }

@@ -5,7 +5,7 @@ use glam::DQuat;
 use populace_model::{Interpolation, JointIndex, Property, Skeleton, f64math};
 
 use crate::curves::{Curves, Local, Side};
-use crate::probes::distance_at_probes;
+use crate::probes::{Reach, distance_at_probes};
 use crate::row::{Motion, Row};
 
 /// Number of intervals of a gap at whose ends the error is measured.
@@ -16,7 +16,7 @@ pub(crate) struct Gap<'a> {
     pub(crate) motion: &'a dyn Motion,
     pub(crate) skeleton: &'a Skeleton,
     pub(crate) probes: &'a [f64],
-    pub(crate) reach: &'a [f64],
+    pub(crate) reach: &'a Reach<'a>,
     pub(crate) allowed: f64,
     /// Maximum number of rows of the clip.
     pub(crate) most: usize,
@@ -49,11 +49,12 @@ impl Gap<'_> {
     /// deviation moves its descendants by at most its angle times reach, and deviations add up
     /// along the chain. Infinite as soon as it exceeds `enough`.
     fn error_bound(&self, from: &Row, to: &Row, enough: f64) -> f64 {
-        let mut totals = Vec::with_capacity(self.reach.len());
+        let reach = self.reach.over(&[&from.pose, &to.pose]);
+        let mut totals = Vec::with_capacity(reach.len());
         let mut worst: f64 = 0.0;
         for joint in self.skeleton.joints() {
             let above = self.skeleton.parent(joint).map_or(0.0, |p: JointIndex| totals[p.index()]);
-            let own = self.motion.deviation(joint, [from, to], self.reach[joint.index()]);
+            let own = self.motion.deviation(joint, [from, to], reach[joint.index()]);
             let total = above + own;
             worst = worst.max(total);
             if worst > enough {

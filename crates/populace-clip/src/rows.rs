@@ -4,7 +4,7 @@ use populace_model::{Interpolation, JointIndex, Property, Skeleton, Trs, f64math
 
 use crate::curves::{Curves, Local, Side};
 use crate::gap::Gap;
-use crate::probes::{Judge, distance_at_probes, in_joint_units, reaches};
+use crate::probes::{Judge, Reach, distance_at_probes, in_joint_units};
 use crate::row::{Motion, Row};
 use crate::storage::Storage;
 
@@ -66,8 +66,8 @@ impl Rows {
         let allowed = tolerance - STORAGE_M * scale - COMPUTED * f64::from(skeleton.size_m());
         let probes: Vec<f64> =
             skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
-        let reach = reaches(skeleton, &probes);
-        let probes = in_joint_units(skeleton, &probes);
+        let reach = Reach::new(skeleton, &probes);
+        let probes = &in_joint_units(skeleton, &probes);
         let mut rows = Vec::new();
         let mut worst: f64 = 0.0;
         let most =
@@ -75,7 +75,7 @@ impl Rows {
         for (secs, jumps) in times {
             let row = Row::new(motion, secs, if jumps { Side::Before } else { Side::After });
             if let Some(last) = rows.pop() {
-                let gap = Gap { motion, skeleton, probes: &probes, reach: &reach, allowed, most };
+                let gap = Gap { motion, skeleton, probes, reach: &reach, allowed, most };
                 worst = worst.max(gap.fill(last, &row, MAX_HALVINGS, &mut rows));
             }
             rows.push(row);
@@ -87,7 +87,7 @@ impl Rows {
         let storage = Storage::new(
             &rows,
             &rounded(&rows),
-            &Judge { skeleton, probes: &probes, reach: &reach, allowed },
+            &Judge { skeleton, probes, reach: &reach.over(&[]), allowed },
         );
         let bound = worst + storage.error_m + COMPUTED * f64::from(skeleton.size_m());
         let [error_bound_m, tolerance_m] = f64math::to_f32([bound, tolerance]);
