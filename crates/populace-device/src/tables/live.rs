@@ -148,10 +148,13 @@ impl Tables {
             return Err(Error::BadPlayback { what: "ring row", value: row });
         }
         let nth = row.map_or(0, |row| row as usize + 1);
-        write_row(&mut self.all, &rows, nth, &live.clip.row_of(pose));
+        let row = live.clip.row_of(pose);
+        write_row(&mut self.all, &rows, nth, &row);
+        // The clip may not receive all that the pose holds.
+        let received = live.clip.pose_of(&row);
         for follower in &mut live.followers {
             let rows = self.all.clips.as_slice()[follower.rows as usize];
-            write_row(&mut self.all, &rows, nth, &follower.row_of(pose));
+            write_row(&mut self.all, &rows, nth, &follower.row_of(&received));
         }
         Ok(())
     }

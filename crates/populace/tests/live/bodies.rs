@@ -3,10 +3,12 @@
 use populace::character::Character;
 use populace::model::math::quat;
 use populace::model::{JointSource, Role, RoleMap, Side, Skeleton};
-use populace::{Affine, CharacterId, ClipPlayback, MemberId, Placement, Trs};
+use populace::{
+    Affine, CharacterId, ClipPlayback, LiveSettings, MemberId, Placement, Streamed, Trs,
+};
 
 use super::fixture::{self, Scene, everywhere, skeleton};
-use super::{followers, recorded, settings, stream_evenly};
+use super::{followers, pose, recorded, settings, stream_evenly};
 
 /// Returns a character with bones 1.3 times as long.
 fn longer_character() -> Character {
@@ -197,5 +199,31 @@ fn products_of_fast_rotations_take_the_short_way() {
         let shin = fixture::joint("leftLowerLeg").index();
         let turn = fixture::turn_deg(&scene.models(member)[shin], &scene.models(at_rest)[shin]);
         assert!((turn - 50.0).abs() < 1.0, "the shin turns by {turn} degrees");
+    });
+}
+
+#[test]
+fn other_bodies_ignore_translations_that_are_not_streamed() {
+    everywhere(|scene| {
+        let body = scene.body;
+        let mut character = scene.crowd.character_mut(body).expect("a body");
+        character.set_roles(legs(&skeleton())).expect("its roles");
+        let (other, _) = add(scene, longer_character());
+        let settings = LiveSettings { translations: Streamed::Nothing, ..settings(1.0) };
+        let members = ["near", "far"].map(|name| {
+            let mut character = scene.crowd.character_mut(body).expect("a body");
+            let live = character.add_live_clip(name, &settings).expect("a live clip");
+            let member = scene.crowd.spawn(other, Placement::at([0.0; 3])).expect("capacity");
+            scene.edit(member).play(live, ClipPlayback::live(0.0)).expect("a live clip");
+            let mut pose = pose(0.4);
+            if name == "far" {
+                pose.iter_mut().for_each(|trs| trs.translation = [9.0; 3]);
+            }
+            scene.crowd.clip_mut(live).expect("a clip").append(0.0, &pose).expect("a pose");
+            member
+        });
+        scene.update(0.1);
+        let [near, far] = members.map(|member| scene.models(member));
+        assert_eq!(near, far);
     });
 }
