@@ -36,8 +36,8 @@ pub struct WriteOptions<'a> {
 ///
 /// # Errors
 ///
-/// [`Error::Unwritable`] if a part has two palette entries of one joint, which a skin of glTF
-/// cannot have, if an image cannot be encoded, or if the file would take 4 GiB or more.
+/// [`Error::Unwritable`] if a part has no triangles, which a mesh of glTF must have, or two palette
+/// entries of one joint, which a skin of glTF cannot have, if an image cannot be encoded, or if the file would take 4 GiB or more.
 pub fn to_glb(character: &Character, options: &WriteOptions) -> Result<Vec<u8>, Error> {
     let mut writer = Writer::new(character);
     for index in 0..character.parts.len() {
@@ -108,6 +108,12 @@ impl<'a> Writer<'a> {
     fn part(&mut self, index: usize) -> Result<(), Error> {
         let character = self.character;
         let part = &character.parts[index];
+        if part.mesh.indices.is_empty() {
+            return self.fail(format!(
+                "its part \"{}\" has no triangles, which glTF cannot hold; leave it out",
+                part.node_name
+            ));
+        }
         let levels = character.levels().iter().map(|level| &level.meshes[index]);
         let meshes: Vec<&Mesh> = std::iter::once(&part.mesh).chain(levels).collect();
         let (skin, slots) = self.skin(part, &meshes)?;

@@ -172,6 +172,17 @@ fn two_bindings_of_one_joint_in_a_part_are_refused() {
 }
 
 #[test]
+fn parts_without_triangles_are_refused() {
+    for mesh in [empty(), Mesh { indices: Vec::new(), ..mesh(1, 0.0) }] {
+        let mut source = source();
+        source.parts[1].mesh = mesh;
+        let written = to_glb(&Character::new(source).unwrap(), &OPTIONS);
+        let error = written.map(|file| file.len()).unwrap_err().to_string();
+        assert!(error.contains("\"hat\" has no triangles"), "{error}");
+    }
+}
+
+#[test]
 fn levels_of_other_files_are_checked() {
     let file = to_glb(&character(), &OPTIONS).unwrap();
     let unknown = changed(&file, r#""error_m":[0"#, r#""error_x":[0"#);
