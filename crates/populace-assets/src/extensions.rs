@@ -3,11 +3,15 @@
 use crate::json::Cursor;
 use crate::log::Checked;
 
+/// Materials with diffuse and specular colours.
+pub(crate) const SPECULAR_GLOSSINESS: &str = "KHR_materials_pbrSpecularGlossiness";
+
 /// Supported extensions.
-const SUPPORTED: [&str; 5] = [
+const SUPPORTED: [&str; 6] = [
     "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_materials_emissive_strength",
+    SPECULAR_GLOSSINESS,
     "EXT_texture_webp",
     "MSFT_lod",
 ];
@@ -84,7 +88,10 @@ fn why_ignored(name: &str) -> &'static str {
         "KHR_draco_mesh_compression" | "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
             "the uncompressed alternative is used"
         }
-        _ if is_material(name) => "only the base colour of materials is read",
+        _ if is_material(name) => {
+            "colour, metal, roughness, normals, occlusion and emission of materials are read, \
+             nothing else"
+        }
         _ => "it is not supported, and the file does not require it",
     }
 }

@@ -4,6 +4,7 @@ use populace_character::{AlphaMode, Image, Material, Texture, TextureFilter, Wra
 
 use crate::budget::Budget;
 use crate::data::Data;
+use crate::extensions::SPECULAR_GLOSSINESS;
 use crate::folder::Folder;
 use crate::images::ImageStore;
 use crate::json::{Cursor, to_f32};
@@ -19,6 +20,8 @@ pub(crate) struct UvTransform {
 }
 
 impl UvTransform {
+    const IDENTITY: Self = Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2] };
+
     /// Applies scale, then rotation, then offset.
     pub(crate) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
         let [u, v] = [f64::from(uv[0]) * self.scale[0], f64::from(uv[1]) * self.scale[1]];
@@ -138,6 +141,8 @@ fn read_material(
         if is_named && material.metallic_roughness_texture.is_none() {
             material.metallic = 0.0;
         }
+    } else if let Some(glossy) = at.extension(SPECULAR_GLOSSINESS) {
+        read_glossy(at, &glossy, &mut material, &mut maps)?;
     }
     let normal = at.get("normalTexture");
     if let Some(info) = &normal {
@@ -160,6 +165,24 @@ fn read_material(
     let is_dark = is_named && material.emissive_texture.is_none();
     material.emissive = if is_dark { [0.0; 3] } else { emissive.map(|channel| channel * strength) };
     Ok((material, maps.used))
+}
+
+/// Reads a material of the older kind, with diffuse and specular colours
+/// (KHR_materials_pbrSpecularGlossiness), as one that is no metal.
+fn read_glossy(at: &Cursor, glossy: &Cursor, to: &mut Material, maps: &mut Maps) -> Checked<()> {
+    glossy.object()?;
+    to.base_color = factors(glossy, "diffuseFactor")?.unwrap_or([1.0; 4]);
+    to.metallic = 0.0;
+    to.roughness = 1.0 - factor(glossy, "glossinessFactor", 1.0)?;
+    to.base_color_texture = maps.read(glossy.get("diffuseTexture"))?;
+    let lost = ["specularFactor", "specularGlossinessTexture"];
+    if lost.iter().any(|key| glossy.get(key).is_some()) {
+        at.note(
+            "has specular colours, of which only the glossiness factor is read; its surface is no \
+             metal",
+        );
+    }
+    Ok(())
 }
 
 /// Reads linear factors from 0 to 1. Others are clamped.
@@ -227,13 +250,14 @@ fn read_use(info: &Cursor) -> Checked<TextureUse> {
         return Ok(TextureUse { set, transform: None });
     };
     at.object()?;
+    let unchanged = UvTransform::IDENTITY;
     let transform = UvTransform {
-        offset: at.optional("offset", Cursor::numbers)?.unwrap_or([0.0; 2]),
-        rotation: at.optional("rotation", Cursor::number)?.unwrap_or(0.0),
-        scale: at.optional("scale", Cursor::numbers)?.unwrap_or([1.0; 2]),
+        offset: at.optional("offset", Cursor::numbers)?.unwrap_or(unchanged.offset),
+        rotation: at.optional("rotation", Cursor::number)?.unwrap_or(unchanged.rotation),
+        scale: at.optional("scale", Cursor::numbers)?.unwrap_or(unchanged.scale),
     };
     let set = at.optional("texCoord", Cursor::uint)?.unwrap_or(set);
-    Ok(TextureUse { set, transform: Some(transform) })
+    Ok(TextureUse { set, transform: Some(transform).filter(|t| *t != UvTransform::IDENTITY) })
 }
 
 #[cfg(test)]

@@ -119,11 +119,40 @@ fn maps_and_their_factors_are_read() {
     assert_eq!((read.normal_scale, read.occlusion_strength), (0.75, 0.125));
     assert_eq!(read.emissive, [4.0, 2.0, 0.0]);
     assert_eq!(read.textures().count(), 5);
+    let nowhere = json!({"KHR_texture_transform": {"offset": [0, 0]}});
+    file.json["materials"][0]["normalTexture"]["extensions"] = nowhere;
+    assert_eq!(material(&file).textures().count(), 5, "its transform changes nothing");
     file.json["materials"][0]["normalTexture"]["texCoord"] = 1.into();
     assert_eq!(material(&file).normal_texture, None);
     assert_note(&file.glb(), "materials[0].normalTexture: has other texture coordinates");
     file.json["materials"][0]["emissiveFactor"] = json!([1, 0.5, 3]);
     assert_note(&file.glb(), "materials[0]: has a value of emissiveFactor outside 0 to 1");
+}
+
+#[test]
+fn diffuse_colour_and_glossiness_are_read() {
+    let mut file = textured(&encoded(image::ImageFormat::Png));
+    let glossy = json!({
+        "diffuseFactor": [0.5, 0.25, 0.125, 1], "diffuseTexture": {"index": 0},
+        "glossinessFactor": 0.25
+    });
+    file.json["materials"][0] =
+        json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": glossy}});
+    file.json["extensionsRequired"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+    file.json["extensionsUsed"] = json!(["KHR_materials_pbrSpecularGlossiness"]);
+    let read = material(&file);
+    assert_eq!((read.metallic, read.roughness), (0.0, 0.75));
+    assert_eq!(read.base_color, [0.5, 0.25, 0.125, 1.0]);
+    assert!(read.base_color_texture.is_some());
+    assert!(loaded(&file.glb()).notes.is_empty(), "nothing is lost");
+    let extension = "KHR_materials_pbrSpecularGlossiness";
+    file.json["materials"][0]["extensions"][extension]["specularFactor"] = json!([1, 0, 0]);
+    assert_note(&file.glb(), "materials[0]: has specular colours");
+    // The other way to say the same has precedence.
+    file.json["materials"][0]["pbrMetallicRoughness"] = json!({"roughnessFactor": 0.5});
+    let read = material(&file);
+    assert_eq!((read.metallic, read.roughness), (1.0, 0.5));
+    assert!(loaded(&file.glb()).notes.is_empty(), "the extension is not needed");
 }
 
 #[test]
