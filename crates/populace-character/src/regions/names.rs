@@ -111,6 +111,24 @@ const WORDS: [(Region, &[&str]); 7] = [
 /// Least length of a word that may end a longer one. Shorter ones end too many others.
 const ENDING: usize = 4;
 
+/// Words that end with one of a region and mean something else.
+const OTHERS: [&str; 14] = [
+    "surface",
+    "interface",
+    "chair",
+    "wheel",
+    "console",
+    "flash",
+    "splash",
+    "clearcoat",
+    "wardrobe",
+    "strobe",
+    "harvest",
+    "address",
+    "bulkhead",
+    "bottleneck",
+];
+
 /// See [`Region::of_material`].
 pub(super) fn region(name: &str) -> Option<Region> {
     let tokens = tokens(name);
@@ -125,7 +143,10 @@ pub(super) fn region(name: &str) -> Option<Region> {
 /// Returns whether a token is a word or its plural, or ends with it.
 fn matches(token: &str, word: &str) -> bool {
     let single = token.strip_suffix('s').unwrap_or(token);
-    [token, single].iter().any(|t| *t == word || (word.len() >= ENDING && t.ends_with(word)))
+    let ends = |t: &str| {
+        word.len() >= ENDING && t.ends_with(word) && !OTHERS.iter().any(|other| t.ends_with(other))
+    };
+    [token, single].iter().any(|t| *t == word || ends(t))
 }
 
 /// Splits a name where letters stop and where a small letter meets a capital one. The tokens are in
@@ -173,6 +194,9 @@ mod tests {
             ("Trousers legs", Region::Trousers),
             ("Boots-Sole", Region::Shoes),
             ("Accessory:hair pin", Region::Accessory),
+            ("longhair", Region::Hair),
+            ("highheels", Region::Shoes),
+            ("raincoat", Region::Top),
         ] {
             assert_eq!(region_of(name), Some(region), "{name}");
         }
@@ -184,6 +208,9 @@ mod tests {
             let told = region_of(name);
             let wanted = (name == "alpha_body_mat2x").then_some(Region::Skin);
             assert_eq!(told, wanted, "{name}");
+        }
+        for name in ["standardSurface1", "aiStandardSurface1", "Wheelchair", "wheels", "Console"] {
+            assert_eq!(region_of(name), None, "{name}");
         }
     }
 
