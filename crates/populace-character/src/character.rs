@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 use populace_clip::Clip;
 use populace_model::{Affine, JointIndex, Skeleton, f64math};
 
+use crate::mesh::{Mesh, rest_place};
 use crate::options::{PartOption, find_options};
 use crate::{Error, Image, Material};
 
@@ -17,46 +18,6 @@ pub struct PaletteEntry {
     pub joint: JointIndex,
     /// Transforms vertices from bind space to joint space (glTF: inverse bind matrix).
     pub joint_from_bind: Affine,
-}
-
-/// Palette entries and weights of each vertex.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Influences {
-    /// Influences per vertex: 4 or 8.
-    pub per_vertex: usize,
-    /// `vertices x per_vertex` indices into [`CharacterSource::palette`].
-    pub entries: Vec<u16>,
-    /// `vertices x per_vertex` weights, as in the source. The weights of a vertex should sum to 1.
-    /// If they do not, the skinning equation uses them as they are, and drawing divides by their
-    /// sum.
-    pub weights: Vec<f32>,
-}
-
-impl Influences {
-    /// The palette entries and weights of a vertex. Empty past the last vertex.
-    pub(crate) fn of(&self, vertex: usize) -> impl Iterator<Item = (usize, f32)> + '_ {
-        let range = vertex * self.per_vertex..(vertex + 1) * self.per_vertex;
-        let entries = self.entries.get(range.clone()).unwrap_or_default();
-        let weights = self.weights.get(range).unwrap_or_default();
-        entries.iter().zip(weights).map(|(entry, weight)| (usize::from(*entry), *weight))
-    }
-}
-
-/// A triangle mesh in bind space.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Mesh {
-    /// Positions in metres.
-    pub positions: Vec<[f32; 3]>,
-    /// Unit normals, one per vertex.
-    pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates of the base colour, one per vertex or empty; v increases downwards.
-    pub uvs: Vec<[f32; 2]>,
-    /// Linear colours that multiply the material's, one per vertex or empty.
-    pub colors: Vec<[f32; 4]>,
-    /// Palette entries and weights of each vertex.
-    pub influences: Influences,
-    /// Three vertex indices per triangle, counter-clockwise seen from the front in bind space.
-    pub indices: Vec<u32>,
 }
 
 /// A drawable part: a primitive of a mesh, as used by one node.
@@ -149,6 +110,8 @@ pub struct Character {
     source: CharacterSource,
     levels: Vec<Level>,
     options: Vec<PartOption>,
+    /// `model_from_bind` of each palette entry at rest.
+    rest_binds: Vec<DAffine3>,
     rest_bounds: Option<Bounds>,
 }
 
@@ -204,7 +167,9 @@ impl Character {
             }
         }
         let options = find_options(source.parts.iter().map(|part| part.node_name.as_str()));
-        let mut character = Self { source, levels: Vec::new(), options, rest_bounds: None };
+        let rest_binds = rest_binds(&source);
+        let mut character =
+            Self { source, levels: Vec::new(), options, rest_binds, rest_bounds: None };
         let parts = 0..character.parts.len();
         character.rest_bounds = Bounds::around(parts.flat_map(|p| character.rest_positions(p)));
         Ok(character)
@@ -284,13 +249,20 @@ impl Character {
         self.rest_bounds.map_or(self.skeleton.size_m(), |b| b.high[1] - b.low[1])
     }
 
-    /// Returns `model_from_bind` of each palette entry at rest.
+    /// Size at rest in metres: the height, or the longest side of a thing that lies flat, whose
+    /// height is less than a thousandth of it.
     #[must_use]
-    pub fn rest_binds(&self) -> Vec<DAffine3> {
-        let models = self.skeleton.rest_models();
-        let bind =
-            |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
-        self.palette.iter().map(bind).collect()
+    pub fn size_m(&self) -> f32 {
+        let height_m = self.height_m();
+        let side = |b: Bounds| (b.high[0] - b.low[0]).max(b.high[2] - b.low[2]);
+        let longest_m = self.rest_bounds.map_or(height_m, side);
+        if height_m < FLAT * longest_m { longest_m } else { height_m }
+    }
+
+    /// `model_from_bind` of each palette entry at rest.
+    #[must_use]
+    pub fn rest_binds(&self) -> &[DAffine3] {
+        &self.rest_binds
     }
 
     /// Returns the positions in model space of a part's vertices at rest, in metres. Empty if there
@@ -299,9 +271,19 @@ impl Character {
     pub fn rest_positions(&self, part: usize) -> Vec<[f32; 3]> {
         let Some(Part { mesh, .. }) = self.parts.get(part) else { return Vec::new() };
         let binds = self.rest_binds();
-        let place = |vertex| f64math::to_f32(rest_place(mesh, vertex, &binds).to_array());
+        let place = |vertex| f64math::to_f32(rest_place(mesh, vertex, binds).to_array());
         (0..mesh.positions.len()).map(place).collect()
     }
+}
+
+/// Height of a thing that lies flat, at most, as a fraction of its longest side.
+const FLAT: f32 = 0.001;
+
+fn rest_binds(source: &CharacterSource) -> Vec<DAffine3> {
+    let models = source.skeleton.rest_models();
+    let bind =
+        |e: &PaletteEntry| models[e.joint.index()] * f64math::affine_from(&e.joint_from_bind);
+    source.palette.iter().map(bind).collect()
 }
 
 /// Names a part for error messages.
@@ -309,38 +291,27 @@ fn place_of(part: &Part) -> String {
     format!("node {} \"{}\", primitive {}", part.node, part.node_name, part.primitive)
 }
 
-/// Returns the position of a vertex at rest in model space. `binds` holds `model_from_bind` of each
-/// palette entry. Indices out of range are ignored.
-pub(crate) fn rest_place(mesh: &Mesh, vertex: usize, binds: &[DAffine3]) -> DVec3 {
-    let position = f64math::vec3(mesh.positions[vertex]);
-    let moved = |(entry, weight): (usize, f32)| {
-        Some(binds.get(entry)?.transform_point3(position) * f64::from(weight))
-    };
-    mesh.influences.of(vertex).filter_map(moved).sum()
-}
-
 /// Returns the distance in metres from each joint, in level order, to the farthest vertex that it
-/// moves, at rest, times the vertex's weight. This is the input of [`Skeleton::with_reach`].
+/// moves, at rest, times its share of the vertex. This is the input of [`Skeleton::with_reach`].
 /// Indices out of range are ignored.
 #[must_use]
 pub fn vertex_reach_m(skeleton: &Skeleton, palette: &[PaletteEntry], parts: &[Part]) -> Vec<f32> {
     let models = skeleton.rest_models();
     let mut reach: Vec<f64> = vec![0.0; models.len()];
     for mesh in parts.iter().map(|p| &p.mesh) {
-        let Influences { per_vertex, entries, weights } = &mesh.influences;
-        for (at, (&entry, &weight)) in
-            entries.iter().zip(weights).enumerate().filter(|(_, (_, w))| **w > 0.0)
-        {
-            let vertex = mesh.positions.get(at / (*per_vertex).max(1));
-            let (Some(entry), Some(&vertex)) = (palette.get(usize::from(entry)), vertex) else {
+        let influences = mesh.positions.iter().enumerate().flat_map(|(vertex, position)| {
+            mesh.influences.shares(vertex).map(|(entry, share)| (*position, entry, share))
+        });
+        for (position, entry, share) in influences.filter(|(.., share)| *share > 0.0) {
+            let Some(entry) = palette.get(entry) else {
                 continue;
             };
             let Some(model) = models.get(entry.joint.index()) else {
                 continue;
             };
             let in_joint = f64math::affine_from(&entry.joint_from_bind)
-                .transform_point3(f64math::vec3(vertex));
-            let distance = model.transform_vector3(in_joint).length() * f64::from(weight.min(1.0));
+                .transform_point3(f64math::vec3(position));
+            let distance = model.transform_vector3(in_joint).length() * f64::from(share.min(1.0));
             reach[entry.joint.index()] = reach[entry.joint.index()].max(distance);
         }
     }

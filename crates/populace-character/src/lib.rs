@@ -10,6 +10,7 @@ mod error;
 mod image;
 mod joints_needed;
 mod material;
+mod mesh;
 mod mirrored;
 mod options;
 mod pieces;
@@ -18,13 +19,13 @@ mod rehang;
 mod sole_points;
 
 pub use character::{
-    Bounds, Character, CharacterSource, Influences, Level, Mesh, PaletteEntry, Part, SkinInstance,
-    vertex_reach_m,
+    Bounds, Character, CharacterSource, Level, PaletteEntry, Part, SkinInstance, vertex_reach_m,
 };
 pub use error::Error;
 pub use image::{Image, linear_from_srgb};
 pub use joints_needed::joints_needed;
 pub use material::{AlphaMode, Material, Texture, TextureFilter, Wrap};
+pub use mesh::{Influences, Mesh};
 pub use options::{MAX_OPTIONS, PartOption};
 pub use pieces::{pieces, welded};
 pub use regions::{Region, RegionFinder};

@@ -9,13 +9,11 @@ impl Character {
     #[must_use]
     pub fn is_mirrored(&self, part: usize) -> bool {
         let Some(Part { mesh, .. }) = self.parts.get(part) else { return false };
-        let binds = self.rest_binds();
-        let mirrors: Vec<bool> =
-            binds.iter().map(|bind| bind.matrix3.determinant() < 0.0).collect();
+        let mirrors =
+            |entry: u16| self.rest_binds()[usize::from(entry)].matrix3.determinant() < 0.0;
         let influences = mesh.influences.entries.iter().zip(&mesh.influences.weights);
-        let signed = |(&entry, &weight): (&u16, &f32)| {
-            if mirrors[usize::from(entry)] { weight } else { -weight }
-        };
+        let signed =
+            |(&entry, &weight): (&u16, &f32)| if mirrors(entry) { weight } else { -weight };
         influences.map(signed).sum::<f32>() > 0.0
     }
 }

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 use populace_model::{Skeleton, f64math};
 
-use crate::character::rest_place;
+use crate::mesh::rest_place;
 use crate::{PaletteEntry, Part};
 
 /// Vertices higher than this fraction of the body at rest are not part of a sole.
@@ -39,8 +39,9 @@ pub fn sole_points(
         for vertex in 0..mesh.positions.len() {
             let place = rest_place(mesh, vertex, &binds);
             (low, high) = (low.min(place.y), high.max(place.y));
-            let shares =
-                || mesh.influences.of(vertex).filter_map(|(e, w)| Some((palette.get(e)?.joint, w)));
+            let shares = || {
+                mesh.influences.shares(vertex).filter_map(|(e, w)| Some((palette.get(e)?.joint, w)))
+            };
             let share = |joint| shares().filter(|(j, _)| *j == joint).map(|(_, w)| w).sum::<f32>();
             if let Some((joint, _)) = shares().find(|(joint, _)| share(*joint) >= MOST)
                 && let Some(carried) = carried.get_mut(joint.index())
@@ -107,8 +108,8 @@ mod tests {
         ];
         let entries =
             vec![1, 1, 1, 1, 9, 0].into_iter().flat_map(|entry| [entry, 0, 0, 0]).collect();
-        let weights =
-            [1.0, 1.0, 1.0, 0.4, 1.0, 1.0].into_iter().flat_map(|w| [w, 0.0, 0.0, 0.0]).collect();
+        let mut weights = [1.0, 0.0, 0.0, 0.0].repeat(6);
+        weights[3 * 4..][..2].copy_from_slice(&[0.4, 0.6]);
         let mesh = Mesh {
             normals: Vec::new(),
             uvs: Vec::new(),

@@ -1,5 +1,7 @@
 //! Joints in groups, as attributes of vertices: edges between vertices of different groups bend.
 
+use std::collections::BTreeSet;
+
 use populace_character::{Character, Influences};
 
 /// Most groups. The simplifier takes 32 attributes, of which eight are normals, colours and texture
@@ -16,29 +18,29 @@ pub(crate) struct JointGroups {
 
 impl JointGroups {
     pub(crate) fn of(character: &Character) -> Self {
-        let skeleton = &character.skeleton;
-        // Each joint's representative: itself, until it joins its parent.
-        let mut joints: Vec<usize> = character.palette.iter().map(|e| e.joint.index()).collect();
-        loop {
-            let mut used = joints.clone();
-            used.sort_unstable();
-            used.dedup();
-            // Joints are in order of their depth.
-            let parent = used.iter().rev().find_map(|&joint| {
-                let parent = skeleton.parent(skeleton.joints().nth(joint)?)?;
-                Some((joint, parent.index()))
-            });
-            match parent {
-                Some((deepest, parent)) if used.len() > MAX_GROUPS => {
-                    joints.iter_mut().filter(|j| **j == deepest).for_each(|j| *j = parent);
-                }
-                _ => {
-                    let place = |joint: &usize| used.binary_search(joint).unwrap_or_default();
-                    let of_entries = joints.iter().map(place).map(|g| g % MAX_GROUPS).collect();
-                    return Self { of_entries, count: used.len().min(MAX_GROUPS) };
-                }
+        let (parents, palette) = (character.skeleton.parents(), &character.palette);
+        let mut used: BTreeSet<usize> = palette.iter().map(|e| e.joint.index()).collect();
+        let mut has_joined = vec![false; parents.len()];
+        // Joints are in order of their depth.
+        while used.len() > MAX_GROUPS
+            && let Some(deepest) = used.last().copied()
+            && let Some(parent) = parents[deepest]
+        {
+            used.remove(&deepest);
+            used.insert(parent.index());
+            has_joined[deepest] = true;
+        }
+        let mut of_joints = vec![0; parents.len()];
+        for (group, joint) in used.iter().enumerate() {
+            of_joints[*joint] = group % MAX_GROUPS;
+        }
+        for (joint, parent) in parents.iter().enumerate() {
+            if let Some(parent) = parent.filter(|_| has_joined[joint]) {
+                of_joints[joint] = of_joints[parent.index()];
             }
         }
+        let of_entries = palette.iter().map(|entry| of_joints[entry.joint.index()]).collect();
+        Self { of_entries, count: used.len().min(MAX_GROUPS) }
     }
 
     /// Adds a vertex's weights to its groups.

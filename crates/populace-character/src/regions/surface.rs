@@ -4,7 +4,7 @@ use glam::{DAffine3, DVec3};
 use populace_model::{Role, RoleMap, Side};
 
 use super::Region;
-use crate::character::rest_place;
+use crate::mesh::rest_place;
 use crate::{Character, Material, Mesh, Texture};
 
 /// Most of the luminance of a skin's median tone by which a texel may differ from it.
@@ -36,7 +36,7 @@ pub struct RegionFinder<'a> {
     /// Role of each palette entry; that of the nearest ancestor with one.
     roles: Vec<Option<Role>>,
     /// `model_from_bind` of each palette entry at rest.
-    binds: Vec<DAffine3>,
+    binds: &'a [DAffine3],
     head: Head,
     /// Median luminance of the face's skin, from 0 to 255.
     tone: Option<f64>,
@@ -107,7 +107,7 @@ impl<'a> RegionFinder<'a> {
 
     /// Returns the role of the palette entry that moves a vertex most.
     fn role(&self, mesh: &Mesh, vertex: usize) -> Option<Role> {
-        let strongest = mesh.influences.of(vertex).reduce(|a, b| if b.1 > a.1 { b } else { a });
+        let strongest = mesh.influences.shares(vertex).reduce(|a, b| if b.1 > a.1 { b } else { a });
         strongest.and_then(|(entry, _)| *self.roles.get(entry)?)
     }
 
@@ -117,7 +117,7 @@ impl<'a> RegionFinder<'a> {
             Some(Role::Foot(_) | Role::Toes(_)) => Region::Shoes,
             Some(Role::Hips | Role::UpperLeg(_) | Role::LowerLeg(_)) => Region::Trousers,
             Some(Role::Head | Role::Jaw | Role::Eye(_)) => {
-                let place = rest_place(mesh, vertex, &self.binds);
+                let place = rest_place(mesh, vertex, self.binds);
                 let is_hair = place.y > self.head.eyes_y || place.z < self.head.joint_z;
                 if is_hair { Region::Hair } else { Region::Other }
             }
@@ -134,7 +134,7 @@ impl<'a> RegionFinder<'a> {
             let Some(texture) = texture else { continue };
             for (vertex, uv) in part.mesh.uvs.iter().enumerate() {
                 let on_face = || {
-                    let place = rest_place(&part.mesh, vertex, &self.binds);
+                    let place = rest_place(&part.mesh, vertex, self.binds);
                     place.y <= self.head.eyes_y && place.z > self.head.joint_z
                 };
                 if !matches!(self.role(&part.mesh, vertex), Some(Role::Head | Role::Jaw)) {

@@ -92,7 +92,7 @@ fn capsules(character: &Character, hide: &dyn Fn(&Part) -> bool) -> Vec<Capsule>
             }
         }
     }
-    let entries = (0..=u16::MAX).zip(&binds).zip(&points);
+    let entries = (0..=u16::MAX).zip(binds).zip(&points);
     let mut all: Vec<Capsule> = entries
         .filter(|(_, points)| points.len() >= LEAST_VERTICES)
         .filter_map(|((index, model), points)| {
