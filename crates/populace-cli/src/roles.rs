@@ -192,16 +192,17 @@ fn has_roles(character: &Character) -> bool {
 
 /// Says that a character is in another unit than metres.
 fn report_scale(character: &Character, scale: f32, mixed: bool) {
-    let (name, own_m) = (&character.name, character.height_m());
+    let (name, own_m) = (&character.name, character.size_m());
     let own = if own_m < 0.1 { format!("{:.2} mm", own_m * 1e3) } else { format!("{own_m:.2} m") };
     let reason = if mixed {
         "which suits no crowd of several characters"
     } else {
         "which is hardly meant in metres"
     };
+    let extent = if own_m > character.height_m() { "long" } else { "high" };
     message!(
-        "\"{name}\" is {own} high, {reason}; it is drawn {:.2} m high, and --height sets its \
-         height",
+        "\"{name}\" is {own} {extent}, {reason}; it is drawn {:.2} m {extent}, and --height \
+         sets it",
         scale * own_m
     );
 }
@@ -376,7 +377,7 @@ fn role_clip(
 /// Returns the scale to the height asked for or, for a character in another unit than metres, to a
 /// plausible height.
 fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
-    let own = character.height_m().max(1e-6);
+    let own = character.size_m().max(1e-6);
     // A humanoid may hold a long sword.
     let longer_than_high = !has_roles(character)
         && character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);

@@ -10,7 +10,7 @@ use glam::{DMat3, Vec3};
 use parry3d::math::Vector;
 use parry3d::query::{Ray, RayCast};
 use parry3d::shape::TriMesh;
-use populace_character::{Character, Influences, Mesh};
+use populace_character::{Character, Mesh};
 use populace_model::convert::place_bits;
 use populace_model::f64math;
 
@@ -19,12 +19,12 @@ use crate::mesh::Simplifier;
 
 /// Greatest depth of a vertex that is drawn in, in errors of the level.
 const DEEPEST_ERRORS: f32 = 2.0;
-/// Greatest distance by which a vertex is drawn in, as a fraction of the character's height.
+/// Greatest distance by which a vertex is drawn in, as a fraction of the character's size.
 const FARTHEST: f32 = 0.03;
-/// Least thickness beneath a vertex that is drawn in, as a fraction of the height. Shafts and fingers
+/// Least thickness beneath a vertex that is drawn in, as a fraction of the size. Shafts and fingers
 /// stay as they are, also where a hand or a blade surrounds them.
 const THINNEST: f32 = 0.04;
-/// Start of a ray before its vertex, which lies on its own surface, as a fraction of the height.
+/// Start of a ray before its vertex, which lies on its own surface, as a fraction of the size.
 const CLEAR: f32 = 1e-4;
 /// How far features are drawn out, in errors of the level.
 const FEATURE_ERRORS: f32 = 0.5;
@@ -70,16 +70,16 @@ pub(crate) fn beneath(
     let Some(surface) = bound::surface(parts) else { return parts.iter().map(nothing).collect() };
     let normals = normals(&surface);
     let binds = binds(character);
-    let height = character.height_m();
+    let size_m = character.size_m();
     let of_vertex = |mesh: &Mesh, vertex: usize, place: [f32; 3]| {
         let normal = normals.get(&place_bits(place))?.try_normalize()?;
-        let depth_m = depth_m(&surface, place, normal, CLEAR * height, DEEPEST_ERRORS * most_m)?;
-        let into = Ray::new(Vector::from_array(place) - CLEAR * height * normal, -normal);
-        if surface.cast_local_ray(&into, THINNEST * height, false).is_some() {
+        let depth_m = depth_m(&surface, place, normal, CLEAR * size_m, DEEPEST_ERRORS * most_m)?;
+        let into = Ray::new(Vector::from_array(place) - CLEAR * size_m * normal, -normal);
+        if surface.cast_local_ray(&into, THINNEST * size_m, false).is_some() {
             return None;
         }
         let inwards = (-normal).to_array();
-        Shift::new(depth_m, FARTHEST * height, &rest_from_bind(mesh, vertex, &binds), inwards)
+        Shift::new(depth_m, FARTHEST * size_m, &rest_from_bind(mesh, vertex, &binds), inwards)
     };
     let of_part = |(index, part): (usize, &Simplifier<'_>)| {
         if character.option_of(index).is_some() {
@@ -95,7 +95,7 @@ pub(crate) fn beneath(
 /// Returns for each vertex of each part how levels draw it out, if it is one of a feature that faces
 /// somewhere.
 pub(crate) fn out(character: &Character, parts: &[Simplifier<'_>]) -> Vec<Vec<Option<Shift>>> {
-    let (binds, farthest_m) = (binds(character), FARTHEST * character.height_m());
+    let (binds, farthest_m) = (binds(character), FARTHEST * character.size_m());
     let of_vertex = |mesh: &Mesh, (vertex, facing): (usize, &Option<Vec3>)| {
         let facing = facing.filter(|facing| *facing != Vec3::ZERO)?;
         let outwards = (FEATURE_ERRORS * facing).to_array();
@@ -115,10 +115,8 @@ fn binds(character: &Character) -> Vec<DMat3> {
 
 /// Returns the blended matrix of a vertex at rest. `binds` holds that of each palette entry.
 fn rest_from_bind(mesh: &Mesh, vertex: usize, binds: &[DMat3]) -> DMat3 {
-    let Influences { per_vertex, entries, weights } = &mesh.influences;
-    let of_vertex = vertex * per_vertex..(vertex + 1) * per_vertex;
-    let influences = entries[of_vertex.clone()].iter().zip(&weights[of_vertex]);
-    influences.fold(DMat3::ZERO, |sum, (e, w)| sum + binds[usize::from(*e)] * f64::from(*w))
+    let shares = mesh.influences.shares(vertex);
+    shares.fold(DMat3::ZERO, |sum, (entry, share)| sum + binds[entry] * f64::from(share))
 }
 
 /// Returns the sum of the normals of the triangles around each place, by their area. Vertices at
@@ -154,7 +152,7 @@ fn depth_m(
 #[cfg(test)]
 mod tests {
     use populace_cast::{Look, person};
-    use populace_character::CharacterSource;
+    use populace_character::{CharacterSource, Influences};
 
     use super::*;
 

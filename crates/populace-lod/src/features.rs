@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::Vec3;
 use populace_character::{pieces, welded};
 
-/// Greatest extent of a feature, as a fraction of the character's height.
+/// Greatest extent of a feature, as a fraction of the character's size.
 const LARGEST: f32 = 0.04;
 /// Pieces face the mean direction of their triangles if it is at least this long. It is 0 for a closed
 /// surface and 1 for a flat one.
@@ -38,11 +38,11 @@ impl Piece {
 }
 
 /// Returns for each vertex of a feature the direction in which the feature faces, 0 if it is closed, and
-/// `None` for other vertices. `height_m` is that of the character.
+/// `None` for other vertices. `size_m` is that of the character.
 pub(crate) fn features(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
-    height_m: f32,
+    size_m: f32,
 ) -> Vec<Option<Vec3>> {
     let pieces_of = pieces(&welded(positions), triangles);
     let mut pieces: HashMap<usize, Piece> = HashMap::new();
@@ -57,7 +57,7 @@ pub(crate) fn features(
         let piece = pieces.get(&pieces_of[vertex])?;
         let is_open = piece.normal.length() >= LEAST_FACING * piece.area;
         let normal = if is_open { piece.normal.normalize_or_zero() } else { Vec3::ZERO };
-        ((piece.most - piece.least).length() <= LARGEST * height_m).then_some(normal)
+        ((piece.most - piece.least).length() <= LARGEST * size_m).then_some(normal)
     };
     (0..positions.len()).map(facing).collect()
 }

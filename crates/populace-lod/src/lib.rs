@@ -32,7 +32,7 @@ use populace_character::{Character, CharacterSource, Error, Level, Mesh, joints_
 use crate::groups::JointGroups;
 use crate::mesh::Simplifier;
 
-/// Errors of the levels, as fractions of the character's height; the most influences of a vertex; and
+/// Errors of the levels, as fractions of the character's size ([`Character::size_m`]); the most influences of a vertex; and
 /// whether the next levels are simplified from it. Small members are many, and between errors far
 /// apart they would be drawn much finer than they need. Errors add up along the chain, so it has none
 /// of the levels between.
@@ -48,10 +48,10 @@ const LEVELS: [(f32, usize, bool); 10] = [
     (0.042, 1, false),
     (0.056, 1, true),
 ];
-/// Errors of levels in which faces count, as fractions of the character's height. Finer levels keep
+/// Errors of levels in which faces count, as fractions of the character's size. Finer levels keep
 /// them by their sizes alone.
 const FACES_COUNT: Range<f32> = 0.0015..0.012;
-/// Errors that [`reduced`] tries, as fractions of the character's height: each this much greater
+/// Errors that [`reduced`] tries, as fractions of the character's size: each this much greater
 /// than the one before.
 const FIRST_REDUCTION: f32 = 0.0001;
 const REDUCTION_STEP: f32 = 1.3;
@@ -74,15 +74,20 @@ pub fn with_levels(character: Character) -> Result<Character, Error> {
 /// Returns levels of detail for a character, finest first.
 #[must_use]
 pub fn levels_of(character: &Character) -> Vec<Level> {
+    let size_m = character.size_m();
+    // A point has no errors.
+    if !size_m.is_normal() {
+        return Vec::new();
+    }
     let mut simplifiers = simplifiers(character);
     let most_m = LEVELS.map(|(fraction, ..)| fraction).into_iter().fold(0.0, f32::max);
-    let beneath = cover::beneath(character, &simplifiers, most_m * character.height_m());
+    let beneath = cover::beneath(character, &simplifiers, most_m * size_m);
     let out = cover::out(character, &simplifiers);
     let mut faces: Option<Vec<Simplifier>> = None;
     let mut levels: Vec<Level> = Vec::new();
     let mut shown = count(&simplifiers);
     for (fraction, influences, leads) in LEVELS {
-        let error_m = fraction * character.height_m();
+        let error_m = fraction * size_m;
         let faces_count = FACES_COUNT.contains(&fraction);
         if faces_count {
             let with_faces = || simplifiers.iter().map(Simplifier::with_faces).collect();
@@ -137,8 +142,10 @@ pub fn reduced(character: &Character, triangles: usize, error_m: f32) -> Result<
     let mut source = CharacterSource::clone(character);
     let mut simplifiers = simplifiers(character);
     let small = triangles / SMALL_PART;
-    let mut next_m = FIRST_REDUCTION * character.height_m();
-    while next_m <= error_m && count(&simplifiers) > triangles {
+    let size_m = character.size_m();
+    let mut next_m = FIRST_REDUCTION * size_m;
+    // Nothing is left to reduce at an error as large as the character.
+    while 0.0 < next_m && next_m < size_m && next_m <= error_m && count(&simplifiers) > triangles {
         bound::simplify(&mut simplifiers, next_m, |s| triangles_of(s) > small);
         next_m *= REDUCTION_STEP;
     }

@@ -18,13 +18,13 @@ const NORMAL: f32 = 0.0155;
 const COLOR: f32 = 0.07;
 /// The same where faces count.
 const COLOR_OF_FACES: f32 = 0.23;
-/// Error of features where faces count, as a fraction of the character's height: they are seen by their
+/// Error of features where faces count, as a fraction of the character's size: they are seen by their
 /// colours, not by their shapes.
 const FEATURE_ERROR: f32 = 0.0015;
 /// The same between the weights of two groups of joints.
 const WEIGHT: f32 = 0.062;
 /// Part of the distance on the surface that a shift of the texture counts as, in a part as long as the
-/// character is high. In a shorter part it is less by the same factor.
+/// character's size. In a shorter part it is less by the same factor.
 const TEXTURE: f32 = 0.23;
 /// The normal in a vertex's attributes.
 const NORMALS: Range<usize> = 0..3;
@@ -52,8 +52,8 @@ pub(crate) struct Simplifier<'a> {
     features: Vec<Option<Vec3>>,
     /// True if the rest pose mirrors the part.
     is_mirrored: bool,
-    /// Height of the character in metres.
-    height_m: f32,
+    /// Size of the character in metres.
+    size_m: f32,
     /// Features and colours stay longer.
     faces_count: bool,
 }
@@ -87,10 +87,10 @@ impl<'a> Simplifier<'a> {
     pub(crate) fn new(character: &'a Character, part: usize, groups: &JointGroups) -> Self {
         let source = &character.parts[part].mesh;
         let positions = character.rest_positions(part);
-        let height = character.height_m();
-        let heights_per_uv = (metres_per_uv(source, &positions) / height).min(1.0);
+        let size_m = character.size_m();
+        let sizes_per_uv = (metres_per_uv(source, &positions) / size_m).min(1.0);
         let mut weights = vec![NORMAL; 3];
-        weights.extend([TEXTURE * heights_per_uv; 2]);
+        weights.extend([TEXTURE * sizes_per_uv; 2]);
         weights.extend([COLOR; 3]);
         weights.extend(vec![WEIGHT; groups.count]);
         let mut attributes = Vec::with_capacity(positions.len() * weights.len());
@@ -109,7 +109,7 @@ impl<'a> Simplifier<'a> {
             flip(&mut indices);
         }
         let now = Surface { positions, attributes, indices };
-        let features = features(&now.positions, now.triangles(), height);
+        let features = features(&now.positions, now.triangles(), size_m);
         let before = Surface::default();
         Self {
             source,
@@ -119,7 +119,7 @@ impl<'a> Simplifier<'a> {
             locked,
             features,
             is_mirrored,
-            height_m: height,
+            size_m,
             faces_count: false,
         }
     }
@@ -175,7 +175,7 @@ impl<'a> Simplifier<'a> {
             self.before.triangles().iter().partition(|triangle| is_feature(triangle));
         self.now.indices.clear();
         self.collapse_some(rest, error_m);
-        self.collapse_some(features, error_m.min(FEATURE_ERROR * self.height_m));
+        self.collapse_some(features, error_m.min(FEATURE_ERROR * self.size_m));
         // Vertices that slide along the surface would take their joints with them, and the texture
         // would slide.
         self.now.positions.clone_from(&self.before.positions);

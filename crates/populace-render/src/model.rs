@@ -108,8 +108,8 @@ impl Model {
         let level_errors_m = meshes.iter().map(|(error_m, _)| *error_m).collect();
         let mut levels = Vec::with_capacity(meshes.len());
         for (error_m, meshes) in meshes {
-            let is_coarse = error_m >= COARSE * character.height_m() && error_m > 0.0;
-            let is_baked = is_coarse && error_m >= BAKED * character.height_m();
+            let is_coarse = error_m >= COARSE * character.size_m() && error_m > 0.0;
+            let is_baked = is_coarse && error_m >= BAKED * character.size_m();
             let drawn = surfaces.drawn_together(&meshes, is_coarse, is_baked);
             let mut parts = Vec::with_capacity(drawn.len());
             for together in &drawn {

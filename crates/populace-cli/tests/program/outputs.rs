@@ -292,6 +292,23 @@ fn character_in_another_unit_than_metres_is_drawn_at_a_plausible_height() {
     assert!(!picture(&small, &[]).1, "2 m are plausible");
 }
 
+/// A thing without a height has no scale to a plausible one.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn post_that_lies_flat_is_drawn_as_long_as_it_is() {
+    let folder = Folder::new();
+    let (file, out) = (folder.text("flat.gltf"), folder.text("flat.png"));
+    let (mut post, half) = (post(), std::f32::consts::FRAC_1_SQRT_2);
+    post["nodes"][1]["rotation"] = json!([half, 0.0, 0.0, half]);
+    std::fs::write(&file, post.to_string()).expect("written");
+    for more in [&[][..], &["--height", "1"]] {
+        let args = [&["render", &file, "--out", &out], &SMALL[..], more].concat();
+        let output = populace(&args);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && !said.contains("hardly meant"), "{said}");
+    }
+}
+
 /// A knight with a sword longer than the knight is no four-legged animal.
 #[cfg_attr(any(skip_gl, no_test_data), ignore = "no test data, or POPULACE_SKIP names gl")]
 #[test]

@@ -6,9 +6,9 @@ mod geometry;
 mod walls;
 
 use geometry::{Point, distance_to_triangle, dot, normal};
-use populace_character::{Character, CharacterSource, Mesh};
+use populace_character::{Character, CharacterSource, Influences, Mesh, PaletteEntry, Part};
 use populace_lod::{levels_of, with_levels};
-use populace_model::{JointIndex, JointSource, Skeleton, Trs};
+use populace_model::{Affine, JointIndex, JointSource, Skeleton, Trs};
 
 fn man() -> Character {
     populace_cast::cast().unwrap().remove(1)
@@ -200,4 +200,64 @@ fn reduced_character_has_few_triangles_and_keeps_small_parts() {
     assert!((0..3).all(|axis| (low.high[axis] - high.high[axis]).abs() < 0.03), "{high:?}");
     let careful = populace_lod::reduced(&man, 1, 1e-9).unwrap();
     assert_eq!(all(&careful), before, "the error is bounded");
+}
+
+/// Returns a square of 1,800 triangles that lies on the ground, in waves of `wave_m`.
+fn plate(side_m: f32, wave_m: f32) -> Character {
+    const SIDE: u16 = 31;
+    let place = |at: u16| f32::from(at) * side_m / f32::from(SIDE - 1);
+    let at = |z: u16, x: u16| u32::from(z * SIDE + x);
+    let corners: Vec<(u16, u16)> = (0..SIDE).flat_map(|z| (0..SIDE).map(move |x| (z, x))).collect();
+    let squares = corners.iter().filter(|(z, x)| *z + 1 < SIDE && *x + 1 < SIDE);
+    let two = |&(z, x): &(u16, u16)| {
+        [at(z, x), at(z + 1, x), at(z, x + 1), at(z, x + 1), at(z + 1, x), at(z + 1, x + 1)]
+    };
+    let position = |&(z, x): &(u16, u16)| [place(x), wave_m * f32::from(x % 3), place(z)];
+    let mesh = Mesh {
+        positions: corners.iter().map(position).collect(),
+        normals: vec![[0.0, 1.0, 0.0]; corners.len()],
+        uvs: Vec::new(),
+        colors: Vec::new(),
+        influences: Influences {
+            per_vertex: 4,
+            entries: vec![0; 4 * corners.len()],
+            weights: [1.0, 0.0, 0.0, 0.0].repeat(corners.len()),
+        },
+        indices: squares.flat_map(two).collect(),
+    };
+    let joint = JointSource { name: "plate".into(), parent: None, rest: Trs::IDENTITY };
+    let node_name = joint.name.clone();
+    Character::new(CharacterSource {
+        name: joint.name.clone(),
+        skeleton: Skeleton::new(&[joint]).unwrap(),
+        palette: vec![PaletteEntry { joint: JointIndex(0), joint_from_bind: Affine::IDENTITY }],
+        parts: vec![Part { node: 0, node_name, primitive: 0, material: None, mesh }],
+        materials: Vec::new(),
+        images: Vec::new(),
+        skins: Vec::new(),
+        clips: Vec::new(),
+    })
+    .unwrap()
+}
+
+#[test]
+fn flat_things_have_levels_by_their_longest_side() {
+    for wave_m in [0.0, 1e-5] {
+        let plate = with_levels(plate(2.0, wave_m)).unwrap();
+        let first = &plate.levels()[0];
+        assert!((0.001..0.01).contains(&first.error_m), "{} m", first.error_m);
+        assert!(triangles(&first.meshes) < 200, "{}", triangles(&first.meshes));
+    }
+    assert!(levels_of(&plate(0.0, 0.0)).is_empty(), "no error suits a point");
+}
+
+#[test]
+fn reduction_ends_for_flat_things_and_without_limits() {
+    for plate in [plate(2.0, 0.0), plate(2.0, 1e-5), plate(0.0, 0.0)] {
+        for error_m in [0.01, f32::INFINITY, f32::NAN] {
+            let reduced = populace_lod::reduced(&plate, 0, error_m).unwrap();
+            let [before, after] = [&plate, &reduced].map(|c| c.parts[0].mesh.indices.len());
+            assert!(after < before / 8 || plate.size_m() == 0.0 || error_m.is_nan(), "{after}");
+        }
+    }
 }
