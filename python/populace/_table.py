@@ -39,7 +39,8 @@ def write_rows(frame: Any, fps: Rate, path: Path) -> None:
         )
     with path.open("w", newline="", encoding="utf-8") as file:
         file.write(f"# framerate: {float(Fraction(str(rate)))}\n")
-        writer = csv.writer(file, lineterminator="\n")
+        # The program takes lines that begin with # for remarks. Quotes keep names apart from them.
+        writer = csv.writer(file, lineterminator="\n", quoting=csv.QUOTE_NONNUMERIC)
         writer.writerow([_field(key) for key in keys])
         writer.writerows(zip(*columns))
 

@@ -29,11 +29,16 @@ class WhatTheProgramIsGiven(unittest.TestCase):
 
     def test_all_columns_but_geometries_become_text(self):
         frame = Frame(id=[1, 2], t=[0.5, None], x=[float("nan"), 2.5], point=[Point(), Point()])
-        self.assertEqual(self.rows(frame), "# framerate: 25.0\nid,t,x\n1,0.5,\n2,,2.5\n")
+        text = '# framerate: 25.0\n"id","t","x"\n1,0.5,""\n2,"",2.5\n'
+        self.assertEqual(self.rows(frame), text)
         self.assertEqual(
             self.rows({"id": [1], "a, b": ["two\nlines"]}, fps="30000/1001").splitlines()[1:],
-            ['id,"a, b"', "1,two lines"],
+            ['"id","a, b"', '1,"two lines"'],
         )
+
+    def test_names_that_begin_like_a_remark_are_no_remarks(self):
+        rows = self.rows({"#id": ["#a", "b"], "x": [0.5, 1]}).splitlines()[1:]
+        self.assertEqual(rows, ['"#id","x"', '"#a",0.5', '"b",1'])
 
     def test_frames_count_at_the_rate_of_the_data(self):
         frame = Frame(id=[1], frame=[0])
