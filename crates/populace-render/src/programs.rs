@@ -36,7 +36,7 @@ pub(crate) enum Kind {
     /// Members in the shadow map.
     Shadow { influences: u32, alpha: Alpha, textured: bool },
     /// Depth and number of members.
-    Marks { influences: u32, alpha: Alpha, textured: bool },
+    Marks { influences: u32, alpha: Alpha, textured: bool, faded: bool },
     /// The ground plane.
     Ground { contacts: bool },
     /// Contact shadows of members, for the contact map.
@@ -75,10 +75,13 @@ fn sources(kind: Kind) -> [String; 2] {
             skinned(influences, &[include_str!("shaders/shadow.vert")]),
             with_blocks(alpha, &[texture_define(textured), include_str!("shaders/shadow.frag")]),
         ],
-        Kind::Marks { influences, alpha, textured } => [
-            skinned(influences, &[SUNK, include_str!("shaders/marks.vert")]),
-            with_blocks(alpha, &[texture_define(textured), include_str!("shaders/marks.frag")]),
-        ],
+        Kind::Marks { influences, alpha, textured, faded } => {
+            let (texture, [define, faded]) = (texture_define(textured), faded_texts(faded));
+            [
+                skinned(influences, &[define, SUNK, include_str!("shaders/marks.vert")]),
+                with_blocks(alpha, &[texture, define, faded, include_str!("shaders/marks.frag")]),
+            ]
+        }
         Kind::Ground { contacts } => [
             with_blocks(Alpha::Opaque, &[include_str!("shaders/ground.vert")]),
             with_blocks(
@@ -121,18 +124,23 @@ fn member_sources(kind: MemberKind) -> [String; 2] {
     };
     let texture = texture_define(textured);
     let sampled = if textured || maps.is_sampled() { "#define SAMPLED\n" } else { "" };
-    let fade = if faded { "#define FADED\n" } else { "" };
-    let defines = [&maps.defines(), texture, sampled, light, fade].concat();
+    let [define, faded] = faded_texts(faded);
+    let defines = [&maps.defines(), texture, sampled, light, define].concat();
     let member = include_str!("shaders/member.frag");
     [
         skinned(influences, &[&defines, LIGHT, SUNK, include_str!("shaders/member.vert")]),
-        with_blocks(alpha, &[&defines, contacts_define(contacts), LIGHT, shading, member]),
+        with_blocks(alpha, &[&defines, faded, contacts_define(contacts), LIGHT, shading, member]),
     ]
 }
 
 /// Returns the text that reads contact shadows, if any.
 fn contacts_define(contacts: bool) -> &'static str {
     if contacts { concat!("#define CONTACTS\n", include_str!("shaders/contact.glsl")) } else { "" }
+}
+
+/// Returns the define of members that fade, and the text of their fragment shaders.
+fn faded_texts(faded: bool) -> [&'static str; 2] {
+    if faded { ["#define FADED\n", include_str!("shaders/faded.glsl")] } else { ["", ""] }
 }
 
 fn texture_define(textured: bool) -> &'static str {

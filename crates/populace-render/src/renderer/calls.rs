@@ -67,7 +67,7 @@ impl Pass {
         let vertex_lit = level.is_coarse;
         match self {
             Self::Shadow => Kind::Shadow { influences, alpha, textured: has_alpha },
-            Self::Marks => Kind::Marks { influences, alpha, textured: has_alpha },
+            Self::Marks => Kind::Marks { influences, alpha, textured: has_alpha, faded },
             Self::Opaque { .. } | Self::Blended => Kind::Member(MemberKind {
                 influences,
                 alpha,

@@ -17,7 +17,8 @@ pub struct Marks {
     /// instance or the ground; infinity where there is neither.
     pub depths_m: Vec<f32>,
     /// Index among the instances that were drawn, at the middle of the pixel; `None` where there is
-    /// none. Blended surfaces count if they hide at least half of what is behind them.
+    /// none. Blended surfaces count if they hide at least half of what is behind them, and members
+    /// that fade count in the pixels in which they are drawn.
     pub instances: Vec<Option<u32>>,
     /// Share of the pixel that instances cover, in 1/255. Blended surfaces count by their alpha.
     pub coverage: Vec<u8>,

@@ -171,6 +171,27 @@ fn marks_say_what_each_pixel_shows() {
     assert!(marks.coverage.iter().all(|share| *share == 0));
 }
 
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn marks_leave_out_the_pixels_that_fading_leaves_out() {
+    let (mut renderer, camera) = watched();
+    let character = Arc::new(glass());
+    let scene = Scene { ground: None, ..Scene::default() };
+    for (opacity, least, most) in [(0.0, 0, 0), (0.3, 800, 1600), (1.0, 4096, 4096)] {
+        let mut instance = pane(&character, 0.0, 0.0);
+        instance.look = instance.look.with_opacity(opacity);
+        renderer.draw_instances(&[instance], &camera, &scene).unwrap();
+        let marks = renderer.read_marks(&camera, &scene).unwrap();
+        let named: Vec<_> = marks.instances.iter().map(Option::is_some).collect();
+        let drawn: Vec<_> = marks.coverage.iter().map(|share| *share > 0).collect();
+        assert_eq!(named, drawn, "{opacity}");
+        let near: Vec<_> = marks.depths_m.iter().map(|depth| depth.is_finite()).collect();
+        assert_eq!(near, drawn, "{opacity}");
+        let count = named.iter().filter(|is_named| **is_named).count();
+        assert!((least..=most).contains(&count), "{opacity}: {count}");
+    }
+}
+
 /// Marks show a body between y = 0 and a lower ground.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

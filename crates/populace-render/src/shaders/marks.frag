@@ -1,5 +1,6 @@
 // marks.frag - says what a pixel shows. The MASKED variant discards fragments below the alpha
-//              cutoff, and BLENDED those that hide less than half of what is behind them.
+//              cutoff, and BLENDED those that hide less than half of what is behind them. FADED
+//              leaves out the pixels that member.frag leaves out.
 // Reads   outputs of marks.vert; base colour texture, for its alpha
 // Writes  bits of the depth along the view in metres, and 1 plus the number of the instance
 
@@ -15,6 +16,9 @@ in float surface_alpha;
 out uvec2 mark;
 
 void main() {
+#ifdef FADED
+    if (is_faded_out()) discard;
+#endif
 #if defined(MASKED) || defined(BLENDED)
     float alpha = surface_alpha;
 #ifdef TEXTURED

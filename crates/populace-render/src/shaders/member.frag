@@ -46,16 +46,6 @@ in vec2 texture_uv;
 
 out vec4 color;
 
-#ifdef FADED
-flat in float faded;
-
-// Returns a threshold from 0 to 1 whose values are spread evenly over neighbouring pixels
-// (J. Jimenez, "Next Generation Post Processing in Call of Duty: Advanced Warfare", 2014).
-float threshold(vec2 pixel) {
-    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
-}
-#endif
-
 #ifdef NORMAL_MAP
 // Returns the normal of the texture in world space. The tangents follow from the change of position
 // and texture coordinates over the picture (Schüler, "Normal Mapping Without Precomputed Tangents",
@@ -154,7 +144,7 @@ vec4 surface() {
 
 void main() {
 #ifdef FADED
-    if (threshold(gl_FragCoord.xy) < faded) discard;
+    if (is_faded_out()) discard;
 #endif
     color = surface();
 #ifdef MASKED
