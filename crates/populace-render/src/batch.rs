@@ -225,7 +225,9 @@ impl Instances<'_> {
             }
             let (model, look) = (self.models[index], &instance.look);
             let info = self.infos[model];
-            let position = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
+            let placed = Vec3::from(instance.world_from_model.rows.map(|row| row[3]));
+            // The palette includes root motion.
+            let position = placed + Vec3::from(instance.moved);
             let distance = position.distance_squared(self.eye).to_bits();
             let flags = Group(0)
                 .with(Group::PLACE, info.is_place)

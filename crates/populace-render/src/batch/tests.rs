@@ -110,6 +110,21 @@ fn blended_runs_are_sorted_back_to_front() {
     assert_eq!(order, [(0, -9.0), (1, -5.0), (0, 0.0)]);
 }
 
+/// The palette includes root motion, which `world_from_model` does not.
+#[test]
+fn instances_are_sorted_where_root_motion_has_brought_them() {
+    let swap = |instances: &mut [Instance<'_>]| {
+        (instances[0].moved, instances[1].moved) = ([0.0, 0.0, -8.0], [0.0, 0.0, 8.0]);
+    };
+    let sorted = batches_with(&[(0, 0, 0.0), (0, 3, -5.0)], &[Blended], swap).unwrap();
+    let firsts = |runs: &[Run]| {
+        let numbers = runs.iter().flat_map(|run| run.first..run.first + run.count);
+        numbers.map(|n| sorted.instances[n as usize].palette_first).collect::<Vec<_>>()
+    };
+    assert_eq!(firsts(&sorted.blended), [0, 3], "back to front");
+    assert_eq!(firsts(&sorted.opaque), [3, 0], "front to back");
+}
+
 #[test]
 fn mirrored_instances_get_their_own_run() {
     let mirror = |instances: &mut [Instance<'_>]| {
