@@ -58,6 +58,20 @@ fn ground_hides_what_lies_beyond_it() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn the_sky_is_seen_from_below_the_ground() {
+    let mut rig = Rig::new();
+    rig.scene.ground =
+        Some(Ground { color: [0.0, 1.0, 0.0], line_color: [0.0, 1.0, 0.0], height_m: 0.0 });
+    rig.scene.sky = Sky::uniform([0.0, 0.0, 1.0]);
+    (rig.camera.eye, rig.camera.target) = ([0.0, -1.0, 10.0], [0.0, -1.0, 0.0]);
+    let drawn = rig.draw(&[]);
+    drawn.expect(0.0, -1.0, [0, 0, 255]);
+    drawn.expect(0.0, -0.1, [0, 0, 255]);
+    drawn.expect(0.0, 1.15, [0, 255, 0]);
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn horizon_continues_below_the_sky() {
     let mut rig = Rig::new();
     rig.scene.highlights = Highlights::Filmic;
