@@ -70,11 +70,13 @@ pub enum Error {
         /// The fault and the rule it breaks.
         what: &'static str,
     },
-    /// A setting of the scene is not finite, or a direction has no length.
-    #[error("the scene's {what} must be finite, and a direction must have a length above zero")]
+    /// A setting of the scene is out of its range.
+    #[error("the scene's {what} must be {rule}")]
     BadScene {
-        /// Name of the setting.
+        /// The setting.
         what: &'static str,
+        /// The values that are allowed.
+        rule: &'static str,
     },
     /// The palette of an instance lies past the end of its page.
     #[error(

@@ -167,7 +167,8 @@ glsl_block! {
         ambient_slope: Float4,
         /// rgb: factor of the squared height of the normal.
         ambient_bow: Float4,
-        /// rgb: factor of the component of the normal towards the sun.
+        /// rgb: factor of the component of the normal towards the sun. w: height of the floor in
+        /// metres.
         ambient_glow: Float4,
         /// rgb: colour of the sky overhead.
         zenith_color: Float4,

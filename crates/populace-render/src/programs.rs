@@ -23,7 +23,7 @@ pub(crate) struct MemberKind {
     pub(crate) two_sided: bool,
     /// Members are drawn in part.
     pub(crate) faded: bool,
-    /// Contact shadows lie on what is at y = 0.
+    /// Contact shadows lie on what is as high as the floor.
     pub(crate) contacts: bool,
     pub(crate) maps: Maps,
 }

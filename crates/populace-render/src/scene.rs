@@ -45,9 +45,6 @@ impl Ambient {
 }
 
 /// A level plane, paved: a line every metre, a wider one every five metres.
-///
-/// Contact shadows lie on the plane y = 0: on the ground if it is there, and otherwise on what
-/// members have there, such as a floor over lower ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ground {
     /// Linear colour of the paving.
@@ -134,6 +131,10 @@ pub struct Scene {
     /// Fraction of the sky's light that members keep from the ground beneath them, and the ground
     /// from members near it: 1 in nature, 0 to draw none of it.
     pub contact_shadows: f32,
+    /// Height in metres, y in world space, of the floor on which members stand. Contact shadows lie
+    /// there: on the ground if it is as high, and otherwise on what members have there, such as
+    /// a slab over lower ground.
+    pub floor_m: f32,
 }
 
 impl Default for Scene {
@@ -144,8 +145,8 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// Rejects non-finite colours, fractions that are none, and a direction to the sun that cannot
-    /// be normalised.
+    /// Rejects non-finite colours, numbers out of their range, and a direction to the sun that
+    /// cannot be normalised.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let ground =
             self.ground.unwrap_or(Ground { color: [0.0; 3], line_color: [0.0; 3], height_m: 0.0 });
@@ -161,24 +162,27 @@ impl Scene {
             ("ground colour", ground.color),
             ("line colour", ground.line_color),
         ];
-        if let Some((what, _)) =
-            finite.iter().find(|(_, color)| color.iter().any(|c| !c.is_finite()))
-        {
-            return Err(Error::BadScene { what });
+        let is_finite = |color: &[f32; 3]| color.iter().all(|c| c.is_finite());
+        if let Some((what, _)) = finite.iter().find(|(_, color)| !is_finite(color)) {
+            return Err(Error::BadScene { what, rule: "finite" });
         }
+        let (share, height) = ("0 to 1", "-1000000 to 1000000 metres");
+        let is_share = |value: f32| (0.0..=1.0).contains(&value);
+        let is_height = |value: f32| value.abs() <= 1e6;
+        let is_error = (0.0..=1e6).contains(&self.sun.error_texels);
+        let to_sun = glam::Vec3::from(self.sun.to_sun).try_normalize();
         let numbers = [
-            ("error of the shadow map", (0.0..=1e6).contains(&self.sun.error_texels)),
-            ("fraction of reflections", (0.0..=1.0).contains(&self.reflections)),
-            ("fraction of contact shadows", (0.0..=1.0).contains(&self.contact_shadows)),
-            ("visibility", self.sky.visibility_m > 0.0),
-            ("height of the ground", ground.height_m.abs() <= 1e6),
+            ("error of the shadow map", is_error, "0 to 1000000 texels"),
+            ("fraction of reflections", is_share(self.reflections), share),
+            ("fraction of contact shadows", is_share(self.contact_shadows), share),
+            ("visibility", self.sky.visibility_m > 0.0, "above 0 metres"),
+            ("height of the ground", is_height(ground.height_m), height),
+            ("height of the floor", is_height(self.floor_m), height),
+            ("direction to the sun", to_sun.is_some(), "finite and not zero"),
         ];
-        if let Some((what, _)) = numbers.iter().find(|(_, is_good)| !is_good) {
-            return Err(Error::BadScene { what });
-        }
-        match glam::Vec3::from(self.sun.to_sun).try_normalize() {
-            Some(_) => Ok(()),
-            None => Err(Error::BadScene { what: "direction to the sun" }),
+        match numbers.iter().find(|(_, is_good, _)| !is_good) {
+            Some((what, _, rule)) => Err(Error::BadScene { what, rule }),
+            None => Ok(()),
         }
     }
 }

@@ -46,7 +46,7 @@ pub(super) fn frame(
         ambient_base: with(side, scene.ground.map_or(0.0, |_| scene.contact_shadows)),
         ambient_slope: with([0, 1, 2].map(|c| 0.5 * (up[c] - down[c])), scene.reflections),
         ambient_bow: color([0, 1, 2].map(|c| 0.5 * (up[c] + down[c]) - side[c])),
-        ambient_glow: color(scene.ambient.glow),
+        ambient_glow: with(scene.ambient.glow, scene.floor_m),
         zenith_color: color(scene.sky.zenith),
         horizon_color: with(scene.sky.horizon, CONTRAST_BITS / scene.sky.visibility_m),
         glow_color: with(scene.sky.glow, f32::from(u8::from(scene.sky.shows_sun))),

@@ -175,7 +175,7 @@ impl Renderer {
 }
 
 impl Renderer {
-    /// Draws the contact map: the contact shadows of instances on the plane y = 0.
+    /// Draws the contact map: the contact shadows of instances on the floor.
     fn draw_contacts(
         &mut self,
         calls: &[(usize, Range<usize>)],
@@ -206,7 +206,7 @@ impl Renderer {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Contacts {
     None,
-    /// The ground is at y = 0.
+    /// The ground is as high as the floor.
     OnGround,
     /// The ground is elsewhere.
     OnMembers,
@@ -216,7 +216,7 @@ impl Contacts {
     fn of(scene: &Scene) -> Self {
         match scene.ground {
             Some(_) if scene.contact_shadows == 0.0 => Self::None,
-            Some(ground) if ground.height_m == 0.0 => Self::OnGround,
+            Some(ground) if ground.height_m == scene.floor_m => Self::OnGround,
             Some(_) => Self::OnMembers,
             None => Self::None,
         }

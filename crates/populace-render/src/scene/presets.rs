@@ -93,6 +93,7 @@ const fn day() -> Scene {
         highlights: Highlights::Filmic,
         reflections: 1.0,
         contact_shadows: 0.8,
+        floor_m: 0.0,
     }
 }
 
@@ -125,6 +126,7 @@ const fn evening() -> Scene {
         highlights: Highlights::Filmic,
         reflections: 1.0,
         contact_shadows: 0.85,
+        floor_m: 0.0,
     }
 }
 
@@ -157,6 +159,7 @@ const fn overcast() -> Scene {
         highlights: Highlights::Filmic,
         reflections: 1.0,
         contact_shadows: 0.9,
+        floor_m: 0.0,
     }
 }
 
@@ -191,6 +194,7 @@ const fn studio() -> Scene {
         highlights: Highlights::Filmic,
         reflections: 1.0,
         contact_shadows: 0.8,
+        floor_m: 0.0,
     }
 }
 

@@ -1,6 +1,6 @@
-// contact.glsl - contact shadows on the plane y = 0.
+// contact.glsl - contact shadows on the floor.
 // Reads    contact map of the picture
-// Defines  clear_sky(): part of the sky's light that bodies leave to the plane at this pixel
+// Defines  clear_sky(): part of the sky's light that bodies leave to the floor at this pixel
 
 layout(binding = 8) uniform sampler2D contact_map;
 

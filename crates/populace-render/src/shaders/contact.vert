@@ -1,7 +1,7 @@
 // contact.vert - a rectangle on the ground around the contact shadow of a capsule of a member.
 // Reads   Contact per vertex, InstanceData per instance, palette of the bound page
-// Writes  ends of the capsule in world space, with its radius and the shadow's reach; position on the
-//         ground, and the part of the member that is drawn
+// Writes  ends of the capsule, with its radius and the shadow's reach; position on the floor, and the
+//         part of the member that is drawn. Heights are those above the floor.
 
 flat out vec4 low_end;
 flat out vec4 high_end;
@@ -21,6 +21,8 @@ void main() {
     // The change of the radius: that of a length along x in bind space.
     vec3 side = vec4(vec4(1.0, 0.0, 0.0, 0.0) * model_from_bind, 0.0) * world_from_model;
     float radius = from.w * length(side);
+    first.y -= ambient_glow.w;
+    last.y -= ambient_glow.w;
     bool is_first_low = first.y < last.y;
     vec3 low = is_first_low ? first : last;
     vec3 high = is_first_low ? last : first;
@@ -37,7 +39,7 @@ void main() {
     vec2 across = vec2(-unit.y, unit.x);
     vec2 end = corner.x < 0.0 ? low.xz : high.xz;
     ground_position = end + reach * (corner.x * unit + corner.y * across);
-    vec3 at = vec3(ground_position.x, 0.0, ground_position.y);
+    vec3 at = vec3(ground_position.x, ambient_glow.w, ground_position.y);
     opacity = 1.0 - faded_out();
     bool is_faint = radius * radius < FAINTEST * height * height;
     gl_Position = is_faint ? vec4(2.0, 2.0, 2.0, 1.0) : clip_from_world * vec4(at, 1.0);

@@ -57,9 +57,9 @@ vec3 tone_mapped(vec3 color) {
 // How far red, green and blue light scatter in skin, as a cosine beyond the sun's horizon.
 const vec3 SKIN_WRAP = vec3(0.25, 0.1, 0.06);
 
-// Fraction of the sky's light that the ground leaves to a surface near it, such as the underside of
+// Fraction of the sky's light that the floor leaves to a surface near it, such as the underside of
 // a shoe.
-float above_ground(float height_m, float normal_y) {
-    float near = 0.1 / (0.1 + max(height_m, 0.0));
+float above_floor(float height_m, float normal_y) {
+    float near = 0.1 / (0.1 + max(height_m - ambient_glow.w, 0.0));
     return 1.0 - ambient_base.w * near * (0.5 - 0.5 * normal_y);
 }

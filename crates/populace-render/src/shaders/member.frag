@@ -102,9 +102,9 @@ vec4 surface() {
 }
 #else
 #ifdef CONTACTS
-// Greatest height in metres of floors. Lower ones, such as a road beside a pavement at y = 0, have
-// the shadows on the plane y = 0 too.
-const float FLOOR_M = 0.02;
+// Greatest height in metres of a surface above the floor on which contact shadows lie. Lower ones,
+// such as a road beside a pavement, have the shadows of the pavement's height too.
+const float ON_FLOOR_M = 0.02;
 #endif
 
 vec3 lit_surface(vec3 base) {
@@ -115,9 +115,10 @@ vec3 lit_surface(vec3 base) {
 #ifdef NORMAL_MAP
     normal = mapped_normal(normal);
 #endif
-    float occlusion = above_ground(world_position.y, normal.y);
+    float occlusion = above_floor(world_position.y, normal.y);
 #ifdef CONTACTS
-    if (world_position.y < FLOOR_M && normal.y > 0.5) occlusion *= clear_sky();
+    bool is_floor = world_position.y - ambient_glow.w < ON_FLOOR_M && normal.y > 0.5;
+    if (is_floor) occlusion *= clear_sky();
 #endif
 #ifdef OCCLUSION_MAP
     occlusion *= 1.0 + occlusion_strength * (texture(occlusion_texture, texture_uv).r - 1.0);

@@ -46,7 +46,7 @@ void main() {
 #ifdef VERTEX_LIT
     float facing = dot(world_normal, to_sun.xyz);
     vec3 wrap = substance.z * SKIN_WRAP;
-    vec3 light = above_ground(world_position.y, world_normal.y) * sky_light_on(world_normal, facing)
+    vec3 light = above_floor(world_position.y, world_normal.y) * sky_light_on(world_normal, facing)
                + sunlight_on(facing, wrap, shadow_position);
     // Reflection of the sky: that of a rough and upright surface that is no metal.
     vec3 reflected = 0.05 * ambient_slope.w * ambient_base.rgb;
@@ -59,7 +59,7 @@ void main() {
     constant = hazed(constant, haze);
     factor = vec4(clear * (light - reflected), tinted.a);
 #ifdef TWO_SIDED
-    vec3 back_light = above_ground(world_position.y, -world_normal.y)
+    vec3 back_light = above_floor(world_position.y, -world_normal.y)
                     * sky_light_on(-world_normal, -facing)
                     + sunlight_on(-facing, wrap, shadow_position);
     back_factor = clear * (back_light - reflected);

@@ -85,6 +85,7 @@ fn textures_above_the_drivers_limit_are_rejected() {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn invalid_cameras_and_scenes_are_rejected() {
+    type Spoiler<'a> = (&'a dyn Fn(&mut Scene), &'a str);
     let mut rig = Rig::new();
     let (good_camera, good) = (rig.camera, rig.scene);
     let spoilers: [&dyn Fn(&mut Camera); 6] = [
@@ -102,14 +103,19 @@ fn invalid_cameras_and_scenes_are_rejected() {
         assert!(matches!(error, Error::BadCamera { .. }), "{error}");
     }
     rig.camera = good_camera;
-    let spoilers: [&dyn Fn(&mut Scene); 3] =
-        [&|s| s.sun.to_sun = [0.0; 3], &|s| s.sun.color[1] = f32::INFINITY, &|s| {
-            s.sky.horizon[2] = f32::NAN
-        }];
-    for spoil in spoilers {
+    let spoilers: [Spoiler<'_>; 6] = [
+        (&|s| s.sun.to_sun = [0.0; 3], "direction to the sun must be finite and not zero"),
+        (&|s| s.sun.color[1] = f32::INFINITY, "sun colour must be finite"),
+        (&|s| s.sky.horizon[2] = f32::NAN, "horizon colour must be finite"),
+        (&|s| s.reflections = 1.5, "fraction of reflections must be 0 to 1"),
+        (&|s| s.sky.visibility_m = 0.0, "visibility must be above 0"),
+        (&|s| s.floor_m = f32::NAN, "height of the floor must be -1000000 to 1000000"),
+    ];
+    for (spoil, words) in spoilers {
         rig.scene = good;
         spoil(&mut rig.scene);
         let error = rig.try_draw(&[]).err().unwrap();
         assert!(matches!(error, Error::BadScene { .. }), "{error}");
+        assert!(error.to_string().contains(words), "{error}");
     }
 }

@@ -129,6 +129,7 @@ fn flat_scene() -> Scene {
         highlights: Highlights::Clipped,
         reflections: 0.0,
         contact_shadows: 0.0,
+        floor_m: 0.0,
     }
 }
 

@@ -295,3 +295,29 @@ fn ground_may_lie_lower() {
     rig.scene.ground = rig.scene.ground.map(|ground| Ground { height_m: f32::NAN, ..ground });
     assert!(rig.try_draw(&list).is_err());
 }
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn pictures_are_the_same_at_any_height_of_the_floor() {
+    let (white, floor) = (Arc::new(person([1.0; 3], [1.0; 3])), Arc::new(floor()));
+    let drawn = |floor_m: f32, slab_m: f32| {
+        let mut rig = Rig::new();
+        rig.upload(&[Affine::IDENTITY; 3]);
+        let height_m = floor_m - slab_m;
+        rig.scene.ground = Some(Ground { color: [0.5; 3], line_color: [0.2; 3], height_m });
+        (rig.scene.contact_shadows, rig.scene.floor_m) = (1.0, floor_m);
+        (rig.camera.eye, rig.camera.target) = ([0.0, floor_m + 3.0, 8.0], [0.0, floor_m, 0.0]);
+        let place = at(0.0, floor_m, 0.0);
+        let list = [instance(&white, place, 0), instance(&floor, place, 1)];
+        rig.draw(if slab_m > 0.0 { &list } else { &list[..1] })
+    };
+    for slab_m in [0.0, 0.15] {
+        let wanted = drawn(0.0, slab_m);
+        for floor_m in [-2.0, 5.0] {
+            let found = drawn(floor_m, slab_m);
+            let pairs = wanted.0.rgba.iter().zip(&found.0.rgba);
+            let off = pairs.filter(|(a, b)| a.abs_diff(**b) > 2).count();
+            assert!(off < 40, "floor at {floor_m} m, slab of {slab_m} m: {off} values differ");
+        }
+    }
+}

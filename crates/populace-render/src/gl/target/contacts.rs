@@ -1,4 +1,4 @@
-//! The contact map: the part of the sky's light that arrives on the plane y = 0.
+//! The contact map: the part of the sky's light that arrives on the floor.
 
 use std::rc::Rc;
 
