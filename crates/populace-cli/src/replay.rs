@@ -112,19 +112,20 @@ impl ReplayJob<'_> {
         let mut scene = filming::scene(self.picture);
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
-        let (action, roles) = (Box::new(action), loaded.roles);
+        let (action, roles, floor_m) = (Box::new(action), loaded.roles, scene.floor_m);
         Ok(crate::watched::Staged {
             crowd,
             action,
             roles,
             scene,
-            floor_m: 0.0,
+            floor_m,
             rate,
             length_secs: Some(until - from),
         })
     }
 
-    /// Brings the place into the crowd, and lowers the ground around it.
+    /// Brings the place into the crowd, with its floor where people are lowest, and the ground
+    /// around it.
     fn build_place(
         &self,
         crowd: &mut Crowd,
@@ -132,9 +133,13 @@ impl ReplayJob<'_> {
         scene: &mut Scene,
     ) -> Result<(), Failure> {
         action.place = Place::new(crowd, &action.recording, self.overlay.walls_m())?;
-        if action.place.is_known() {
-            scene.ground = scene.ground.map(|ground| Ground { height_m: -SLAB_M, ..ground });
+        scene.floor_m = place::floor_m(&action.recording);
+        if scene.floor_m != 0.0 {
+            message!("the ground is at {:.2} m, the least elevation", scene.floor_m);
         }
+        let slab_m = if action.place.is_known() { SLAB_M } else { 0.0 };
+        let height_m = scene.floor_m - slab_m;
+        scene.ground = scene.ground.map(|ground| Ground { height_m, ..ground });
         Ok(())
     }
 
@@ -170,6 +175,8 @@ impl ReplayJob<'_> {
             check_hidden(roles, &args.hide)?;
         }
         let gaits = crate::people::gaits(crowd, roles)?;
+        let floor = populace::Ground::plane(place::floor_m(&recording), [0.0; 2]);
+        crowd.set_ground(&floor.map_err(populace::Error::from)?)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, roles, &settings);
         let metered = Metered::new(capacity(&motions));

@@ -10,9 +10,17 @@ use crate::report::message;
 /// Thickness of the floor in metres. The ground around lies lower by it.
 pub(super) const SLAB_M: f32 = 0.15;
 
+/// Returns the height of the floor in metres: the least elevation of a person.
+pub(super) fn floor_m(recording: &Recording) -> f32 {
+    let tracks = recording.agents.iter().map(|agent| recording.track(agent));
+    tracks.flat_map(|track| track.elevations).copied().reduce(f32::min).unwrap_or(0.0)
+}
+
 /// The place, which may change.
 #[derive(Default)]
 pub(super) struct Place {
+    /// Height of its floor in metres.
+    floor_m: f32,
     /// Times in seconds from which its parts are there.
     parts: Vec<(f64, CharacterId)>,
     /// The part that is there, and its member.
@@ -39,7 +47,7 @@ impl Place {
         for part in model.parts {
             parts.push((part.from_secs, crowd.add_character(part.character)?));
         }
-        Ok(Self { parts, present: None })
+        Ok(Self { floor_m: floor_m(recording), parts, present: None })
     }
 
     /// Returns whether there is a floor.
@@ -64,7 +72,7 @@ impl Place {
         if let Some((_, member)) = self.present.take() {
             crowd.despawn(member)?;
         }
-        let member = crowd.spawn(*character, Placement::at([0.0; 3]))?;
+        let member = crowd.spawn(*character, Placement::at([0.0, self.floor_m, 0.0]))?;
         self.present = Some((wanted, member));
         Ok(())
     }

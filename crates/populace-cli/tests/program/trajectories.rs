@@ -171,6 +171,34 @@ fn pictures_show_the_people_of_a_recording() {
     assert!((60..people).contains(&alone), "{alone} pixels for one person, {people} for three");
 }
 
+/// An underground platform and an upper floor look as the same place at height 0 does.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn people_stand_on_a_ground_at_their_least_elevation() {
+    let folder = Folder::new();
+    let area = write(&folder, "area.wkt", "POLYGON ((-2 -2, 4 -2, 4 3, -2 3, -2 -2))");
+    let draw = |z: f64, more: &[&str]| {
+        let mut rows = "id,t,x,y,z\n".to_owned();
+        for (t, x) in [(0, 0.0), (1, 1.2), (2, 2.4)] {
+            writeln!(rows, "a,{t},{x},0,{z}\nb,{t},{x},1,{}", z + 0.4).expect("written");
+        }
+        let (file, out) = (write(&folder, "walk.csv", &rows), folder.text("walk.png"));
+        let args = ["render", &file, "--at", "1", "--cast", "@woman", "--out", &out];
+        let stderr = stderr_of(&[&args[..], &SMALL, more].concat());
+        (colours(&out), stderr)
+    };
+    for more in [&[][..], &["--geometry", &area]] {
+        let (level, stderr) = draw(0.0, more);
+        assert!(!stderr.contains("elevation"), "{stderr}");
+        for z in [-2.0, 7.5] {
+            let (found, stderr) = draw(z, more);
+            let off = differing(&level, &found);
+            assert!(off < 40, "{off} pixels differ at {z} m, {more:?}");
+            assert!(stderr.contains(&format!("ground is at {z:.2} m")), "{stderr}");
+        }
+    }
+}
+
 #[cfg(feature = "mp4")]
 /// Labels stand above the heads of bodies, however high those are.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
