@@ -13,8 +13,10 @@ use crate::writer::FrameWriter;
 
 /// Speed of the search for colours, from 1 (best colours) to 30.
 const SPEED: i32 = 10;
-/// Browsers show frames of less than 2 hundredths of a second for longer.
-const LEAST_DELAY: f64 = 0.02;
+/// Least and greatest frames per second. A frame lasts at most 65535 hundredths of a second, and
+/// browsers show frames of less than 2 for longer.
+const SLOWEST: f64 = 1.0 / 655.0;
+const FASTEST: f64 = 50.0;
 
 /// A GIF that grows.
 pub(crate) struct GifWriter {
@@ -29,11 +31,12 @@ pub(crate) struct GifWriter {
 
 impl GifWriter {
     pub(crate) fn new(part: Part, settings: &FilmSettings) -> Result<Self, Error> {
-        if settings.rate.per_sec() * LEAST_DELAY > 1.0 {
+        if !(SLOWEST..=FASTEST).contains(&settings.rate.per_sec()) {
             return Err(Error::BadValue {
                 what: "the frame rate of a GIF",
                 value: settings.rate.to_string(),
-                rule: "at most 50, since browsers slow down faster ones",
+                rule: "1/655 to 50, since frames of GIF last no longer, and browsers slow down \
+                       faster ones",
             });
         }
         let size = settings.size.map(|side| u16::try_from(side).unwrap_or(u16::MAX));

@@ -38,17 +38,22 @@ pub fn write_png(path: impl AsRef<Path>, size: [u32; 2], pixels: Pixels<'_>) -> 
 /// [`Error::Encoder`] if the picture is too large for PNG.
 pub fn encode_png(size: [u32; 2], pixels: Pixels<'_>) -> Result<Vec<u8>, Error> {
     let [width, height] = size;
-    let (bytes, color, pixel_bytes) = match pixels {
-        Pixels::Rgba(rgba) => (rgb(rgba), ExtendedColorType::Rgb8, 3),
-        Pixels::Gray(gray) => (gray.to_vec(), ExtendedColorType::L8, 1),
+    let (found, pixel_bytes) = match pixels {
+        Pixels::Rgba(rgba) => (rgba.len(), 4),
+        Pixels::Gray(gray) => (gray.len(), 1),
+        Pixels::Gray16(numbers) => (size_of_val(numbers), 2),
+    };
+    let expected = (u64::from(width) * u64::from(height)).saturating_mul(pixel_bytes);
+    if found == 0 || found as u64 != expected {
+        return Err(Error::FrameSize { width, height, found, expected });
+    }
+    let (bytes, color) = match pixels {
+        Pixels::Rgba(rgba) => (rgb(rgba), ExtendedColorType::Rgb8),
+        Pixels::Gray(gray) => (gray.to_vec(), ExtendedColorType::L8),
         Pixels::Gray16(numbers) => {
-            (numbers.iter().flat_map(|n| n.to_ne_bytes()).collect(), ExtendedColorType::L16, 2)
+            (numbers.iter().flat_map(|n| n.to_ne_bytes()).collect(), ExtendedColorType::L16)
         }
     };
-    let expected = pixel_bytes * u64::from(width) * u64::from(height);
-    if bytes.is_empty() || bytes.len() as u64 != expected {
-        return Err(Error::FrameSize { width, height, found: bytes.len(), expected });
-    }
     let mut file = Vec::new();
     // One filter for all rows is faster than a choice for each. This one makes files as small.
     PngEncoder::new_with_quality(&mut file, CompressionType::Fast, FilterType::Paeth)

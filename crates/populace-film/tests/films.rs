@@ -307,7 +307,10 @@ fn gifs_show_the_frames_at_their_times() {
     }
     assert_eq!((count, hundredths), (10, 33), "10 frames of 1/30 s");
     let refused = Film::create(&path, &FilmSettings { rate: "60".parse().unwrap(), ..settings });
-    assert!(refused.unwrap_err().to_string().contains("at most 50"));
+    assert!(refused.unwrap_err().to_string().contains("1/655 to 50"));
+    Film::create(&path, &FilmSettings { rate: "1/655".parse().unwrap(), ..settings }).unwrap();
+    let refused = Film::create(&path, &FilmSettings { rate: "1/656".parse().unwrap(), ..settings });
+    assert!(refused.unwrap_err().to_string().contains("1/655 to 50"));
 }
 
 #[test]
@@ -370,6 +373,14 @@ fn pngs_hold_all_bits() {
     let message = encode_png([2, 1], Pixels::Gray(&[0])).unwrap_err().to_string();
     assert!(message.contains("2x1"), "{message}");
     assert!(encode_png([0, 0], Pixels::Gray(&[])).is_err());
+    for (size, given, words) in [
+        ([2, 2], 12, "has 12 bytes; it needs 16"),
+        ([2, 2], 18, "has 18 bytes; it needs 16"),
+        ([u32::MAX; 2], 4, "has 4 bytes"),
+    ] {
+        let message = encode_png(size, Pixels::Rgba(&vec![0; given])).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
 }
 
 #[test]
