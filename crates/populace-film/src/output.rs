@@ -7,6 +7,12 @@ use std::path::{Path, PathBuf};
 
 use crate::Error;
 
+/// Returns the file that holds a film until it is complete, such as `film.part.mp4` for `film.mp4`.
+#[must_use]
+pub fn part_of(film: &Path) -> PathBuf {
+    beside(film, "part")
+}
+
 /// The files of a film that is not complete.
 pub(crate) struct Part {
     film: PathBuf,
@@ -15,10 +21,9 @@ pub(crate) struct Part {
 }
 
 impl Part {
-    /// Names the part `film.part.mp4` for `film.mp4`.
+    /// Names the files of a film.
     pub(crate) fn of(film: &Path) -> Self {
-        let [part, draft] = ["part", "draft"].map(|word| beside(film, word));
-        Self { film: film.to_owned(), part, draft }
+        Self { film: film.to_owned(), part: part_of(film), draft: beside(film, "draft") }
     }
 
     /// The part, which grows frame by frame.

@@ -170,7 +170,8 @@ impl Viewer<'_> {
         self.desk.film = None;
         let Some(film) = self.film.take() else { return };
         let words = match film.end() {
-            Ok(path) => format!("recorded {}", path.display()),
+            Ok(Some(path)) => format!("recorded {}", path.display()),
+            Ok(None) => "no film, since no time has passed".to_owned(),
             Err(error) => error.to_string(),
         };
         self.desk.say(words, self.now_secs);
