@@ -33,6 +33,8 @@ const TAKEN: [Key; 24] = [
     Key::Escape,
     Key::Enter,
 ];
+/// Keys that are pressed again and again while they are held.
+const REPEATED: [Key; 4] = [Key::Comma, Key::Period, Key::OpenBracket, Key::CloseBracket];
 /// Speed of flying in m/s, and its factor with Shift.
 const FLIGHT: f32 = 4.0;
 const FAST: f32 = 4.0;
@@ -56,7 +58,7 @@ impl Held {
         self.modifiers = modifiers;
         let mut pressed = Vec::new();
         events.retain(|event| {
-            let Event::Key { key, pressed: is_down, modifiers, .. } = event else {
+            let Event::Key { key, pressed: is_down, repeat, modifiers, .. } = event else {
                 return !matches!(event, Event::Text(_)) || is_typing;
             };
             if !is_down {
@@ -68,7 +70,7 @@ impl Held {
             }
             self.keys.insert(*key);
             let is_taken = TAKEN.contains(key);
-            if is_taken {
+            if is_taken && (!repeat || REPEATED.contains(key)) {
                 pressed.push(*key);
             }
             !(is_taken
@@ -134,5 +136,20 @@ mod tests {
         assert!(!held.moves());
         let mut typed = vec![event(Key::Space, true)];
         assert!(held.take(&mut typed, Modifiers::NONE, true).is_empty() && typed.len() == 1);
+    }
+
+    #[test]
+    fn keys_that_are_held_are_pressed_once_unless_they_step() {
+        let mut held = Held::default();
+        for (key, wanted) in [(Key::V, false), (Key::Space, false), (Key::Period, true)] {
+            let Event::Key { physical_key, pressed, modifiers, .. } = event(key, true) else {
+                panic!("a key");
+            };
+            let mut events =
+                vec![Event::Key { key, physical_key, pressed, repeat: true, modifiers }];
+            let taken = held.take(&mut events, Modifiers::NONE, false);
+            assert_eq!(taken, if wanted { vec![key] } else { Vec::new() });
+            assert!(events.is_empty(), "no panel takes it");
+        }
     }
 }
