@@ -80,8 +80,9 @@ fn seek(ui: &mut Ui, stage: &Stage, desk: &mut Desk) {
 
 /// Returns a time as minutes, seconds and hundredths.
 fn time(secs: f64) -> String {
-    let minutes = (secs / 60.0).floor();
-    format!("{minutes:.0}:{:05.2}", secs - 60.0 * minutes)
+    let hundredths = (100.0 * secs).round();
+    let minutes = (hundredths / 6000.0).floor();
+    format!("{minutes:.0}:{:05.2}", (hundredths - 6000.0 * minutes) / 100.0)
 }
 
 #[cfg(test)]
@@ -90,5 +91,6 @@ mod tests {
     fn times_are_minutes_and_seconds() {
         assert_eq!(super::time(0.0), "0:00.00");
         assert_eq!(super::time(75.5), "1:15.50");
+        assert_eq!(super::time(59.996), "1:00.00");
     }
 }
