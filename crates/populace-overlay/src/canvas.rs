@@ -20,8 +20,8 @@ impl<'a> Canvas<'a> {
     ///
     /// [`Error::WrongLength`] if `rgba` is not four times the number of pixels.
     pub fn new(rgba: &'a mut [u8], size: [u32; 2]) -> Result<Self, Error> {
-        let wanted = 4 * u64::from(size[0]) * u64::from(size[1]);
-        if rgba.len() as u64 != wanted {
+        let wanted = (u64::from(size[0]) * u64::from(size[1])).checked_mul(4);
+        if wanted != Some(rgba.len() as u64) {
             return Err(Error::WrongLength { found: rgba.len(), size });
         }
         Ok(Self { rgba, size })

@@ -117,6 +117,28 @@ impl Grid {
 mod tests {
     use super::*;
 
+    /// Letters of European languages beyond those of English.
+    const LETTERS: &str = "äöüßÄÖÜ àâæçéèêëîïôœùûÿÀÂÆÇÉÈÊËÎÏÔŒÙÛŸ áíóúñÁÍÓÚÑ ãõÃÕ ìòÌÒ åøÅØ ðþýÐÞÝ \
+        ąćęłńśźżĄĆĘŁŃŚŹŻ čďěňřšťůžČĎĚŇŘŠŤŮŽ đĐ őűŐŰ ăâșțĂÂȘȚ ğışĞİŞ āēīķļņūĀĒĪĶĻŅŪ ėįųĖĮŲ";
+
+    #[test]
+    fn letters_of_european_languages_are_no_boxes() {
+        let missing = strokes("\u{fffd}", 40.0, [0.0; 2]);
+        for letter in LETTERS.chars().chain("¿¡«»„“€£".chars()).filter(|letter| *letter != ' ')
+        {
+            assert_ne!(strokes(&letter.to_string(), 40.0, [0.0; 2]), missing, "{letter}");
+        }
+    }
+
+    #[test]
+    fn marks_under_capitals_reach_below_the_line() {
+        for letter in ["Ç", "Ş", "Ą", "Ț"] {
+            let segments = strokes(letter, 40.0, [0.0, 50.0]);
+            let lowest = segments.iter().flat_map(|s| [s.from[1], s.to[1]]).fold(0.0, f64::max);
+            assert!(lowest > 53.0, "{letter} reaches {lowest}");
+        }
+    }
+
     #[test]
     fn width_grows_with_size_and_text() {
         assert_eq!(text_width("", 12.0), 0.0);
@@ -146,13 +168,13 @@ mod tests {
 
     #[test]
     fn strokes_stay_within_the_measured_width() {
-        for letter in (' '..='~').chain("°·–×µ²³−äÖßé…".chars()) {
+        for letter in (' '..='~').chain("°·–×µ²³−…".chars()).chain(LETTERS.chars()) {
             let text = letter.to_string();
             let width = text_width(&text, 40.0);
             for segment in strokes(&text, 40.0, [0.0, 50.0]) {
                 for [x, y] in [segment.from, segment.to] {
                     assert!((-1.0..width + 1.0).contains(&x), "{letter} at {x} of {width}");
-                    assert!((14.0..62.0).contains(&y), "{letter} at height {y}");
+                    assert!((12.0..62.0).contains(&y), "{letter} at height {y}");
                 }
             }
         }

@@ -23,8 +23,8 @@
 //! # }
 //! ```
 //!
-//! The font is a stroke font of this crate; it has the letters of most western languages. The same
-//! calls give the same bytes.
+//! The font is a stroke font of this crate. It has the letters of most European languages that are
+//! written in Latin script; other characters are empty boxes. The same calls give the same bytes.
 
 mod canvas;
 mod error;

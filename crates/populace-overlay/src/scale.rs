@@ -46,8 +46,9 @@ pub(crate) enum Kind {
 }
 
 impl Scale {
-    /// Returns a scale for numbers between two, in steps that look equally large. Numbers that are
-    /// equal, reversed or not finite give a scale over them that is one wide.
+    /// Returns a scale for numbers between two, in either order, in steps that look equally large.
+    /// If both are equal, or only one is finite, the scale begins there and is as wide as that
+    /// number, at least 1. If none is, it is from 0 to 1.
     #[must_use]
     pub fn number(low: f64, high: f64) -> Self {
         let (low, high) = match (low.is_finite(), high.is_finite()) {

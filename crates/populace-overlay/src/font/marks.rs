@@ -9,23 +9,42 @@ const RING: &str = "m 0 71 h 8 64 v 0 57 h -8 64 v 0 71";
 const CEDILLA: &str = "m 0 0 l -1 -6 c 4 -6 7 -9 7 -12 c 7 -17 3 -19 -5 -18";
 const CARON: &str = "m -11 69 l 0 59 l 11 69";
 
+const BREVE: &str = "m -11 69 c -10 62 -5 59 0 59 c 5 59 10 62 11 69";
+const DOT: &str = "d 0 64";
+const DOUBLE_ACUTE: &str = "m -8 59 l -2 70 m 6 59 l 12 70";
+const MACRON: &str = "m -11 64 l 11 64";
+const OGONEK: &str = "m 4 0 c -1 -5 -3 -9 -2 -13 c 0 -18 5 -19 9 -16";
+const COMMA: &str = "m 1 -9 l -3 -19";
+
+/// Marks under letters, which capitals have where small letters have them.
+const UNDER: [&str; 3] = [CEDILLA, OGONEK, COMMA];
+
 /// Letters with the mark, and those without, in the same order.
 const MARKED: &[(&str, &str, &str)] = &[
-    ("äëïöüÿÄËÏÖÜ", "aeıouyAEIOU", DIAERESIS),
-    ("áéíóúýćńśźÁÉÍÓÚÝ", "aeıouycnszAEIOUY", ACUTE),
+    ("äëïöüÿÄËÏÖÜŸ", "aeıouyAEIOUY", DIAERESIS),
+    ("áéíóúýćńśźÁÉÍÓÚÝĆŃŚŹ", "aeıouycnszAEIOUYCNSZ", ACUTE),
     ("àèìòùÀÈÌÒÙ", "aeıouAEIOU", GRAVE),
     ("âêîôûÂÊÎÔÛ", "aeıouAEIOU", CIRCUMFLEX),
     ("ãñõÃÑÕ", "anoANO", TILDE),
-    ("åůÅ", "auA", RING),
+    ("åůÅŮ", "auAU", RING),
     ("çşÇŞ", "csCS", CEDILLA),
-    ("čěřšžČŘŠŽ", "cerszCRSZ", CARON),
+    ("čěňřšžČĎĚŇŘŠŤŽ", "cenrszCDENRSTZ", CARON),
+    ("ăğĂĞ", "agAG", BREVE),
+    ("ėżĖİŻ", "ezEIZ", DOT),
+    ("őűŐŰ", "ouOU", DOUBLE_ACUTE),
+    ("āēīūĀĒĪŪ", "aeıuAEIU", MACRON),
+    ("ąęįųĄĘĮŲ", "aeiuAEIU", OGONEK),
+    ("șțķļņȘȚĶĻŅ", "stklnSTKLN", COMMA),
 ];
 
-/// Returns the base letter and the mark of a letter that has one.
-pub(super) fn parts(letter: char) -> Option<(char, &'static str)> {
+/// Returns the base letter of a letter that has a mark, the mark, and how far it rises over that of
+/// a small letter.
+pub(super) fn parts(letter: char) -> Option<(char, &'static str, f64)> {
     MARKED.iter().find_map(|(marked, plain, mark)| {
         let at = marked.chars().position(|c| c == letter)?;
-        Some((plain.chars().nth(at)?, *mark))
+        let base = plain.chars().nth(at)?;
+        let rises = base.is_uppercase() && !UNDER.contains(mark);
+        Some((base, *mark, if rises { 19.0 } else { 0.0 }))
     })
 }
 
