@@ -131,15 +131,15 @@ impl BlendSpace {
     ///
     /// # Errors
     ///
-    /// As for [`line`](Self::line).
+    /// As for [`line`](Self::line). Points that differ by less than a millionth of the extent of
+    /// the samples along each axis are one point.
     pub fn plane(samples: &[(ClipId, [f32; 2])]) -> Result<Self, Error> {
         let points: Vec<_> = samples.iter().map(|(_, at)| *at).collect();
         bounded("a sample of a blend space", points.as_flattened())?;
-        let mut numbered = points.iter().enumerate();
-        if let Some((_, at)) = numbered.find(|(nth, at)| points[..*nth].contains(at)) {
-            return Err(bad(BlendSpaceFault::SamePoint(*at)));
-        }
         check_count(points.len())?;
+        if let Some(at) = plane::doubled(&points) {
+            return Err(bad(BlendSpaceFault::SamePoint(at)));
+        }
         Self::new(samples.iter().map(|(clip, _)| *clip), Shape::Plane(Plane::new(&points)))
     }
 

@@ -1,5 +1,7 @@
 //! Points of a plane joined to triangles, and the weights of their corners.
 
+use std::collections::{BTreeSet, HashMap};
+
 use populace_model::convert::single;
 
 use super::{MOST, Weights};
@@ -26,8 +28,28 @@ fn area(a: Point, b: Point, c: Point) -> f64 {
 /// Areas below this are taken for none; coordinates are from 0 to 1 or so.
 const FLAT: f64 = 1e-9;
 /// Points of single precision that are meant for one line leave it by less than this, in units of
-/// the largest coordinate.
+/// the largest coordinate. Nearer points are taken for one.
 const NOISE: f64 = 1e-6;
+
+/// Returns what makes the extent of points 1 along each axis along which they differ.
+fn scale(points: &[[f32; 2]]) -> Point {
+    let spread = |axis: usize| {
+        let values = points.iter().map(|p| f64::from(p[axis]));
+        values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
+    };
+    [0, 1].map(|axis| if spread(axis) > 0.0 { 1.0 / spread(axis) } else { 1.0 })
+}
+
+/// Returns the first point that is where one before it is, but for rounding.
+pub(super) fn doubled(points: &[[f32; 2]]) -> Option<[f32; 2]> {
+    let scale = scale(points);
+    let is_near = |a: &[f32; 2], b: &[f32; 2]| {
+        (0..2).all(|axis| (f64::from(a[axis]) - f64::from(b[axis])).abs() * scale[axis] < NOISE)
+    };
+    let numbered = points.iter().enumerate();
+    let mut near = numbered.filter(|(nth, at)| points[..*nth].iter().any(|b| is_near(at, b)));
+    near.next().map(|(_, at)| *at)
+}
 
 /// Above 0 where `d` lies within the circle through a counter-clockwise triangle.
 fn in_circle([a, b, c]: [Point; 3], d: Point) -> f64 {
@@ -40,15 +62,16 @@ fn in_circle([a, b, c]: [Point; 3], d: Point) -> f64 {
         + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
+/// Returns the edges of a triangle, at the left of which it lies.
+fn edges([a, b, c]: [usize; 3]) -> [[usize; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
 impl Plane {
-    /// Joins points, which differ, to triangles: one point after the other is joined to the edges
-    /// that it sees, then edges are turned until Delaunay's condition holds.
+    /// Joins points, none of which is [`doubled`], to triangles: one point after the other is
+    /// joined to the edges that it sees, then edges are turned until Delaunay's condition holds.
     pub(super) fn new(points: &[[f32; 2]]) -> Self {
-        let spread = |axis: usize| {
-            let values = points.iter().map(|p| f64::from(p[axis]));
-            values.clone().fold(f64::MIN, f64::max) - values.fold(f64::MAX, f64::min)
-        };
-        let scale = [0, 1].map(|axis| if spread(axis) > 0.0 { 1.0 / spread(axis) } else { 1.0 });
+        let scale = scale(points);
         let points: Vec<Point> = points
             .iter()
             .map(|p| [f64::from(p[0]) * scale[0], f64::from(p[1]) * scale[1]])
@@ -123,39 +146,55 @@ impl Plane {
         border.push(next);
     }
 
-    /// Turns each edge within whose two triangles' circles lies the other's corner. Each turn
-    /// brings the whole nearer to Delaunay's, so this ends; the bound is for what rounding might
-    /// do.
+    /// Turns each edge within whose two triangles' circles lies the other's corner, the first one
+    /// first. Each turn brings the whole nearer to Delaunay's, so this ends; the bound is for what
+    /// rounding might do.
     fn turn_edges(&mut self) {
-        for _ in 0..self.points.len().pow(2) {
-            let Some((one, other, [a, b, c, d])) = self.edge_to_turn() else { return };
-            self.triangles[one] = [a, b, d];
-            self.triangles[other] = [b, c, d];
+        // The triangle at the left of each edge.
+        let mut lefts: HashMap<[usize; 2], usize> = HashMap::new();
+        // Edges that may have to be turned: triangles, and which of their edges.
+        let mut waiting: BTreeSet<(usize, usize)> = BTreeSet::new();
+        for (index, triangle) in self.triangles.iter().enumerate() {
+            lefts.extend(edges(*triangle).map(|edge| (edge, index)));
+            waiting.extend([0, 1, 2].map(|nth| (index, nth)));
+        }
+        let mut turns = 0..self.points.len().pow(2);
+        while let Some((one, nth)) = waiting.pop_first() {
+            let Some((other, [a, b, c, d])) = self.turned(&lefts, one, nth) else { continue };
+            if turns.next().is_none() {
+                return;
+            }
+            lefts.remove(&[c, a]);
+            lefts.remove(&[a, c]);
+            for (index, triangle) in [(one, [a, b, d]), (other, [b, c, d])] {
+                self.triangles[index] = triangle;
+                lefts.extend(edges(triangle).map(|edge| (edge, index)));
+                waiting.extend([0, 1, 2].map(|nth| (index, nth)));
+            }
+            // Their neighbours have the same edges.
+            for [from, to] in [[a, b], [b, c], [c, d], [d, a]] {
+                let Some(&beyond) = lefts.get(&[to, from]) else { continue };
+                let nth = edges(self.triangles[beyond]).iter().position(|edge| *edge == [to, from]);
+                waiting.extend(nth.map(|nth| (beyond, nth)));
+            }
         }
     }
 
-    /// Two triangles `a b c` and `a c d` whose edge should be `b d`.
-    fn edge_to_turn(&self) -> Option<(usize, usize, [usize; 4])> {
-        let at = |corners: [usize; 3]| corners.map(|corner| self.points[corner]);
-        for (one, triangle) in self.triangles.iter().enumerate() {
-            for turn in 0..3 {
-                let [c, a, b] = [0, 1, 2].map(|i| triangle[(i + turn) % 3]);
-                let faces =
-                    |other: &[usize; 3]| (0..3).find(|&i| other[i] == a && other[(i + 1) % 3] == c);
-                let neighbour = self
-                    .triangles
-                    .iter()
-                    .enumerate()
-                    .find_map(|(i, t)| Some((i, t[(faces(t)? + 2) % 3])));
-                let Some((other, d)) = neighbour else { continue };
-                let convex = area(self.points[a], self.points[b], self.points[d]) > FLAT
-                    && area(self.points[b], self.points[c], self.points[d]) > FLAT;
-                if convex && in_circle(at([a, b, c]), self.points[d]) > FLAT {
-                    return Some((one, other, [a, b, c, d]));
-                }
-            }
-        }
-        None
+    /// Returns the neighbour at an edge of a triangle, and the corners of both, if they are
+    /// `a b c` and `a c d` and their edge should be `b d`.
+    fn turned(
+        &self,
+        lefts: &HashMap<[usize; 2], usize>,
+        one: usize,
+        nth: usize,
+    ) -> Option<(usize, [usize; 4])> {
+        let [c, a, b] = [0, 1, 2].map(|i| self.triangles[one][(i + nth) % 3]);
+        let other = *lefts.get(&[a, c])?;
+        let d = self.triangles[other].into_iter().find(|corner| ![a, c].contains(corner))?;
+        let at = |corner: usize| self.points[corner];
+        let convex = area(at(a), at(b), at(d)) > FLAT && area(at(b), at(c), at(d)) > FLAT;
+        let turns = convex && in_circle([a, b, c].map(at), at(d)) > FLAT;
+        turns.then_some((other, [a, b, c, d]))
     }
 
     /// Weights of the corners around a point, or around the nearest point of the border.

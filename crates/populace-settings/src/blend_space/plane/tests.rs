@@ -20,6 +20,7 @@ fn layouts() -> Vec<Vec<[f32; 2]>> {
         [single(angle.cos()), single(angle.sin())]
     });
     all.push(on_circle.chain([[0.0, 0.0]]).collect());
+    all.push((0..150).map(|_| [random(&mut rng), random(&mut rng)]).collect());
     // On a slanted line, and the same with one point beside it.
     let line: Vec<[f32; 2]> = (0..5_u8).map(|i| [f32::from(i), 2.0 - 0.5 * f32::from(i)]).collect();
     all.extend([line.clone(), line.iter().copied().chain([[1.0, 5.0]]).collect()]);
@@ -181,4 +182,13 @@ fn points_outside_take_the_nearest_point_of_the_hull() {
     assert_eq!(weight(&plane.weights([9.0, 8.0]), 3), 1.0);
     let lone = Plane::new(&[[3.0, 4.0]]);
     assert_eq!(weight(&lone.weights([-1.0, 0.0]), 0), 1.0);
+}
+
+#[test]
+fn points_that_differ_by_rounding_are_one() {
+    let near = [[0.0, 0.0], [0.0, 1.0], [1e-10, 0.0], [1.0, 0.0]];
+    assert_eq!(doubled(&near), Some([1e-10, 0.0]));
+    assert_eq!(doubled(&[[0.0, 0.0], [0.0, 1.0], [1e-5, 0.0], [1.0, 0.0]]), None);
+    assert_eq!(doubled(&[[0.0, 0.0], [1e-10, 0.0], [2e-10, 0.0]]), None, "the extent counts");
+    assert_eq!(doubled(&[[3.0, 4.0]]), None);
 }
