@@ -1,5 +1,6 @@
 //! The crowd of a show on its way through time, and what people do to it.
 
+use std::collections::HashSet;
 use std::time::Instant;
 
 use glam::Vec3;
@@ -34,6 +35,10 @@ pub(crate) struct Stage {
     pub(crate) show: Box<dyn Show>,
     pub(crate) falls: Falls,
     you: Option<You>,
+    /// Members that the keyboard drove, until they stand.
+    leaving: Vec<You>,
+    /// Members that were spawned for the keyboard.
+    visitors: HashSet<MemberId>,
     start: Snapshot,
     scene: Scene,
     secs: f64,
@@ -69,6 +74,8 @@ impl Stage {
             show,
             falls,
             you: None,
+            leaving: Vec::new(),
+            visitors: HashSet::new(),
             start,
             scene,
             secs: 0.0,
@@ -146,15 +153,30 @@ impl Stage {
         self.look(secs, seen)?;
         #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32")]
         let step_secs = (secs - self.secs) as f32;
-        if let Some(you) = self.you.as_mut().filter(|you| !self.falls.is_down(you.member())) {
-            let steered = you.step(&mut self.crowd, steering, step_secs);
-            steered.map_err(|e| Error::Show(e.into()))?;
-        }
+        self.walk(steering, step_secs).map_err(|e| Error::Show(e.into()))?;
         self.falls.step(&mut self.crowd, step_secs).map_err(|e| Error::Show(e.into()))?;
         self.show.advance(&mut self.crowd, step_secs).map_err(Error::Show)?;
         self.crowd.finish()?;
         self.secs = secs;
         self.animate_ms = start.elapsed().as_secs_f64() * 1e3;
+        Ok(())
+    }
+
+    /// Moves the driven member as it is steered, and those that were let go until they stand.
+    fn walk(&mut self, steering: Steering, secs: f32) -> Result<(), populace_locomotion::Error> {
+        let Self { crowd, falls, you, leaving, .. } = self;
+        let mut go = |you: &mut You, steering| {
+            if falls.is_down(you.member()) {
+                you.rest();
+                return Ok(());
+            }
+            you.step(crowd, steering, secs)
+        };
+        if let Some(you) = you {
+            go(you, steering)?;
+        }
+        // Those that are gone need no steps.
+        leaving.retain_mut(|you| go(you, Steering::default()).is_ok() && you.is_moving());
         Ok(())
     }
 
@@ -199,6 +221,8 @@ impl Stage {
     /// Returns to the time before frame 0.
     fn rewind(&mut self) -> Result<(), Error> {
         self.you = None;
+        self.leaving.clear();
+        self.visitors.clear();
         self.falls = Falls::new(self.show.floor_m()).map_err(|e| Error::Show(e.into()))?;
         self.crowd.restore(&self.start)?;
         self.show.rewind();
@@ -242,15 +266,26 @@ impl Stage {
     /// Lets the keyboard drive a member; a visitor beside it if the show leads its members. Returns
     /// the member.
     pub(crate) fn drive(&mut self, member: MemberId) -> Result<MemberId, ShowError> {
-        self.you = None;
-        let member = if self.show.leads_members() { self.visitor(member)? } else { member };
-        self.you = Some(You::new(&mut self.crowd, member)?);
-        Ok(member)
+        let is_led = self.show.leads_members() && !self.visitors.contains(&member);
+        let driven = if is_led { self.visitor(member)? } else { member };
+        let you = You::new(&mut self.crowd, driven);
+        if is_led {
+            if you.is_err() {
+                self.crowd.despawn(driven)?;
+            } else {
+                self.visitors.insert(driven);
+            }
+        }
+        let you = you?;
+        self.leave();
+        self.leaving.retain(|leaving| leaving.member() != driven);
+        self.you = Some(you);
+        Ok(driven)
     }
 
-    /// Lets go of the member that the keyboard drives. It stands.
+    /// Lets go of the member that the keyboard drives. It comes to stand.
     pub(crate) fn leave(&mut self) {
-        self.you = None;
+        self.leaving.extend(self.you.take());
     }
 
     /// Spawns a person that looks like a member, at its side.

@@ -9,6 +9,8 @@ use populace_locomotion::{Error, GaitSpace, Goal, WalkerSettings, Walkers};
 const WALK: f32 = 1.4;
 const RUN: f32 = 3.4;
 const BACK: f32 = 0.8;
+/// Time for which who stops steps on the spot at most, in seconds.
+const SETTLED_SECS: f32 = 3.0;
 /// Speed of turning in radians per second.
 const TURN: f32 = 2.4;
 
@@ -40,6 +42,10 @@ pub(crate) struct You {
     heading_rad: f32,
     /// Where it was taken over.
     began_at: [f32; 3],
+    /// True while something else moves it.
+    rests: bool,
+    /// Seconds since it last moved.
+    still_secs: f32,
 }
 
 impl You {
@@ -58,7 +64,7 @@ impl You {
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         walkers.add_gaits(gaits);
         walkers.add(crowd, member)?;
-        Ok(Self { member, walkers, heading_rad, began_at })
+        Ok(Self { member, walkers, heading_rad, began_at, rests: false, still_secs: 0.0 })
     }
 
     /// Returns where it was taken over, in metres.
@@ -70,6 +76,16 @@ impl You {
         self.member
     }
 
+    /// Returns true until it stands.
+    pub(crate) fn is_moving(&self) -> bool {
+        self.rests || self.still_secs < SETTLED_SECS
+    }
+
+    /// Leaves it to something else that moves it, such as a fall, until the next step.
+    pub(crate) fn rest(&mut self) {
+        self.rests = true;
+    }
+
     /// Goes on for `secs` as it is steered. Before the crowd's update.
     pub(crate) fn step(
         &mut self,
@@ -78,6 +94,10 @@ impl You {
         secs: f32,
     ) -> Result<(), Error> {
         let member = self.member;
+        if std::mem::take(&mut self.rests) {
+            self.walkers.resume(crowd, member)?;
+            self.heading_rad = crowd.member(member).map_err(Error::Crowd)?.placement().yaw_rad();
+        }
         self.heading_rad = (self.heading_rad + TURN * steering.left * secs).rem_euclid(TAU);
         let speed = match steering.forward {
             f if f > 0.0 => f * if steering.runs { RUN } else { WALK },
@@ -93,6 +113,8 @@ impl You {
             self.walkers.update(crowd, step_secs)?;
             left_secs -= step_secs;
         }
+        let is_still = self.walkers.velocities().iter().all(|velocity| *velocity == [0.0; 2]);
+        self.still_secs = if is_still { self.still_secs + secs } else { 0.0 };
         Ok(())
     }
 }

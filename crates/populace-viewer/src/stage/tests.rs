@@ -1,3 +1,4 @@
+use std::f32::consts::{PI, TAU};
 use std::sync::{Arc, Mutex};
 
 use populace::Device;
@@ -15,6 +16,7 @@ struct Noted {
     floor_m: f32,
     steps: Arc<Mutex<Vec<f32>>>,
     rewinds: Arc<Mutex<u32>>,
+    leads_members: bool,
 }
 
 impl Show for Noted {
@@ -64,7 +66,7 @@ impl Show for Noted {
     }
 
     fn leads_members(&self) -> bool {
-        false
+        self.leads_members
     }
 }
 
@@ -152,4 +154,84 @@ fn who_falls_lies_on_the_floor_of_the_show() {
             seek(&mut stage, 0.0);
         }
     }
+}
+
+/// Plays for a time in seconds while the driven member is sent forwards.
+fn walk(stage: &mut Stage, secs: f64) {
+    let end_secs = stage.secs() + secs;
+    while stage.secs() < end_secs {
+        let forward = Steering { forward: 1.0, ..Steering::default() };
+        stage.play(0.0217, forward, &SEEN).expect("a step");
+    }
+}
+
+#[test]
+fn a_visitor_is_driven_again() {
+    let (mut stage, [member, _]) = open(Noted { leads_members: true, ..Noted::default() });
+    let visitor = stage.drive(member).expect("a visitor");
+    assert_ne!(visitor, member);
+    stage.leave();
+    assert_eq!(stage.drive(visitor).expect("the visitor"), visitor);
+    assert_eq!(stage.crowd.member_count(), 3);
+    stage.rewind().expect("a beginning");
+    seek(&mut stage, 0.0);
+    assert_eq!(stage.crowd.member_count(), 2);
+    stage.drive(member).expect("another visitor");
+    assert_eq!(stage.crowd.member_count(), 3);
+}
+
+#[test]
+fn who_cannot_be_driven_leaves_the_driven_member_alone() {
+    let (mut stage, [member, other]) = open(Noted::default());
+    stage.crowd.despawn(other).expect("a member");
+    stage.drive(member).expect("a driven member");
+    assert!(stage.drive(other).is_err());
+    assert_eq!(stage.you(), Some(member));
+}
+
+#[test]
+fn who_is_let_go_while_walking_comes_to_stand() {
+    let (mut stage, [member, other]) = open(Noted::default());
+    stage.drive(member).expect("a driven member");
+    play(&mut stage, 0.5);
+    let shown = |stage: &Stage| {
+        let clips = stage.crowd.member(member).expect("a member").active_clips();
+        clips.iter().filter(|c| c.weight > 0.01).map(|c| c.clip).collect::<Vec<_>>()
+    };
+    let standing = shown(&stage);
+    for next in [None, Some(other)] {
+        walk(&mut stage, 1.0);
+        assert_ne!(shown(&stage), standing);
+        match next {
+            None => stage.leave(),
+            Some(next) => _ = stage.drive(next).expect("another member"),
+        }
+        play(&mut stage, 5.0);
+        assert_eq!(shown(&stage), standing, "then {next:?}");
+        if next.is_none() {
+            stage.drive(member).expect("the member again");
+        }
+    }
+}
+
+#[test]
+fn who_gets_up_stands_where_the_body_came_to_lie() {
+    let (mut stage, [member, _]) = open(Noted::default());
+    stage.drive(member).expect("a driven member");
+    walk(&mut stage, 1.0);
+    stage.falls.fall(&stage.crowd, member, [0.8, 0.6]).expect("a fall");
+    play(&mut stage, 2.0);
+    let Stage { falls, crowd, .. } = &mut stage;
+    falls.get_up(crowd, member).expect("a way up");
+    let mut last = stage.placement(member).expect("a placement");
+    while stage.falls.is_down(member) {
+        last = stage.placement(member).expect("a placement");
+        play(&mut stage, 0.02);
+    }
+    play(&mut stage, 0.1);
+    let now = stage.placement(member).expect("a placement");
+    let moved_m = Vec3::from(now.position()).distance(Vec3::from(last.position()));
+    assert!(moved_m < 0.1, "it jumped by {moved_m} m");
+    let turned_rad = (now.yaw_rad() - last.yaw_rad() + PI).rem_euclid(TAU) - PI;
+    assert!(turned_rad.abs() < 0.1, "it turned by {turned_rad} rad");
 }
