@@ -3,7 +3,7 @@
 use std::collections::{HashMap, VecDeque};
 
 use egui::{Rect, Response, Ui};
-use populace::{MaskId, MemberId};
+use populace::MemberId;
 use populace_render::PassTimes;
 
 use crate::aims::Aims;
@@ -88,8 +88,6 @@ impl Default for LayerEdit {
 pub(crate) struct Edits {
     pub(crate) aims: Aims,
     pub(crate) layers: [LayerEdit; UPPER_LAYERS],
-    /// Masks of its character, by their index among those that can be chosen.
-    pub(crate) masks: HashMap<usize, MaskId>,
     /// Index of the clip to play next, and its layer.
     pub(crate) clip: usize,
     pub(crate) layer: usize,
@@ -167,6 +165,11 @@ impl Desk {
             self.times.pop_front();
         }
         self.times.push_back(times);
+    }
+
+    /// Forgets the layers that members had at a later time.
+    pub(crate) fn forget_layers(&mut self) {
+        self.edits.values_mut().for_each(|edits| edits.layers = Default::default());
     }
 
     /// Forgets members of a crowd that is gone.

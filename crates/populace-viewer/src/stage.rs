@@ -1,10 +1,11 @@
 //! The crowd of a show on its way through time, and what people do to it.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::time::Instant;
 
 use glam::Vec3;
-use populace::{Crowd, MemberId, Placement, Snapshot};
+use populace::model::Role;
+use populace::{CharacterId, Crowd, Mask, MaskId, MemberId, Placement, Snapshot};
 use populace_film::FrameRate;
 use populace_render::{Camera, Renderer, Scene};
 
@@ -39,6 +40,8 @@ pub(crate) struct Stage {
     leaving: Vec<You>,
     /// Members that were spawned for the keyboard.
     visitors: HashSet<MemberId>,
+    /// Masks that were added, by the role of their highest joint.
+    masks: HashMap<(CharacterId, Role), MaskId>,
     start: Snapshot,
     scene: Scene,
     secs: f64,
@@ -76,6 +79,7 @@ impl Stage {
             you: None,
             leaving: Vec::new(),
             visitors: HashSet::new(),
+            masks: HashMap::new(),
             start,
             scene,
             secs: 0.0,
@@ -207,15 +211,16 @@ impl Stage {
     }
 
     /// Begins to replay to a time: from frame to frame, as films are made. An earlier time is
-    /// reached from the beginning, which undoes what people did to the crowd.
-    pub(crate) fn seek(&mut self, secs: f64) -> Result<(), Error> {
+    /// reached from the beginning, which undoes what people did to the crowd. Returns true then.
+    pub(crate) fn seek(&mut self, secs: f64) -> Result<bool, Error> {
         let end_secs = self.show.length_secs().unwrap_or(f64::INFINITY);
         let secs = secs.clamp(0.0, end_secs);
-        if secs < self.secs - SAME_SECS {
+        let is_earlier = secs < self.secs - SAME_SECS;
+        if is_earlier {
             self.rewind()?;
         }
         self.target_secs = Some(secs);
-        Ok(())
+        Ok(is_earlier)
     }
 
     /// Returns to the time before frame 0.
@@ -223,6 +228,7 @@ impl Stage {
         self.you = None;
         self.leaving.clear();
         self.visitors.clear();
+        self.masks.clear();
         self.falls = Falls::new(self.show.floor_m()).map_err(|e| Error::Show(e.into()))?;
         self.crowd.restore(&self.start)?;
         self.show.rewind();
@@ -297,6 +303,20 @@ impl Stage {
         let visitor = self.crowd.spawn(character, placement)?;
         self.crowd.member_mut(visitor)?.set_look(look);
         Ok(visitor)
+    }
+
+    /// Returns the mask of a character's joints from one with a role on; `None` for bodies that
+    /// lack it.
+    pub(crate) fn mask(&mut self, character: CharacterId, role: Role) -> Option<MaskId> {
+        if let Some(mask) = self.masks.get(&(character, role)) {
+            return Some(*mask);
+        }
+        let view = self.crowd.character(character).ok()?;
+        let root = view.roles()?.joint(role)?;
+        let mask = Mask::subtree(&view.asset().skeleton, root);
+        let id = self.crowd.character_mut(character).ok()?.add_mask(&mask).ok()?;
+        self.masks.insert((character, role), id);
+        Some(id)
     }
 
     /// Returns where a member is; `None` for one that is gone.

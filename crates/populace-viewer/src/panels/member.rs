@@ -4,7 +4,7 @@ use egui::{CollapsingHeader, ComboBox, RichText, Ui};
 use populace::model::{Role, Side};
 use populace::{
     ActiveClip, CharacterId, ClipId, ClipPlayback, Crowd, LayerMode, LayerSettings, MAX_LAYERS,
-    Mask, MaskId, MemberId,
+    MemberId,
 };
 
 use super::targets;
@@ -14,13 +14,13 @@ use crate::theme::{ACCENT, QUIET};
 
 /// Time in which a clip fades in, in seconds.
 const FADE_SECS: f32 = 0.3;
-/// Masks that a layer can have.
-const MASKS: [(&str, &[Role]); 5] = [
-    ("all joints", &[]),
-    ("upper body", &[Role::Spine]),
-    ("right arm", &[Role::UpperArm(Side::Right)]),
-    ("left arm", &[Role::UpperArm(Side::Left)]),
-    ("head", &[Role::Head]),
+/// Masks that a layer can have, by the role of the highest joint.
+const MASKS: [(&str, Option<Role>); 5] = [
+    ("all joints", None),
+    ("upper body", Some(Role::Spine)),
+    ("right arm", Some(Role::UpperArm(Side::Right))),
+    ("left arm", Some(Role::UpperArm(Side::Left))),
+    ("head", Some(Role::Head)),
 ];
 
 pub(super) fn show(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
@@ -48,7 +48,7 @@ pub(super) fn show(ui: &mut Ui, stage: &mut Stage, desk: &mut Desk) {
         changed |= targets::hands(ui, &stage.crowd, desk, member, &mut edits.aims);
     });
     section(ui, desk, "Layers", false, |ui, desk| {
-        changed |= layers(ui, &mut stage.crowd, desk, (member, character), &mut edits);
+        changed |= layers(ui, stage, desk, (member, character), &mut edits);
     });
     desk.edits.insert(member, edits);
     if changed {
@@ -216,7 +216,7 @@ fn slot(
 /// Shows weight, mode and mask of the layers above the lowest.
 fn layers(
     ui: &mut Ui,
-    crowd: &mut Crowd,
+    stage: &mut Stage,
     desk: &mut Desk,
     (member, character): (MemberId, CharacterId),
     edits: &mut Edits,
@@ -239,9 +239,10 @@ fn layers(
         if changed {
             edits.layers[nth] = LayerEdit { weight, additive, mask };
             let mode = if additive { LayerMode::Additive } else { LayerMode::Override };
-            let mask = mask_of(crowd, character, edits, mask);
+            let mask = MASKS[mask].1.and_then(|role| stage.mask(character, role));
             let settings = LayerSettings { weight, mode };
-            let set = crowd.member_mut(member).and_then(|mut m| m.set_layer(layer, settings, mask));
+            let set =
+                stage.crowd.member_mut(member).and_then(|mut m| m.set_layer(layer, settings, mask));
             if let Err(error) = set {
                 desk.say(error.to_string(), ui.input(|input| input.time));
             }
@@ -250,23 +251,4 @@ fn layers(
     }
     ui.label(RichText::new("Clips play on a layer by the list above.").color(QUIET).small());
     any
-}
-
-/// Returns the mask of a choice; `None` for all joints, and for joints that a body lacks.
-fn mask_of(
-    crowd: &mut Crowd,
-    character: CharacterId,
-    edits: &mut Edits,
-    choice: usize,
-) -> Option<MaskId> {
-    if let Some(mask) = edits.masks.get(&choice) {
-        return Some(*mask);
-    }
-    let (_, roles) = MASKS.get(choice)?;
-    let view = crowd.character(character).ok()?;
-    let root = view.roles()?.joint(*roles.first()?)?;
-    let mask = Mask::subtree(&view.asset().skeleton, root);
-    let id = crowd.character_mut(character).ok()?.add_mask(&mask).ok()?;
-    edits.masks.insert(choice, id);
-    Some(id)
 }

@@ -235,3 +235,22 @@ fn who_gets_up_stands_where_the_body_came_to_lie() {
     let turned_rad = (now.yaw_rad() - last.yaw_rad() + PI).rem_euclid(TAU) - PI;
     assert!(turned_rad.abs() < 0.1, "it turned by {turned_rad} rad");
 }
+
+#[test]
+fn masks_are_made_anew_after_going_back() {
+    let (mut stage, [member, _]) = open(Noted::default());
+    let character = stage.crowd.member(member).expect("a member").character();
+    for role in [Role::Spine, Role::Head] {
+        let mask = stage.mask(character, role);
+        assert!(mask.is_some());
+        assert_eq!(stage.mask(character, role), mask, "once each");
+        let mut view = stage.crowd.member_mut(member).expect("a member");
+        view.set_layer(1, populace::LayerSettings::default(), mask).expect("a layer");
+    }
+    play(&mut stage, 0.1);
+    assert!(stage.seek(0.0).expect("a time"));
+    assert!(!stage.seek(0.0).expect("a time"), "it is there already");
+    let mask = stage.mask(character, Role::Head);
+    let mut view = stage.crowd.member_mut(member).expect("a member");
+    view.set_layer(1, populace::LayerSettings::default(), mask).expect("the mask is known");
+}

@@ -15,11 +15,11 @@ impl Viewer<'_> {
     /// Does what the panels or a key wished for.
     pub(super) fn carry_out(&mut self, command: Command) -> Result<(), Error> {
         match command {
-            Command::Seek(secs) => self.stage.seek(secs)?,
+            Command::Seek(secs) => self.seek(secs)?,
             Command::Step { later } => {
                 self.desk.clock.plays = false;
                 let secs = self.stage.neighbour_secs(later);
-                self.stage.seek(secs)?;
+                self.seek(secs)?;
             }
             Command::Refresh => {}
             Command::Frame(member) => {
@@ -63,6 +63,14 @@ impl Viewer<'_> {
                 });
             }
             Command::Record => self.record(),
+        }
+        Ok(())
+    }
+
+    /// Begins to go to a time in seconds.
+    fn seek(&mut self, secs: f64) -> Result<(), Error> {
+        if self.stage.seek(secs)? {
+            self.desk.forget_layers();
         }
         Ok(())
     }
