@@ -17,6 +17,7 @@ mod settling;
 mod stands;
 mod stroll;
 mod talks;
+mod things;
 mod traffic;
 mod windows;
 mod world;

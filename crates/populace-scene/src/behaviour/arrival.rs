@@ -1,18 +1,15 @@
 //! Bringing the people of a plan into a crowd, each to where its behaviour begins.
 
 use glam::Vec2;
-use populace::character::Character;
-use populace::model::{Role, RoleMap, Side};
 use populace::{
-    CharacterId, ClipPlayback, Crowd, JointIndex, LayerMode, LayerSettings, MemberId, Placement,
-    Target, Trs, Weight,
+    CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Placement, Target, Weight,
 };
 use populace_random::Rng;
 
 use super::body::{Body, Use};
 use super::falls::direction;
 use super::person::{Doing, Kind, Person};
-use super::world::{Stand, UPPER, WHOLE, World};
+use super::world::{Stand, WHOLE, World};
 use super::{armies, driving, settled, traffic};
 use crate::Error;
 use crate::plan::{
@@ -20,9 +17,9 @@ use crate::plan::{
     StrollPlan,
 };
 use crate::replay::Person as CastPerson;
-use crate::stage::{PARCEL, Stage};
+use crate::stage::Stage;
 
-/// The layer of clips that a plan adds to what people do.
+/// The last layer of clips that a plan adds to what people do.
 const ADDED: usize = 3;
 
 /// A crowd of a plan that is about to come.
@@ -280,7 +277,7 @@ impl Arrival<'_> {
     /// Plays the clips of the plan over what a person does: on the layers above those of its
     /// behaviour.
     fn add_layers(&self, world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
-        let first = if world.people[who].kind == Kind::Stands { WHOLE } else { ADDED };
+        let first = first_layer(world, who);
         let (layers, most) = (self.of.layers.len(), ADDED + 1 - first);
         if layers > most {
             return Err(Error::TooManyLayers { layers, most });
@@ -300,65 +297,11 @@ impl Arrival<'_> {
         }
         Ok(())
     }
-
-    /// Gives a person the things that its cast holds and wears.
-    fn add_things(&self, world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
-        for kind in &self.cast.holds {
-            let things = self.stage.things(kind);
-            let Some(nth) = who.checked_rem(things.len()) else { continue };
-            let asset = crowd.character(world.body(who).character)?.asset().clone();
-            let Some((joint, offset)) = grip(&asset, kind) else { continue };
-            let owner = world.member(who);
-            let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
-            crowd.member_mut(thing)?.attach_to(owner, joint, offset)?;
-        }
-        Ok(())
-    }
 }
 
-impl Arrival<'_> {
-    /// Gives somebody a parcel with a chance, if its body can carry it.
-    fn give_parcel(
-        &self,
-        world: &mut World,
-        crowd: &mut Crowd,
-        who: usize,
-        chance: f32,
-    ) -> Result<(), Error> {
-        let asset = crowd.character(world.body(who).character)?.asset().clone();
-        let place = populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M);
-        let (Some((joint, offset)), Some(parcel)) = (place, self.stage.things(PARCEL).first())
-        else {
-            return Ok(());
-        };
-        if !world.people[who].random.chance(chance) || !world.body(who).has(&[Use::Carry]) {
-            return Ok(());
-        }
-        let parcel = crowd.spawn(*parcel, Placement::at([0.0; 3]))?;
-        crowd.member_mut(parcel)?.attach_to(world.member(who), joint, offset)?;
-        let phase = world.people[who].random.unit();
-        let looping = ClipPlayback::looping().phase(phase);
-        world.play(crowd, who, Use::Carry, (UPPER, looping))?;
-        world.people[who].carries = true;
-        world.counts.carried += 1;
-        Ok(())
-    }
-}
-
-/// Returns the joint that holds or wears a thing, and the offset. Characters other than the
-/// built-in people hold it at the joint itself.
-fn grip(character: &Character, kind: &str) -> Option<(JointIndex, Trs)> {
-    let (role, own) = match kind {
-        "helmet" => (Role::Head, populace_cast::helmet(character)),
-        "shield" => {
-            (Role::Hand(Side::Left), populace_cast::grip(character, populace_cast::Side::Left))
-        }
-        _ => (Role::Hand(Side::Right), populace_cast::grip(character, populace_cast::Side::Right)),
-    };
-    own.or_else(|| {
-        let joint = RoleMap::detect(&character.skeleton)?.joint(role)?;
-        Some((joint, Trs::IDENTITY))
-    })
+/// Returns the first of the layers of clips that a plan adds to what a person does.
+pub(super) fn first_layer(world: &World, who: usize) -> usize {
+    if world.people[who].kind == Kind::Stands { WHOLE } else { ADDED }
 }
 
 /// Sends everybody off who is on foot.

@@ -1,0 +1,99 @@
+//! Things that people hold and wear.
+
+use populace::character::Character;
+use populace::model::{Role, RoleMap, Side};
+use populace::{ClipPlayback, Crowd, JointIndex, MemberId, Placement, Trs};
+
+use super::arrival::{Arrival, first_layer};
+use super::body::Use;
+use super::world::{UPPER, World};
+use crate::Error;
+use crate::plan::MaskPlan;
+use crate::stage::PARCEL;
+
+impl Arrival<'_> {
+    /// Gives a person the things that its cast holds and wears.
+    pub(super) fn add_things(
+        &self,
+        world: &World,
+        crowd: &mut Crowd,
+        who: usize,
+    ) -> Result<(), Error> {
+        for kind in &self.cast.holds {
+            if kind == PARCEL && world.people[who].carries {
+                continue;
+            }
+            let things = self.stage.things(kind);
+            let Some(nth) = who.checked_rem(things.len()) else { continue };
+            let asset = crowd.character(world.body(who).character)?.asset().clone();
+            let in_both_hands = match kind == PARCEL && self.plays_carry(world, crowd, who)? {
+                true => populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M),
+                false => None,
+            };
+            let place = in_both_hands.or_else(|| grip(&asset, kind));
+            let Some((joint, offset)) = place else { continue };
+            let owner = world.member(who);
+            let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
+            crowd.member_mut(thing)?.attach_to(owner, joint, offset)?;
+        }
+        Ok(())
+    }
+
+    /// Returns true for somebody whose both arms play the clip of carrying, by the plan.
+    fn plays_carry(&self, world: &World, crowd: &Crowd, who: usize) -> Result<bool, Error> {
+        let Some(carry) = world.body(who).clip(Use::Carry) else { return Ok(false) };
+        let first = first_layer(world, who);
+        let moves_both_arms = |layer: usize| {
+            let plan = layer.checked_sub(first).and_then(|nth| self.of.layers.get(nth));
+            plan.is_none_or(|plan| {
+                let both = matches!(plan.mask, MaskPlan::WholeBody | MaskPlan::UpperBody);
+                both && !plan.additive
+            })
+        };
+        let clips = crowd.member(world.member(who))?.active_clips();
+        Ok(clips.iter().any(|clip| clip.clip == carry.id && moves_both_arms(clip.layer)))
+    }
+
+    /// Gives somebody a parcel with a chance, if its body can carry it.
+    pub(super) fn give_parcel(
+        &self,
+        world: &mut World,
+        crowd: &mut Crowd,
+        who: usize,
+        chance: f32,
+    ) -> Result<(), Error> {
+        let asset = crowd.character(world.body(who).character)?.asset().clone();
+        let place = populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M);
+        let (Some((joint, offset)), Some(parcel)) = (place, self.stage.things(PARCEL).first())
+        else {
+            return Ok(());
+        };
+        if !world.people[who].random.chance(chance) || !world.body(who).has(&[Use::Carry]) {
+            return Ok(());
+        }
+        let parcel = crowd.spawn(*parcel, Placement::at([0.0; 3]))?;
+        crowd.member_mut(parcel)?.attach_to(world.member(who), joint, offset)?;
+        let phase = world.people[who].random.unit();
+        let looping = ClipPlayback::looping().phase(phase);
+        world.play(crowd, who, Use::Carry, (UPPER, looping))?;
+        world.people[who].carries = true;
+        world.counts.carried += 1;
+        Ok(())
+    }
+}
+
+/// Returns the joint that holds or wears a thing, and the offset. Characters other than the
+/// built-in people hold it at the joint itself.
+fn grip(character: &Character, kind: &str) -> Option<(JointIndex, Trs)> {
+    let (role, own) = match kind {
+        "helmet" => (Role::Head, populace_cast::helmet(character)),
+        "shield" => {
+            (Role::Hand(Side::Left), populace_cast::grip(character, populace_cast::Side::Left))
+        }
+        _ => (Role::Hand(Side::Right), populace_cast::grip(character, populace_cast::Side::Right)),
+    };
+    own.or_else(|| {
+        let joint = RoleMap::detect(&character.skeleton)?.joint(role)?;
+        Some((joint, Trs::IDENTITY))
+    })
+}
