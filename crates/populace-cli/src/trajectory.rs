@@ -25,8 +25,9 @@ pub(crate) struct ReadArgs {
     /// Format of the trajectory file [default: recognised by its content]
     #[arg(long, value_name = "NAME", help_heading = "Trajectory files")]
     format: Option<Format>,
-    /// Unit of its positions [default: that of the file or format, or assumed]
-    #[arg(long, value_name = "m|cm|mm|ft", help_heading = "Trajectory files")]
+    /// Unit of its positions, or the metres in one, such as 0.02 for pixels of 2 cm [default: that
+    /// of the file or format, or assumed]
+    #[arg(long, value_name = "m|cm|mm|ft|N", help_heading = "Trajectory files")]
     unit: Option<Unit>,
     /// Frames per second by which it counts [default: those of the file, or assumed]
     #[arg(

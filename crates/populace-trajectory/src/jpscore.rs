@@ -15,8 +15,7 @@ const ASSUMED_FPS: f64 = 16.0;
 /// Columns of files that do not name them.
 const NAMES: [&str; 9] = ["ID", "FR", "X", "Y", "Z", "A", "B", "ANGLE", "COLOR"];
 
-const CUSTOMS: Customs =
-    Customs { z_is_body_height: false, angle: Angle::Degrees, has_absent_rows: false };
+const CUSTOMS: Customs = Customs { angle: Angle::Degrees, ..Customs::COMMON };
 
 pub(crate) fn read(input: &Input, settings: &ReadSettings) -> Result<Recording, Error> {
     let mut rows = Rows::default();

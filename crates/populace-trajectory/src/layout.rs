@@ -27,13 +27,24 @@ pub(crate) struct Customs {
     pub(crate) angle: Angle,
     /// True if rows without a position are those of absent agents rather than faults.
     pub(crate) has_absent_rows: bool,
+    /// True if the unit of positions is told, also of those that are in pixels.
+    pub(crate) unit_is_told: bool,
 }
 
 impl Customs {
     /// Customs of tables of unknown origin.
-    pub(crate) const COMMON: Self =
-        Self { z_is_body_height: false, angle: Angle::Untold, has_absent_rows: false };
+    pub(crate) const COMMON: Self = Self {
+        z_is_body_height: false,
+        angle: Angle::Untold,
+        has_absent_rows: false,
+        unit_is_told: false,
+    };
 }
+
+/// The problem of positions in pixels.
+const PIXELS: &str = "positions are in pixels; for a view from straight above, give the metres of \
+                      a pixel by --unit, such as --unit 0.02; turn those of other views into \
+                      metres by their homography, and name the columns x and y";
 
 /// The value that a column gives to a row, beside id, clock and position.
 #[derive(Clone, Debug, PartialEq)]
@@ -84,9 +95,9 @@ impl Layout {
         else {
             return Err(missing(names));
         };
-        if names[x].unit == Some(NamedUnit::Pixels) || names[y].unit == Some(NamedUnit::Pixels) {
-            let hint = "positions are in pixels; turn them into metres by the data's homography";
-            return Err(hint.to_owned());
+        let is_in_pixels = [x, y].iter().any(|at| names[*at].unit == Some(NamedUnit::Pixels));
+        if is_in_pixels && !customs.unit_is_told {
+            return Err(PIXELS.to_owned());
         }
         let [unit, unit_of_y] = [x, y].map(|column| match names[column].unit {
             Some(NamedUnit::Length(unit)) => Some(unit),
@@ -193,7 +204,7 @@ mod tests {
     #[test]
     fn longitudes_and_pixels_are_refused_with_a_hint() {
         assert!(layout("id,t,lon,lat").expect_err("lon").contains("project"));
-        assert!(layout("id,t,x_px,y_px").expect_err("px").contains("homography"));
+        assert!(layout("id,t,x_px,y_px").expect_err("px").contains("--unit 0.02"));
         assert!(layout("id,t,x_cm,y_m").expect_err("mixed").contains("different"));
     }
 

@@ -36,6 +36,7 @@ struct Header {
 struct Reading<'a> {
     input: &'a Input,
     format: Format,
+    customs: Customs,
     rows: Rows,
     header: Option<Header>,
     fps: Option<f64>,
@@ -49,7 +50,12 @@ pub(crate) fn read(
     settings: &ReadSettings,
 ) -> Result<Recording, Error> {
     let (rows, header, fps, unit) = (Rows::default(), None, None, None);
-    let mut reading = Reading { input, format, rows, header, fps, unit };
+    let customs = Customs {
+        has_absent_rows: format == Format::CrowdIt,
+        unit_is_told: settings.unit.is_some(),
+        ..Customs::COMMON
+    };
+    let mut reading = Reading { input, format, customs, rows, header, fps, unit };
     input.for_each_line(|line, number| reading.take(line, number))?;
     let Reading { mut rows, header, fps, unit, .. } = reading;
     let Some(Header { table, secs, unit: named }) = header else {
@@ -120,17 +126,13 @@ impl Reading<'_> {
             _ => Some(text.trim_start_matches('#').trim()),
         };
         let Some(names) = names else { return Ok(false) };
-        match header(names, customs(self.format)) {
+        match header(names, self.customs) {
             Ok(header) => self.header = Some(header),
             Err(_) if text.starts_with('#') => return Ok(false),
             Err(problem) => return Err(self.input.malformed(place, problem)),
         }
         Ok(true)
     }
-}
-
-fn customs(format: Format) -> Customs {
-    Customs { has_absent_rows: format == Format::CrowdIt, ..Customs::COMMON }
 }
 
 /// Returns the columns that a line names.
@@ -152,11 +154,7 @@ fn header(line: &str, customs: Customs) -> Result<Header, String> {
             Err(_) => {}
         }
     }
-    Err(format!(
-        "the first line that is no comment, \"{}\", does not name the columns that are \
-                 needed: {problem}",
-        shortened(line)
-    ))
+    Err(format!("the first line that is no comment is \"{}\": {problem}", shortened(line)))
 }
 
 /// Returns the layouts of named columns: one, or those of people and of vehicles.
@@ -190,9 +188,9 @@ fn layouts(fields: Fields<'_>, customs: Customs) -> Result<Vec<Layout>, String> 
     Ok(layouts)
 }
 
-/// Returns true if a line names the columns of a table that can be read.
+/// Returns true if a line names the columns of a table that can be read, once its unit is told.
 pub(crate) fn is_header(line: &str) -> bool {
-    header(line, Customs::COMMON).is_ok()
+    header(line, Customs { unit_is_told: true, ..Customs::COMMON }).is_ok()
 }
 
 /// Returns the problem of a line that names some columns but not all that are needed.

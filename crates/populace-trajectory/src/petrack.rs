@@ -4,7 +4,7 @@ use crate::comment;
 use crate::extra::Extra;
 use crate::fields::{Separator, Splitter, number};
 use crate::input::Input;
-use crate::layout::{Angle, Customs, Layout, Role};
+use crate::layout::{Customs, Layout, Role};
 use crate::names::{Meaning, Name};
 use crate::recording::Kind;
 use crate::rows::{Clock, Found, Rows};
@@ -18,8 +18,7 @@ const UNCOMMENTED_FPS: f64 = 16.0;
 /// No body is higher in metres, and none lower in centimetres.
 const BETWEEN_UNITS: f64 = 20.0;
 
-const CUSTOMS: Customs =
-    Customs { z_is_body_height: true, angle: Angle::Untold, has_absent_rows: false };
+const CUSTOMS: Customs = Customs { z_is_body_height: true, ..Customs::COMMON };
 
 /// Facts that the comments say.
 #[derive(Default)]

@@ -10,7 +10,7 @@ pub struct ReadSettings {
     /// The format; `None` recognises it by the content.
     pub format: Option<Format>,
     /// The unit of positions, and of the place in the file; `None` takes that of the file, or the
-    /// format's.
+    /// format's. Positions in columns with pixels in their names need one.
     pub unit: Option<Unit>,
     /// Frames per second by which the file counts; `None` takes that of the file. Without effect
     /// on files that store seconds, with a warning.

@@ -1,6 +1,7 @@
 //! Formats, units, and the origin of each fact about a file.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// A family of trajectory files.
@@ -85,7 +86,7 @@ impl FromStr for Format {
 }
 
 /// A unit of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Unit {
     /// Metres.
     Metres,
@@ -95,6 +96,8 @@ pub enum Unit {
     Millimetres,
     /// International feet, 0.3048 m.
     Feet,
+    /// The metres in one unit, from 0.000001 to 1,000,000: of a pixel that is seen from above.
+    OfMetres(f64),
 }
 
 impl Unit {
@@ -105,15 +108,24 @@ impl Unit {
         (Self::Feet, "ft", 0.3048),
     ];
 
+    /// Sizes of units in metres that files are read in.
+    pub(crate) const SIZES_M: RangeInclusive<f64> = 1e-6..=1e6;
+
     /// Metres in one unit.
     #[must_use]
     pub fn in_metres(self) -> f64 {
+        if let Self::OfMetres(metres) = self {
+            return metres;
+        }
         Self::ALL.iter().find(|(unit, ..)| *unit == self).map_or(1.0, |(.., metres)| *metres)
     }
 }
 
 impl fmt::Display for Unit {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Self::OfMetres(metres) = self {
+            return write!(f, "{metres} m");
+        }
         f.write_str(
             Self::ALL.iter().find(|(unit, ..)| unit == self).map_or("", |(_, name, _)| name),
         )
@@ -124,10 +136,16 @@ impl FromStr for Unit {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let found = Self::ALL.iter().find(|(_, name, _)| *name == text);
-        found
-            .map(|(unit, ..)| *unit)
-            .ok_or_else(|| format!("\"{text}\" is not a unit; the units are m, cm, mm and ft"))
+        if let Some((unit, ..)) = Self::ALL.iter().find(|(_, name, _)| *name == text) {
+            return Ok(*unit);
+        }
+        let metres = text.parse().ok().filter(|metres| Self::SIZES_M.contains(metres));
+        metres.map(Self::OfMetres).ok_or_else(|| {
+            format!(
+                "\"{text}\" is not a unit; write m, cm, mm or ft, or the metres in one unit, from \
+                 0.000001 to 1000000"
+            )
+        })
     }
 }
 

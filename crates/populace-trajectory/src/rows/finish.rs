@@ -37,7 +37,7 @@ impl Rows {
                 Fact::of_file(self.rate(&order))
             }
         };
-        let unit = self.unit(found.unit.unless_set(settings.unit), per_sec, &order);
+        let unit = self.unit(found.unit.unless_set(told_unit(path, settings)?), per_sec, &order);
         let metres = unit.value.in_metres();
         self.warn_if_slow(found.clock, metres, per_sec, &order);
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
@@ -187,7 +187,8 @@ impl Rows {
         }
         if unit == Fact::assumed(Unit::Metres) {
             self.warnings.whole(format!(
-                "in metres people would move at {speed:.0} m/s, so centimetres are assumed"
+                "in metres people would move at {speed:.0} m/s, so centimetres are assumed; --unit \
+                 sets another unit, such as the metres of a pixel by --unit 0.02"
             ));
             return Fact::assumed(Unit::Centimetres);
         }
@@ -293,6 +294,18 @@ fn per_sec(clock: Clock, path: &Path, settings: &ReadSettings) -> Result<f64, Er
     }
     let problem = format!("a frame rate of {per_sec} is not possible; --data-fps N sets it");
     Err(Error::Malformed { path: path.to_owned(), at: None, problem })
+}
+
+/// Returns the unit that overrules that of the file.
+fn told_unit(path: &Path, settings: &ReadSettings) -> Result<Option<Unit>, Error> {
+    let is_possible = |unit: Unit| Unit::SIZES_M.contains(&unit.in_metres());
+    match settings.unit {
+        Some(unit) if !is_possible(unit) => {
+            let problem = format!("a unit of {unit} is not possible; --unit N sets it");
+            Err(Error::Malformed { path: path.to_owned(), at: None, problem })
+        }
+        told => Ok(told),
+    }
 }
 
 /// Returns values in an order, with a value for rows that have none; none at all if no row has one.

@@ -1,7 +1,7 @@
 //! Broken files: an error with its line and a remedy, or a warning and a sensible reading.
 
 use populace_trajectory::{
-    Error, Fact, HeadingSource, Kind, Location, ReadSettings, Recording, parse,
+    Error, Fact, HeadingSource, Kind, Location, ReadSettings, Recording, Unit, parse,
 };
 
 use super::fixtures::{self, CSV, PETRACK, error, menge, read, recording, track};
@@ -212,4 +212,39 @@ fn a_frame_rate_without_effect_is_warned_of() {
         assert!(texts.iter().all(|text| text.contains("--data-fps has no effect")), "{texts:?}");
     }
     assert_eq!(recording(fixtures::VISWALK).warnings, []);
+}
+
+const PIXELS: &str = "id,frame,x_px,y_px\n1,0,100,200\n1,1,101,200\n";
+
+fn in_unit(unit: Unit) -> ReadSettings {
+    ReadSettings { unit: Some(unit), ..ReadSettings::default() }
+}
+
+#[test]
+fn pixels_need_a_unit_which_the_refusal_names() {
+    let refusal = error(PIXELS);
+    assert!(refusal.contains("pixels") && refusal.contains("--unit 0.02"), "{refusal}");
+    assert!(!refusal.contains("not a trajectory file"), "{refusal}");
+    let (recording, warnings) = warnings(PIXELS, &in_unit("0.02".parse().expect("a unit")));
+    assert_eq!(track(&recording, "1").positions, [[2.0, 4.0], [2.02, 4.0]]);
+    assert_eq!((recording.source.unit.value.to_string(), warnings), ("0.02 m".to_owned(), vec![]));
+}
+
+#[test]
+fn pixels_that_are_taken_for_centimetres_are_warned_of_with_a_remedy() {
+    let (_, warnings) =
+        warnings("id,frame,x,y\n1,0,100,200\n1,1,101,200\n", &ReadSettings::default());
+    assert!(warnings[0].contains("centimetres are assumed; --unit"), "{warnings:?}");
+    assert!(warnings[0].contains("pixel"), "{warnings:?}");
+}
+
+#[test]
+fn impossible_units_are_refused() {
+    for text in ["0", "-1", "nan", "inf", "1e7", "px", ""] {
+        assert!(text.parse::<Unit>().is_err(), "{text}");
+    }
+    for metres in [0.0, f64::NAN, f64::INFINITY] {
+        let refusal = parse("file".as_ref(), PIXELS.into(), &in_unit(Unit::OfMetres(metres)));
+        assert!(refusal.expect_err("a refusal").to_string().contains("--unit N"));
+    }
 }
