@@ -64,3 +64,8 @@ pub use error::Error;
 pub use member_ragdoll::JointAngles;
 pub use plan::{Limits, PlannedBody, RagdollPlan};
 pub use ragdolls::{GetUp, Ragdolls, State};
+
+/// The page on ragdolls, its program compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/ragdolls.md")]
+pub struct RagdollsPage;

@@ -111,3 +111,8 @@ pub struct Readme;
 #[cfg(doctest)]
 #[doc = include_str!("../../../docs/animation.md")]
 pub struct AnimationPage;
+
+/// The page on films, its program compiled as a test.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/films.md")]
+pub struct FilmsPage;
