@@ -112,5 +112,39 @@ fn refused(text: &str, error: &toml::de::Error) -> SceneFileError {
         }
         break;
     }
+    if let Some(rule) = of_another_type(&message)
+        && let Some(key) = fault::key_at(text, span.start)
+    {
+        message = format!("`{key}` must be {rule}");
+    }
     SceneFileError { line: line(text, span), message }
+}
+
+/// Returns the rule that a value of another type or length breaks, from a message of the reader,
+/// which has Rust's names of types.
+fn of_another_type(message: &str) -> Option<String> {
+    let kinds = ["invalid type: ", "invalid value: ", "invalid length "];
+    let rest = kinds.iter().find_map(|kind| message.strip_prefix(kind))?;
+    let (seen, expected) = rest.split_once(", expected ")?;
+    let seen = match seen.split_once(' ') {
+        None if seen == "sequence" => "a list".to_owned(),
+        None if seen == "map" => "a table".to_owned(),
+        None => format!("of {seen}"),
+        Some(("string", value)) => format!("the text {value}"),
+        // Numbers stand in quotes: integer `3`, floating point `2.5`.
+        Some((_, value)) => value.trim_start_matches("point ").trim_matches('`').to_owned(),
+    };
+    let expected = match expected {
+        "f32" | "f64" => "a number".to_owned(),
+        "usize" | "u32" | "u64" => "a whole number from 0 on".to_owned(),
+        "a boolean" => "true or false".to_owned(),
+        "a string" => "a text in quotes".to_owned(),
+        "a sequence" => "a list".to_owned(),
+        _ => match expected.strip_prefix("an array of length ") {
+            Some(length) => format!("a list of {length} numbers"),
+            None if expected.starts_with("struct ") => "a table".to_owned(),
+            None => expected.to_owned(),
+        },
+    };
+    Some(format!("{expected}, not {seen}"))
 }

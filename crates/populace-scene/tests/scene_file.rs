@@ -125,3 +125,46 @@ fn layers_move_a_part_of_the_body_that_is_named() {
     );
     refused(&with(", msak = \"left_arm\""), 16, "no key `msak` here; did you mean \"mask\"");
 }
+
+#[test]
+fn values_of_another_type_are_named_with_their_key_and_what_is_expected() {
+    let with = |prop: &str| format!("{GOOD}\n[[prop]]\nkind = \"bench\"\n{prop}\n");
+    refused(&with("at = [0, 0]"), 19, "`at` must be a list of 3 numbers, not of 2");
+    refused(&with("at = 4"), 19, "`at` must be a list of 3 numbers, not 4");
+    refused(&with("at = [0, 0, true]"), 19, "`at` must be a number, not true");
+    refused(
+        &with("at = [0, 0, 0]\nfacing_deg = \"south\""),
+        20,
+        "`facing_deg` must be a number, not the text \"south\"",
+    );
+    refused(
+        &with("at = [0, 0, 0]\nseed = -3"),
+        20,
+        "`seed` must be a whole number from 0 on, not -3",
+    );
+    refused(&GOOD.replace("count = 20", "count = -3"), 14, "`count` must be a whole number");
+    refused(&GOOD.replace("count = 20", "count = 2.5"), 14, "from 0 on, not 2.5");
+    refused(
+        &GOOD.replace("speed = 1.2", "speed = [1]"),
+        15,
+        "`speed` must be a number, not a list",
+    );
+    refused(&GOOD.replace("{ speed = 1.2 }", "7"), 15, "`stroll` must be a table, not 7");
+    refused(&GOOD.replace("[20, 0]", "[20]"), 9, "`points` must be a list of 2 numbers, not of 1");
+    refused(
+        &GOOD.replace("name = \"path\"", "name = 3"),
+        8,
+        "`name` must be a text in quotes, not 3",
+    );
+}
+
+#[test]
+fn names_that_resemble_none_come_with_all_that_there_are() {
+    let sky = format!("{GOOD}\n[light]\nsky = \"night\"\n");
+    refused(&sky, 18, "none is \"night\"; there are day, evening, overcast, studio");
+    let holds = |thing: &str| GOOD.replace("from = [", &format!("holds = [\"{thing}\"]\nfrom = ["));
+    refused(&holds("sword"), 5, "none is \"sword\"; there are box, helmet, phone, shield, spear");
+    refused(&holds("shild"), 5, "did you mean \"shield\"");
+    let file = "\n[[prop]]\nfile = \"sword.glb\"\nat = [0, 0, 0]\n";
+    ScenePlan::parse(&(holds("sword.glb") + file)).unwrap();
+}

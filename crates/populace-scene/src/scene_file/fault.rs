@@ -87,6 +87,25 @@ pub(super) fn first(faults: impl IntoIterator<Item = Option<Fault>>) -> Option<F
     faults.into_iter().flatten().next()
 }
 
+/// Returns the innermost key whose value is written at a place of a file's text.
+pub(super) fn key_at(text: &str, at: usize) -> Option<String> {
+    fn within(value: &DeValue<'_>, at: usize) -> Option<String> {
+        match value {
+            DeValue::Table(table) => of_table(table, at),
+            DeValue::Array(all) => all.iter().find_map(|one| within(one.get_ref(), at)),
+            _ => None,
+        }
+    }
+    // Tables with headers span their headers alone.
+    fn of_table(table: &DeTable<'_>, at: usize) -> Option<String> {
+        table.iter().find_map(|(key, value)| {
+            let own = value.span().contains(&at).then(|| key.get_ref().to_string());
+            within(value.get_ref(), at).or(own)
+        })
+    }
+    of_table(DeTable::parse(text).ok()?.get_ref(), at)
+}
+
 /// Says that a name is not among those that are known.
 pub(super) fn unknown<'a>(
     what: &str,
@@ -97,6 +116,10 @@ pub(super) fn unknown<'a>(
     if known.contains(&name) {
         return None;
     }
-    let nearest = did_you_mean(&nearest_names(name, known));
-    Some(format!("{what}, and none is \"{name}\"{nearest}"))
+    let nearest = nearest_names(name, known.iter().copied());
+    let remedy = match nearest.is_empty() && !known.is_empty() {
+        true => format!("; there are {}", known.join(", ")),
+        false => did_you_mean(&nearest),
+    };
+    Some(format!("{what}, and none is \"{name}\"{remedy}"))
 }

@@ -5,6 +5,7 @@ use super::limits::{
     ADVANCE, COORDINATE, HEADING, MEMBERS, PART, RATE, SPACING, WALKING_SPEED, WAVE_EVERY,
     WAVE_SPEED,
 };
+use crate::THING_KINDS;
 use crate::behaviour::use_keys;
 use crate::plan::{
     BehaviourPlan, CastPlan, CrowdPlan, FightPlan, GazePlan, LayerPlan, ScenePlan, SpectatePlan,
@@ -12,21 +13,27 @@ use crate::plan::{
 };
 
 pub(super) fn check(plan: &ScenePlan) -> Option<Fault> {
-    first_of("cast", &plan.casts, check_cast)
+    first_of("cast", &plan.casts, |cast| check_cast(plan, cast))
         .or_else(|| first_of("crowd", &plan.crowds, |crowd| check_crowd(plan, crowd)))
 }
 
-fn check_cast(cast: &CastPlan) -> Option<Fault> {
+fn check_cast(plan: &ScenePlan, cast: &CastPlan) -> Option<Fault> {
     if cast.from.is_empty() {
         let rule = "a list of files or built-in people, such as [\"@people\"]";
         return Some(Fault::of("from", rule));
     }
     let unknown_use = cast.clips.keys().find_map(|key| {
         let rule = unknown("a use of clips", key, use_keys())?;
-        let known = use_keys().collect::<Vec<_>>().join(", ");
-        Some(Fault::of(key.clone(), format!("{rule}; there are {known}")).within("clips"))
+        Some(Fault::of(key.clone(), rule).within("clips"))
     });
-    unknown_use.or_else(|| PART.check_all("top", cast.top.as_ref()?))
+    // Files of props may be held too.
+    let files = plan.props.iter().filter_map(|prop| prop.file.as_deref());
+    let things: Vec<_> = THING_KINDS.into_iter().chain(files).collect();
+    let unknown_thing = cast.holds.iter().find_map(|thing| {
+        let rule = unknown("things to hold", thing, things.iter().copied())?;
+        Some(Fault::of("holds", rule))
+    });
+    unknown_use.or(unknown_thing).or_else(|| PART.check_all("top", cast.top.as_ref()?))
 }
 
 fn check_crowd(plan: &ScenePlan, crowd: &CrowdPlan) -> Option<Fault> {
