@@ -217,7 +217,8 @@ pub trait PaletteSource {
     ///
     /// # Errors
     ///
-    /// A device failure.
+    /// A device failure. A crowd has [`BackendError::NotEvaluated`] after a frame that failed or
+    /// was undone.
     fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError>;
 
     /// Calls `reader` with a page of palettes, waiting for the frame to finish: three elements for

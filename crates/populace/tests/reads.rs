@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
-use populace::interop::PaletteSource;
+use populace::interop::{PaletteSource, PaletteTarget, TargetMark};
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BackendError, ClipId, ClipPlayback, Crowd, Device, Devices, Error, Gaze, GazeLimits,
@@ -114,6 +114,35 @@ fn assert_not_evaluated(crowd: &mut Crowd, member: MemberId, state: &str) {
 fn assert_height(crowd: &mut Crowd, member: MemberId, wanted: f32, state: &str) {
     assert_eq!(heights(crowd, member), [wanted; 3].map(Ok), "{state}");
     assert_eq!(pages(crowd), [Ok(()), Ok(())], "{state}");
+}
+
+/// Pages in OpenGL's memory are drawn from without a call that reads them.
+#[test]
+fn palettes_of_an_undone_frame_are_not_released() {
+    for (devices, schedule) in everywhere() {
+        let at = |state: &str| format!("{state}, {devices}, {schedule}");
+        let (mut crowd, ..) = crowd_playing_stand(devices.clone(), schedule);
+        crowd.set_target(PaletteTarget::Copied, &TargetMark::default()).unwrap();
+        let is_released =
+            |crowd: &mut Crowd| crowd.release_palettes().map(|released| released.is_some());
+        assert_eq!(is_released(&mut crowd), Ok(true), "{}", at("new"));
+        let new = crowd.snapshot().unwrap();
+        crowd.update(0.1).unwrap();
+        let updated = crowd.snapshot().unwrap();
+        for snapshot in [updated, new] {
+            crowd.update(0.1).unwrap();
+            assert_eq!(is_released(&mut crowd), Ok(true), "{}", at("updated"));
+            crowd.restore(&snapshot).unwrap();
+            assert_eq!(
+                is_released(&mut crowd),
+                Err(BackendError::NotEvaluated),
+                "{}",
+                at("restored")
+            );
+        }
+        crowd.move_to(devices.clone()).unwrap();
+        assert_eq!(is_released(&mut crowd), Ok(false), "{}", at("moved"));
+    }
 }
 
 #[test]

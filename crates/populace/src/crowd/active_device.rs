@@ -20,6 +20,8 @@ pub(super) struct ActiveDevice {
     pub(super) history: Option<DeviceHistory>,
     /// Whether the device holds the results of the last update.
     pub(super) is_readable: bool,
+    /// Whether the device has begun an update, so that its pages may hold results of some frame.
+    has_begun: bool,
 }
 
 impl ActiveDevice {
@@ -29,7 +31,7 @@ impl ActiveDevice {
         fallback: Option<String>,
         gl: Option<Arc<dyn GlContext>>,
     ) -> Self {
-        Self { devices, opened, fallback, gl, history: None, is_readable: false }
+        Self { devices, opened, fallback, gl, history: None, is_readable: false, has_begun: false }
     }
 
     pub(super) fn backend(&self) -> &dyn Backend {
@@ -48,7 +50,7 @@ impl ActiveDevice {
         frame: Frame,
         is_watched: bool,
     ) -> Result<(), Error> {
-        self.is_readable = false;
+        (self.is_readable, self.has_begun) = (false, true);
         if let Some(history) = &mut self.history {
             history.forget_new_watched(tables);
             history.begin_rest(tables);
@@ -74,6 +76,12 @@ impl ActiveDevice {
     /// Refuses to read if the device holds no results of the last update.
     pub(super) fn check_readable(&self) -> Result<(), BackendError> {
         if self.is_readable { Ok(()) } else { Err(BackendError::NotEvaluated) }
+    }
+
+    /// Refuses to hand out palettes of a frame that was undone. A device that has begun no update
+    /// has none, and renderers may connect to it.
+    pub(super) fn check_drawable(&self) -> Result<(), BackendError> {
+        if self.has_begun { self.check_readable() } else { Ok(()) }
     }
 
     /// Reads elements of the history of constraints, from the device or on its way to the next.

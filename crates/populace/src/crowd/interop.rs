@@ -28,6 +28,7 @@ impl PaletteSource for Crowd {
     }
 
     fn release_palettes(&mut self) -> Result<Option<ReleasedPalettes>, BackendError> {
+        self.device.check_drawable()?;
         let released = self.device.backend_mut().release_palettes()?;
         self.update_offsets()?;
         Ok(released)

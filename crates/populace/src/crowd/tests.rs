@@ -283,6 +283,8 @@ fn reads_are_refused_after_a_failed_update() {
             "lost in {operation}"
         );
         assert_eq!(crowd.with_page(0, &mut |_| {}), Err(refused), "lost in {operation}");
+        let released = crowd.release_palettes().map(|_| ());
+        assert_eq!(released, Err(BackendError::NotEvaluated), "lost in {operation}");
         assert_eq!(
             crowd.member_mut(member).and_then(|mut m| m.moved_placement()),
             Ok(Placement::at([0.0; 3]))
