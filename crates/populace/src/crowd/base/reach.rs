@@ -1,5 +1,6 @@
 //! How far a body reaches in the poses that its clips give it.
 
+use populace_clip::Range;
 use populace_model::Skeleton;
 use populace_model::convert::single;
 use populace_retarget::Binding;
@@ -8,6 +9,7 @@ use populace_retarget::Binding;
 const ROW_STEPS: f32 = 65_535.0;
 /// Growth of a sphere, for what foot constraints lower the body by.
 const MARGIN: f32 = 1.1;
+const AXES: [usize; 3] = [0, 1, 2];
 
 /// A sphere around a body in every pose that its clips can give it, in model space.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -20,7 +22,11 @@ pub(in crate::crowd) struct Reach {
 impl Reach {
     /// Returns the reach of a body whose joints only rotate.
     pub(super) fn at_rest(skeleton: &Skeleton) -> Self {
-        Self::of(skeleton, |_| [0.0; 3])
+        let joints: Vec<_> = skeleton.joints().collect();
+        Self::of(skeleton, |joint| {
+            let scales = skeleton.rest(joints[joint]).scale.map(f32::abs);
+            Freedom { shift: 0.0, scales: [scales; 2] }
+        })
     }
 
     /// Returns the reach of a body that plays a clip.
@@ -28,21 +34,31 @@ impl Reach {
         let ranges = binding.ranges();
         let joints: Vec<_> = skeleton.joints().collect();
         Self::of(skeleton, |joint| {
-            let [translation, ..] = ranges[joint];
+            let [translation, _, scale] = ranges[joint];
             let rest = skeleton.rest(joints[joint]).translation;
-            let spread = 0.5 * translation.step * ROW_STEPS;
-            [0, 1, 2].map(|axis: usize| (translation.offset[axis] - rest[axis]).abs() + spread)
+            let spread = |range: Range| 0.5 * range.step * ROW_STEPS;
+            let shift = AXES
+                .map(|axis| (translation.offset[axis] - rest[axis]).abs() + spread(translation));
+            let middle = AXES.map(|axis| scale.offset[axis].abs());
+            let least = middle.map(|middle| (middle - spread(scale)).max(0.0));
+            let greatest = middle.map(|middle| middle + spread(scale));
+            Freedom { shift: length(shift), scales: [least, greatest] }
         })
     }
 
-    /// `shift` returns the most by which a joint leaves its rest translation along each axis.
-    fn of(skeleton: &Skeleton, shift: impl Fn(usize) -> [f32; 3]) -> Self {
+    fn of(skeleton: &Skeleton, freedom: impl Fn(usize) -> Freedom) -> Self {
         let joints: Vec<_> = skeleton.joints().collect();
         let parents: Vec<Option<usize>> = joints
             .iter()
             .map(|joint| skeleton.parent(*joint).map(|parent| parent.index()))
             .collect();
-        let shifted = |joint: usize| length(shift(joint));
+        let free: Vec<_> = (0..joints.len()).map(freedom).collect();
+        let mut stretches: Vec<Stretch> = Vec::with_capacity(joints.len());
+        for (joint, parent) in parents.iter().enumerate() {
+            let above = parent.map_or(Stretch::NONE, |parent| stretches[parent]);
+            let rest = skeleton.rest(joints[joint]).scale;
+            stretches.push(above.with_joint(rest, free[joint].scales));
+        }
         // The joint where the body branches: all else hangs from it.
         let children = |joint: usize| parents.iter().filter(|p| **p == Some(joint)).count();
         let center = (0..joints.len()).find(|joint| children(*joint) != 1).unwrap_or_default();
@@ -50,12 +66,16 @@ impl Reach {
         let at = |joint: usize| {
             models.get(joint).map_or([0.0; 3], |m| m.translation.to_array().map(single))
         };
-        let [x, y, z] = at(center);
-        let mut above = shifted(center);
-        let mut next = parents.get(center).copied().flatten();
+        let between = |a: usize, b: usize| length(AXES.map(|axis| at(a)[axis] - at(b)[axis]));
+        // The most by which the centre leaves its place at rest.
+        let mut away = 0.0;
+        let mut next = Some(center);
         while let Some(joint) = next {
-            above += shifted(joint);
             next = parents[joint];
+            away += match next {
+                Some(parent) => stretches[parent].change(between(joint, parent), &free[joint]),
+                None => free[joint].shift,
+            };
         }
         // Length of the chain from the centre to each joint, at most.
         let mut chains = vec![0.0_f32; joints.len()];
@@ -64,19 +84,17 @@ impl Reach {
             chains[joint] = match parents[joint] {
                 _ if joint == center => 0.0,
                 Some(parent) => {
-                    let bone = [0, 1, 2].map(|i: usize| at(joint)[i] - at(parent)[i]);
-                    chains[parent] + length(bone) + shifted(joint)
+                    let bone = between(joint, parent);
+                    chains[parent] + stretches[parent].bone(bone, &free[joint])
                 }
                 // Another root: it is as far from the centre as at rest.
-                None => {
-                    let away = [0, 1, 2].map(|i: usize| at(joint)[i] - at(center)[i]);
-                    length(away) + shifted(joint)
-                }
+                None => between(joint, center) + free[joint].shift,
             };
-            most = most.max(chains[joint] + skeleton.reach_m()[joint]);
+            most = most.max(chains[joint] + stretches[joint].own[1] * skeleton.reach_m()[joint]);
         }
+        let [x, y, z] = at(center);
         let aside = length([x, 0.0, z]);
-        Self { height_m: y, radius_m: MARGIN * (above + most + aside) }
+        Self { height_m: y, radius_m: MARGIN * (away + most + aside) }
     }
 
     /// Returns a reach around both.
@@ -84,6 +102,64 @@ impl Reach {
         let apart = (self.height_m - other.height_m).abs();
         Self { radius_m: self.radius_m.max(other.radius_m + apart), ..self }
     }
+}
+
+/// How far a joint may leave its rest.
+struct Freedom {
+    /// The most by which it leaves its rest translation, in the space of its parent.
+    shift: f32,
+    /// The least and the greatest scale along each axis, without signs.
+    scales: [[f32; 3]; 2],
+}
+
+/// How the scales of a joint and of all above it change lengths.
+#[derive(Clone, Copy)]
+struct Stretch {
+    /// The greatest length in model space of what is 1 long in the joint's space.
+    scale: f32,
+    /// The least and the greatest length of what moves with the joint, for each metre at rest.
+    own: [f32; 2],
+    /// The same below the joint. What lies along one axis of the joint at rest may turn to another.
+    below: [f32; 2],
+}
+
+impl Stretch {
+    const NONE: Self = Self { scale: 1.0, own: [1.0; 2], below: [1.0; 2] };
+
+    /// Adds a joint below, of which the scales are given at rest and at their least and greatest.
+    fn with_joint(self, rest: [f32; 3], [least, greatest]: [[f32; 3]; 2]) -> Self {
+        // What is flat at rest tells nothing of its length.
+        let rest = rest.map(|scale| if scale == 0.0 { 1.0 } else { scale.abs() });
+        let by_rest = |scales: [f32; 3]| AXES.map(|axis| scales[axis] / rest[axis]);
+        let [low, high] = self.below;
+        Self {
+            scale: self.scale * most_of(greatest),
+            own: [low * least_of(by_rest(least)), high * most_of(by_rest(greatest))],
+            below: [
+                low * least_of(least) / most_of(rest),
+                high * most_of(greatest) / least_of(rest),
+            ],
+        }
+    }
+
+    /// The greatest distance from the joint to a child, which is `bone` metres away at rest.
+    fn bone(&self, bone: f32, child: &Freedom) -> f32 {
+        self.own[1] * bone + self.scale * child.shift
+    }
+
+    /// The most by which that distance changes.
+    fn change(&self, bone: f32, child: &Freedom) -> f32 {
+        let [low, high] = self.own;
+        (high - 1.0).max(1.0 - low) * bone + self.scale * child.shift
+    }
+}
+
+fn least_of([x, y, z]: [f32; 3]) -> f32 {
+    x.min(y).min(z)
+}
+
+fn most_of([x, y, z]: [f32; 3]) -> f32 {
+    x.max(y).max(z)
 }
 
 fn length(v: [f32; 3]) -> f32 {
