@@ -84,9 +84,13 @@ pub enum BackendError {
         /// The compiler's messages.
         log: String,
     },
-    /// A read before any frame was evaluated: before the first update, after a move to another
-    /// device, after a failed update, or of a member spawned since.
-    #[error("nothing has been evaluated yet that could be read; update the crowd first")]
+    /// A read of what the last update has not evaluated: before the first update, after a move to
+    /// another device, a failed update or a return to a snapshot, or of a member that was spawned
+    /// since or is hidden.
+    #[error(
+        "the last update has not evaluated what is to be read; update the crowd first, and watch a \
+         joint of a member that its view hides"
+    )]
     NotEvaluated,
     /// A call that failed on the device or in its driver.
     #[error("{device} failed to {operation}: {cause}")]

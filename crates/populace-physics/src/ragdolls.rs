@@ -4,7 +4,7 @@ mod get_up;
 
 use std::sync::Arc;
 
-use populace::{Crowd, JointIndex, MemberId};
+use populace::{Crowd, JointIndex, MemberId, Watch};
 
 use crate::error::finite;
 use crate::math::Vector;
@@ -56,7 +56,18 @@ struct PendingRagdoll {
     limp: Vec<bool>,
     /// The first snapshot, and the time to the next one in seconds.
     before: Option<(Snapshot, f32)>,
+    /// Makes updates evaluate the member, which its view hides.
+    watch: Option<Watch>,
     pushes: Vec<Push>,
+}
+
+impl PendingRagdoll {
+    fn unwatch(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+        if let Some(watch) = self.watch.take() {
+            crowd.member_mut(self.member)?.unwatch_joint(watch);
+        }
+        Ok(())
+    }
 }
 
 /// The ragdolls of a crowd, simulated in one world with a floor and boxes.
@@ -127,8 +138,8 @@ impl Ragdolls {
 
     /// Makes a whole member go limp with its current pose and velocity. The velocity is measured
     /// from this frame to the next, so the second [`step`](Self::step) from now is the first to
-    /// move the member. Has no effect on a member that is already limp as a whole. A member that is
-    /// getting up falls again.
+    /// move the member; a member that the crowd's view hides takes one step more. Has no effect on
+    /// a member that is already limp as a whole. A member that is getting up falls again.
     ///
     /// # Errors
     ///
@@ -188,14 +199,10 @@ impl Ragdolls {
             pending.limp.iter_mut().zip(&limp).for_each(|(old, new)| *old |= new);
             return Ok(());
         }
-        self.pending.retain(|w| w.member != member);
-        self.pending.push(PendingRagdoll {
-            member,
-            plan: Arc::clone(plan),
-            limp,
-            before: None,
-            pushes: Vec::new(),
-        });
+        let replaced = self.pending.iter().position(|w| w.member == member);
+        let watch = replaced.and_then(|at| self.pending.remove(at).watch);
+        let (plan, before, pushes) = (Arc::clone(plan), None, Vec::new());
+        self.pending.push(PendingRagdoll { member, plan, limp, before, watch, pushes });
         Ok(())
     }
 
@@ -285,12 +292,17 @@ impl Ragdolls {
     }
 
     /// Takes a snapshot of each pending member, and builds the ragdolls of those that have two.
-    /// Members that no update has evaluated yet stay pending.
+    /// Members that the last update has not evaluated stay pending, and are watched, so that the
+    /// next one does.
     fn start_pending(&mut self, crowd: &mut Crowd, dt_secs: f32) -> Result<(), Error> {
         let snapshots = self.pending.iter().map(|pending| Snapshot::of(crowd, pending.member));
         let snapshots: Vec<_> = snapshots.collect::<Result<_, _>>()?;
         for (mut pending, now) in std::mem::take(&mut self.pending).into_iter().zip(snapshots) {
             let Some(now) = now else {
+                if pending.watch.is_none() {
+                    let mut member = crowd.member_mut(pending.member)?;
+                    pending.watch = Some(member.watch_joint(JointIndex(0))?);
+                }
                 self.pending.push(pending);
                 continue;
             };
@@ -299,6 +311,7 @@ impl Ragdolls {
                 self.pending.push(pending);
                 continue;
             };
+            pending.unwatch(crowd)?;
             let before = before.without_jump(&now, between_secs);
             if let Some(old) = self.active.iter().position(|d| d.member == pending.member) {
                 let old = self.active.remove(old);

@@ -9,7 +9,8 @@
 mod common;
 
 use common::{DT, GRAVITY, Scene, beyond_limits, chain, length, minus};
-use populace::{Feet, Foot, Placement};
+use populace::interop::View;
+use populace::{BackendError, Crowd, Device, Feet, Foot, Placement, Schedule};
 use populace_physics::{Ragdolls, State};
 
 /// Speed of the built-in man's placement in m/s.
@@ -283,4 +284,41 @@ fn member_without_gravity_does_not_fall() {
     scene.frames(30);
     let height = |s: &mut Scene| s.positions()[0][1];
     assert!(height(&mut scene) > 0.8, "{GRAVITY:?} must not apply");
+}
+
+/// A view from a height of 1000 m that shows nobody who stands on the ground.
+const SKY: View = View {
+    eye: [0.0, 1000.0, 0.0],
+    planes: [[0.0, 1.0, 0.0, -1000.0]; 5],
+    pixels_per_metre: 100.0,
+    to_sun: None,
+    error_px: 1.0,
+};
+
+#[test]
+fn hidden_members_go_limp_as_they_are_and_not_as_they_were_seen() {
+    for (device, schedule) in [
+        (Device::native(), Schedule::Staged),
+        (Device::native(), Schedule::Fused),
+        (Device::opencl(0), Schedule::Staged),
+        (Device::opencl(0), Schedule::FusedWide),
+    ] {
+        let on = || Crowd::builder().device(device).schedule(schedule);
+        let mut walking = Scene::walking_man_on(on());
+        walking.frames(33);
+        let mut falling = Scene::walking_man_on(on());
+        falling.crowd.set_view(Some(SKY)).unwrap();
+        falling.frames(30);
+        assert_eq!(falling.crowd.view_statistics().hidden, 1);
+        falling.go_limp();
+        falling.frames(3);
+        assert_eq!(falling.ragdolls.state(falling.member), State::Limp { asleep: false });
+        let pairs = walking.positions().into_iter().zip(falling.positions());
+        let apart_m = pairs.map(|(a, b)| length(minus(a, b))).fold(0.0, f32::max);
+        assert!(apart_m < 0.03, "{schedule}: {apart_m} m");
+        falling.ragdolls.get_up(&mut falling.crowd, falling.member, 0.0).unwrap();
+        falling.frames(2);
+        let hidden = falling.crowd.member_mut(falling.member).unwrap().palette();
+        assert_eq!(hidden, Err(BackendError::NotEvaluated.into()), "nothing watches it any more");
+    }
 }

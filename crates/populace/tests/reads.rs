@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
-use populace::interop::{PaletteSource, PaletteTarget, TargetMark};
+use populace::interop::{PaletteSource, PaletteTarget, TargetMark, View};
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BackendError, ClipId, ClipPlayback, Crowd, Device, Devices, Error, Gaze, GazeLimits,
@@ -114,6 +114,62 @@ fn assert_not_evaluated(crowd: &mut Crowd, member: MemberId, state: &str) {
 fn assert_height(crowd: &mut Crowd, member: MemberId, wanted: f32, state: &str) {
     assert_eq!(heights(crowd, member), [wanted; 3].map(Ok), "{state}");
     assert_eq!(pages(crowd), [Ok(()), Ok(())], "{state}");
+}
+
+/// A view that shows what is nearer to `x` than 1 m along the x-axis.
+fn view_at(x: f32) -> View {
+    View {
+        eye: [x, 0.0, 1.0],
+        planes: [
+            [1.0, 0.0, 0.0, 1.0 - x],
+            [-1.0, 0.0, 0.0, 1.0 + x],
+            [0.0, 1.0, 0.0, 10.0],
+            [0.0, -1.0, 0.0, 10.0],
+            [0.0, 0.0, 1.0, 10.0],
+        ],
+        pixels_per_metre: 100.0,
+        to_sun: None,
+        error_px: 1.0,
+    }
+}
+
+/// Memory that grows and members that change devices lose what no frame writes again.
+#[test]
+fn hidden_members_have_no_results() {
+    for (devices, schedule) in everywhere() {
+        let at = |state: &str| format!("{state}, {devices}, {schedule}");
+        let (mut crowd, member, rise) = crowd_playing_stand(devices.clone(), schedule);
+        let show = |crowd: &mut Crowd, is_shown: bool, state: &str| {
+            crowd.set_view(Some(view_at(if is_shown { 0.0 } else { 100.0 }))).unwrap();
+            crowd.update(0.1).unwrap();
+            let mut listed = 0;
+            crowd.palettes(&mut |_, _| listed += 1).unwrap();
+            assert_eq!(listed, usize::from(is_shown), "{}", at(state));
+        };
+        show(&mut crowd, false, "hidden from the beginning");
+        assert_not_evaluated(&mut crowd, member, &at("hidden from the beginning"));
+        show(&mut crowd, true, "shown");
+        assert_height(&mut crowd, member, 0.0, &at("shown"));
+        show(&mut crowd, false, "hidden");
+        assert_not_evaluated(&mut crowd, member, &at("hidden"));
+        let joint = [(member, JointIndex(0))];
+        assert_eq!(
+            crowd.read_joints(&joint, &mut [Affine::IDENTITY]),
+            Err(Error::Backend(BackendError::NotEvaluated)),
+            "{}",
+            at("hidden")
+        );
+        let hidden = crowd.snapshot().unwrap();
+        crowd.member_mut(member).unwrap().play(rise, ClipPlayback::looping()).unwrap();
+        show(&mut crowd, true, "shown again");
+        assert_height(&mut crowd, member, 1.0, &at("shown again"));
+        crowd.restore(&hidden).unwrap();
+        show(&mut crowd, false, "restored");
+        assert_not_evaluated(&mut crowd, member, &at("restored"));
+        crowd.move_to(devices.clone()).unwrap();
+        show(&mut crowd, false, "moved");
+        assert_not_evaluated(&mut crowd, member, &at("moved"));
+    }
 }
 
 /// Pages in OpenGL's memory are drawn from without a call that reads them.

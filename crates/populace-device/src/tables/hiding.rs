@@ -59,8 +59,8 @@ impl Tables {
             && steps.iter().all(|step| allowed(step.kind))
     }
 
-    /// Hides a member, so that frames do not evaluate it and its palette stays as it is, or shows
-    /// it again. Both make its states of earlier frames void.
+    /// Hides a member, so that frames do not evaluate it, or shows it again. Both make its states
+    /// of earlier frames void.
     ///
     /// # Panics
     ///

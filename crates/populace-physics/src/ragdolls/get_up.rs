@@ -146,15 +146,14 @@ impl Ragdolls {
     ) -> Result<(), Error> {
         seconds("the time to get up", over_secs)?;
         let Some(ragdoll) = self.limp(crowd, member)? else {
-            self.withdraw(member);
-            return Ok(());
+            return self.withdraw(crowd, member);
         };
         if self.active[ragdoll].is_fully_limp() {
             let placement = crowd.member(member)?.placement();
             let placement = self.active[ragdoll].placement_to_get_up(placement, &self.world);
             crowd.member_mut(member)?.set_placement(placement)?;
         }
-        self.withdraw(member);
+        self.withdraw(crowd, member)?;
         self.active[ragdoll].fade = Some(Fade { elapsed_secs: 0.0, over_secs });
         self.active[ragdoll].write(crowd, &self.world)
     }
@@ -182,8 +181,7 @@ impl Ragdolls {
     ) -> Result<(), Error> {
         get_up.check()?;
         let Some(ragdoll) = self.limp(crowd, member)? else {
-            self.withdraw(member);
-            return Ok(());
+            return self.withdraw(crowd, member);
         };
         let posture = self.active[ragdoll].posture(crowd, &self.world)?;
         let motion = get_up.motion(posture.front.y, posture.left.y);
@@ -198,7 +196,7 @@ impl Ragdolls {
             crowd.member_mut(member)?.set_placement(before)?;
             return Err(error);
         }
-        self.withdraw(member);
+        self.withdraw(crowd, member)?;
         let ragdoll = self.active.remove(ragdoll);
         let ease = ragdoll.ease(crowd, &self.world, &placement, get_up.ease_secs);
         ease.start(crowd)?;
@@ -227,8 +225,11 @@ impl Ragdolls {
     }
 
     /// Drops the request that a member goes limp.
-    fn withdraw(&mut self, member: MemberId) {
-        self.pending.retain(|w| w.member != member);
+    fn withdraw(&mut self, crowd: &mut Crowd, member: MemberId) -> Result<(), Error> {
+        match self.pending.iter().position(|w| w.member == member) {
+            Some(at) => self.pending.remove(at).unwatch(crowd),
+            None => Ok(()),
+        }
     }
 
     /// Returns the placement at which a motion starts where a ragdoll lies.

@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::model::{Affine, JointSource, Skeleton, Trs};
-use populace::{CharacterId, ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement};
+use populace::{
+    CharacterId, ClipPlayback, Crowd, CrowdBuilder, Device, JointIndex, MemberId, Placement,
+};
 use populace_physics::{JointAngles, Limits, RagdollPlan, Ragdolls};
 
 pub(crate) const DT: f32 = 1.0 / 60.0;
@@ -23,7 +25,17 @@ pub(crate) struct Scene {
 impl Scene {
     /// Spawns one member that plays `clip` from phase 0.2, and updates once.
     pub(crate) fn new(character: Character, clip: Option<&str>, placement: Placement) -> Self {
-        let mut crowd = Crowd::builder().device(Device::native()).capacity(8).build().unwrap();
+        let builder = Crowd::builder().device(Device::native());
+        Self::built(builder, character, clip, placement)
+    }
+
+    fn built(
+        builder: CrowdBuilder,
+        character: Character,
+        clip: Option<&str>,
+        placement: Placement,
+    ) -> Self {
+        let mut crowd = builder.capacity(8).build().unwrap();
         let character = crowd.add_character(character).unwrap();
         let member = crowd.spawn(character, placement).unwrap();
         if let Some(clip) = clip {
@@ -45,8 +57,12 @@ impl Scene {
 
     /// Spawns the built-in man with his full rig, walking.
     pub(crate) fn walking_man() -> Self {
+        Self::walking_man_on(Crowd::builder().device(Device::native()))
+    }
+
+    pub(crate) fn walking_man_on(builder: CrowdBuilder) -> Self {
         let man = populace_cast::person(&populace_cast::Look::man()).unwrap();
-        Self::new(man, Some("Walk"), Placement::at([2.0, 0.0, -1.0]).facing(0.7))
+        Self::built(builder, man, Some("Walk"), Placement::at([2.0, 0.0, -1.0]).facing(0.7))
     }
 
     pub(crate) fn frame(&mut self) {

@@ -111,8 +111,6 @@ pub(super) struct Members {
     pub(super) all: Vec<MemberState>,
     pub(super) count: usize,
     pub(super) capacity: usize,
-    /// Indices of members that no update has evaluated on the present device.
-    pub(super) unseen: Vec<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -123,8 +121,7 @@ pub(super) struct MemberState {
     pub(super) placement: Placement,
     pub(super) user_data: u64,
     pub(super) look: MemberLook,
-    /// The number of updates when the member was spawned, or the present one for a member that has
-    /// been hidden since.
+    /// The number of updates when the member was spawned.
     pub(super) since: u64,
     /// Whether root motion moves it.
     pub(super) moves: bool,
@@ -161,7 +158,7 @@ impl Base {
             tables: Tables::with_capacity(slots_per_member, capacity),
             clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0, recent: [(0, 0); RECENT] },
             assets: Assets::default(),
-            members: Members { all: Vec::new(), count: 0, capacity, unseen: Vec::new() },
+            members: Members { all: Vec::new(), count: 0, capacity },
             view: None,
             is_viewed: false,
         }

@@ -120,8 +120,9 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// A stale member, a joint that does not exist, a slice of another length than `joints`, a
-    /// member that was not present at the last update, or a failing device.
+    /// A stale member, a joint that does not exist, a slice of another length than `joints`,
+    /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) for a member that the last
+    /// update did not evaluate, or a failing device.
     pub fn read_joints(
         &mut self,
         joints: &[(MemberId, JointIndex)],
@@ -204,8 +205,8 @@ const ROWS: [StageBuffer; 3] =
     [StageBuffer::ModelRow0, StageBuffer::ModelRow1, StageBuffer::ModelRow2];
 
 impl Crowd {
-    /// Calls `reader` with the palette of each member that was present at the last update, in order
-    /// of their places in memory: one matrix from bind pose to model space for each palette entry
+    /// Calls `reader` with the palette of each member that the last update evaluated, in order of
+    /// their places in memory: one matrix from bind pose to model space for each palette entry
     /// of the character. Waits for the last update, once. Nothing is copied if the device shares
     /// memory with the host.
     ///
@@ -214,15 +215,16 @@ impl Crowd {
     /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) if no update has evaluated
     /// the crowd on this device, or a failing device.
     pub fn palettes(&mut self, reader: &mut dyn FnMut(MemberId, &[Affine])) -> Result<(), Error> {
-        let Base { tables, members, clock, .. } = &self.state.base;
-        let present = (0u32..)
+        let base = &self.state.base;
+        let Base { tables, members, .. } = base;
+        let evaluated = (0u32..)
             .zip(&members.all)
-            .filter(|(_, state)| state.character.is_some() && state.since < clock.frame);
-        let mut places: Vec<_> = present
+            .filter(|(index, state)| state.character.is_some() && base.is_evaluated(*index));
+        let mut places: Vec<_> = evaluated
             .map(|(index, _)| {
                 let row = &tables.members().as_slice()[index as usize];
                 let entries = tables.bodies().as_slice()[row.body as usize].entry_count as usize;
-                (row.palette_first as usize, entries, self.state.base.member_id(index))
+                (row.palette_first as usize, entries, base.member_id(index))
             })
             .filter(|(_, entries, _)| *entries > 0)
             .collect();

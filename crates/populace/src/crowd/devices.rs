@@ -48,7 +48,6 @@ impl Crowd {
         self.device = ActiveDevice::new(devices, opened, None, gl);
         self.device.history = Some(history);
         self.state.base.tables.mark_dirty();
-        self.state.base.forget_hidden();
         Ok(())
     }
 }

@@ -27,7 +27,6 @@ impl Base {
         let character = Some(character);
         *state = MemberState { generation, character, since: self.clock.frame, ..free };
         self.members.count += 1;
-        self.members.unseen.push(index);
         Ok(MemberId::from_parts(Key { crowd: self.number, index, generation }))
     }
 
@@ -37,33 +36,12 @@ impl Base {
         if count <= capacity - present { Ok(()) } else { Err(Error::Full { capacity }) }
     }
 
-    /// Notes after an update which members it has evaluated. Those that have been hidden from the
-    /// beginning have no results yet.
-    pub(super) fn note_seen(&mut self) {
-        let (rows, frame) = (self.tables.members().as_slice(), self.clock.frame);
-        let Members { all, unseen, .. } = &mut self.members;
-        unseen.retain(|index| {
-            let state = &mut all[*index as usize];
-            let is_hidden = state.character.is_some() && rows[*index as usize].is_hidden();
-            if is_hidden {
-                state.since = frame;
-            }
-            is_hidden
-        });
-    }
-
-    /// Notes that another device has no results of hidden members.
-    pub(super) fn forget_hidden(&mut self) {
-        let (rows, frame) = (self.tables.members().as_slice(), self.clock.frame);
-        let Members { all, unseen, .. } = &mut self.members;
-        unseen.clear();
-        for (index, state) in (0..).zip(all.iter_mut()) {
-            let is_hidden = state.character.is_some() && rows[index as usize].is_hidden();
-            if is_hidden || state.since == frame {
-                state.since = frame;
-                unseen.push(index);
-            }
-        }
+    /// Returns whether the last update evaluated the member at an index. It left out those that it
+    /// hid and those that were spawned since.
+    pub(super) fn is_evaluated(&self, member_index: u32) -> bool {
+        let index = member_index as usize;
+        let is_hidden = self.tables.members().as_slice()[index].is_hidden();
+        self.members.all[index].since < self.clock.frame && !is_hidden
     }
 
     pub(super) fn remove_member(&mut self, member: MemberId) {

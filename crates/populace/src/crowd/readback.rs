@@ -14,7 +14,8 @@ use crate::{Error, IdKind, Placement};
 
 impl Crowd {
     /// Calls `reader` with a page of palettes, three elements for each palette entry. Waits for the
-    /// last update. Nothing is copied if the device shares memory with the host.
+    /// last update. Nothing is copied if the device shares memory with the host. Entries of members
+    /// that the last update hid hold anything.
     ///
     /// # Errors
     ///
@@ -140,18 +141,18 @@ impl Crowd {
         Ok(arrays)
     }
 
-    /// Returns the device rows of a member, if it was present at the last update.
+    /// Returns the device rows of a member, if the last update evaluated it.
     pub(super) fn device_member(
         &self,
         member: MemberId,
     ) -> Result<(populace_device::layout::Member, Body), Error> {
         self.state.base.check(member)?;
         self.device.check_readable()?;
-        let Base { tables, members, clock, .. } = &self.state.base;
-        if members.all[member.number() as usize].since == clock.frame {
+        if !self.state.base.is_evaluated(member.number()) {
             return Err(BackendError::NotEvaluated.into());
         }
         // A constraint set since then may need more joints than were evaluated.
+        let tables = &self.state.base.tables;
         let row = tables.member_taken_over(member.number());
         Ok((row, tables.bodies().as_slice()[row.posed as usize]))
     }

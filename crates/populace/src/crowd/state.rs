@@ -67,7 +67,6 @@ impl State {
         // After a jump back, no time has passed in which anything could happen.
         events.find(base, player.take_left(), (base.clock.tick.min(tick), tick));
         base.clock.end_frame(tick, left_over);
-        base.note_seen();
     }
 
     pub(super) fn despawn(&mut self, member: MemberId) -> Result<(), Error> {

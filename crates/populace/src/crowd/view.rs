@@ -27,9 +27,9 @@ impl Crowd {
     /// Each member gets the coarsest level of its character's [`levels`] of which the error is less
     /// than [`View::error_px`], and is [hidden](Visibility::Hidden) if it cannot be seen. Hidden
     /// members keep their time, their placement, their level and what they play, but are not posed:
-    /// their palettes stay as they were. Members with root motion, and those that are watched or
-    /// carry others, are posed and change their level all the same. Members with overrides,
-    /// proportions, user stages or live clips, and attached ones, are never hidden.
+    /// their palettes and joints cannot be read. Members with root motion, and those that are
+    /// watched or carry others, are posed and change their level all the same. Members with
+    /// overrides, proportions, user stages or live clips, and attached ones, are never hidden.
     ///
     /// Levels depend on those of the update before: a level changes to a coarser one a little later
     /// than to a finer one. They are part of a [snapshot](Self::snapshot).

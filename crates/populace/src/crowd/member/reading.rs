@@ -12,8 +12,9 @@ impl MemberMut<'_> {
     ///
     /// # Errors
     ///
-    /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) if no update has evaluated
-    /// the member on this device, or a failing device.
+    /// [`BackendError::NotEvaluated`](crate::BackendError::NotEvaluated) if the last update has not
+    /// evaluated the member on this device, as where it [hid](crate::Crowd::set_view) the member,
+    /// or a failing device.
     pub fn palette(&mut self) -> Result<Vec<Affine>, Error> {
         self.crowd.palette(self.id)
     }
