@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
 use populace::clip::Clip;
-use populace::interop::{PaletteSource, PaletteTarget, TargetMark, View};
+use populace::interop::{PaletteSource, PaletteTarget, TargetMark, View, Visibility};
 use populace::model::{ClipSource, Interpolation, JointSource, Property, Skeleton, Track};
 use populace::{
     Affine, BackendError, ClipId, ClipPlayback, Crowd, Device, Devices, Error, Gaze, GazeLimits,
@@ -169,6 +169,34 @@ fn hidden_members_have_no_results() {
         crowd.move_to(devices.clone()).unwrap();
         show(&mut crowd, false, "moved");
         assert_not_evaluated(&mut crowd, member, &at("moved"));
+    }
+}
+
+/// A member takes the palette of one that is gone, or one past the end of the page.
+#[test]
+fn members_are_drawn_from_their_first_update_on() {
+    for (devices, schedule) in everywhere() {
+        let at = |state: &str| format!("{state}, {devices}, {schedule}");
+        let (mut crowd, first, _) = crowd_playing_stand(devices.clone(), schedule);
+        let post = crowd.member(first).unwrap().character();
+        let drawn = |crowd: &Crowd| {
+            let mut list = Vec::new();
+            crowd.visible_members(&mut list);
+            let instances =
+                crowd.members().filter(|member| member.instance().visibility != Visibility::Hidden);
+            assert!(instances.map(|m| m.id()).eq(list.iter().map(|visible| visible.member)));
+            list.into_iter().map(|visible| visible.member).collect::<Vec<_>>()
+        };
+        crowd.update(0.1).unwrap();
+        let second = crowd.spawn(post, Placement::at([1.0; 3])).unwrap();
+        assert_eq!(drawn(&crowd), [first], "{}", at("spawned"));
+        crowd.update(0.1).unwrap();
+        assert_eq!(drawn(&crowd), [first, second], "{}", at("updated"));
+        crowd.despawn(first).unwrap();
+        let third = crowd.spawn(post, Placement::at([1.0; 3])).unwrap();
+        assert_eq!(drawn(&crowd), [second], "{}", at("spawned in its place"));
+        crowd.update(0.1).unwrap();
+        assert_eq!(drawn(&crowd), [third, second], "{}", at("updated again"));
     }
 }
 

@@ -7,7 +7,7 @@ mod reading;
 
 use std::borrow::Borrow;
 
-use populace_device::{Instance, MemberLook};
+use populace_device::{Instance, MemberLook, Visibility};
 use populace_model::convert::u32_from;
 use populace_model::{JointIndex, Role};
 use populace_settings::parts::Parts;
@@ -90,12 +90,13 @@ impl Borrow<State> for &mut Crowd {
 
 impl<'a> MemberRef<'a> {
     /// Returns what a renderer needs to draw the member. The root-motion offset is the one that was
-    /// known when palettes were last acquired.
+    /// known when palettes were last acquired. A member that was spawned since the last update is
+    /// [hidden](Visibility::Hidden): it has no palette yet.
     #[must_use]
     pub fn instance(&self) -> Instance<'a> {
         let State { base, .. } = self.crowd;
         let index = self.id.number();
-        let seen = self.member().seen;
+        let (seen, is_new) = (self.member().seen, base.is_new(index));
         Instance {
             character: &base.assets.characters[self.character.parts().index].character,
             world_from_model: self.placement().world_from_model(),
@@ -103,7 +104,7 @@ impl<'a> MemberRef<'a> {
             palette_first: base.tables.members().as_slice()[index as usize].palette_first,
             look: self.member().look,
             level: seen.level,
-            visibility: seen.visibility,
+            visibility: if is_new { Visibility::Hidden } else { seen.visibility },
         }
     }
 }

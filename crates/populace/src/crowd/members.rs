@@ -36,6 +36,13 @@ impl Base {
         if count <= capacity - present { Ok(()) } else { Err(Error::Full { capacity }) }
     }
 
+    /// Returns whether the member at an index was spawned since the last update. Before the first
+    /// update none was: renderers refuse such a crowd, instead of drawing nobody.
+    pub(super) fn is_new(&self, member_index: u32) -> bool {
+        let frame = self.clock.frame;
+        frame > 0 && self.members.all[member_index as usize].since == frame
+    }
+
     /// Returns whether the last update evaluated the member at an index. It left out those that it
     /// hid and those that were spawned since.
     pub(super) fn is_evaluated(&self, member_index: u32) -> bool {
