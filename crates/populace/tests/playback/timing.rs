@@ -169,6 +169,22 @@ fn delayed_start_begins_on_its_tick_and_can_be_cancelled(builder: &CrowdBuilder)
     );
 }
 
+fn playback_that_has_ended_stays_ended(builder: &CrowdBuilder) {
+    let (mut crowd, clips, member) = one_member(builder, &motions());
+    let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::looping()).unwrap();
+    crowd.update(0.1).unwrap();
+    let next = ClipPlayback::looping().fade_in_secs(0.2);
+    crowd.member_mut(member).unwrap().play(clips[1], next).unwrap();
+    crowd.update(0.1).unwrap();
+    crowd.member_mut(member).unwrap().set_speed(wave, 0.5).unwrap();
+    crowd.update(0.2).unwrap();
+    let mut edit = crowd.member_mut(member).unwrap();
+    assert_eq!(edit.set_weight(wave, 1.0, 0.0), Err(Error::StalePlayback));
+    assert_eq!(edit.set_speed(wave, 1.0), Err(Error::StalePlayback));
+    crowd.update(0.1).unwrap();
+    assert_eq!(crowd.member(member).unwrap().active_clips().len(), 1);
+}
+
 fn speed_changes_do_not_jump_and_move_the_queue(builder: &CrowdBuilder) {
     let (mut crowd, clips, member) = one_member(builder, &motions());
     let wave = crowd.member_mut(member).unwrap().play(clips[0], ClipPlayback::once()).unwrap();
@@ -278,6 +294,7 @@ on_every_device!(
     queued_clip_follows_a_loop_at_the_end_of_its_cycle,
     delayed_start_begins_on_its_tick_and_can_be_cancelled,
     speed_changes_do_not_jump_and_move_the_queue,
+    playback_that_has_ended_stays_ended,
     weights_fade_and_end_clips,
     fade_shorter_than_a_tick_ends_within_one_tick,
 );

@@ -331,11 +331,15 @@ impl Player {
         layer == 0 && weighing(base.slots(member_index), 0, tick).is_empty()
     }
 
-    /// Returns whether a slot belongs to a playback.
+    /// Returns whether a slot belongs to a playback that has not ended.
     fn is_of(&self, base: &Base, id: PlaybackId, index: usize) -> bool {
         let Started { serial, sample, .. } = self.started(base, id.member().number(), index);
-        let is_taken = base.slots(id.member().number())[index].bound_clip != NONE;
-        serial == id.parts().serial && sample.is_none() && is_taken
+        let slot = &base.slots(id.member().number())[index];
+        // A playback that has ended keeps its slot until another takes it. One that has begun at
+        // weight 0 waits for more.
+        let begins_at_0 = slot.bound_clip != NONE && slot.start_weight <= 0.0;
+        let has_ended = faded_out(slot, base.clock.tick) && !begins_at_0;
+        serial == id.parts().serial && sample.is_none() && !has_ended
     }
 
     /// Returns the first slot of a playback; `None` if it is still scheduled.
