@@ -1,7 +1,7 @@
 //! Numbered pictures: `crowd_0000.png`, `crowd_0001.png` and so on, named after `crowd.png`.
 
 use std::collections::BTreeMap;
-use std::ffi::OsString;
+use std::ffi::{OsStr, OsString};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
@@ -33,7 +33,15 @@ impl Series {
             }
         }
         if numbers.is_empty() {
-            return Err(nothing(path, path));
+            let own = path.file_name().and_then(OsStr::to_str).and_then(parts);
+            return Err(match own.filter(|_| path.is_file()) {
+                Some((name, _)) => Failure::usage(format!(
+                    "{} is one picture of a series; name the series by {}",
+                    path.display(),
+                    path.with_file_name(name).display()
+                )),
+                None => nothing(path, path),
+            });
         }
         Ok(Self { name: path.to_owned(), numbers })
     }
@@ -162,6 +170,17 @@ mod tests {
         ] {
             assert_eq!(parts(other), None, "{other}");
         }
+    }
+
+    #[test]
+    fn a_picture_of_a_series_is_refused_with_the_name_of_the_series() {
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let picture = folder.path().join("crowd_0003.png");
+        std::fs::write(&picture, "").expect("a file");
+        let refusal = Series::find(&picture).expect_err("a refusal").to_string();
+        let series = folder.path().join("crowd.png");
+        assert!(refusal.ends_with(&format!("by {}", series.display())), "{refusal}");
+        assert_eq!(Series::find(&series).expect("a series").numbers, [3]);
     }
 
     #[test]

@@ -76,7 +76,13 @@ impl Unfinished {
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         // Locked first, so that no signal ends the program before the new file is registered.
         let mut state = state();
-        let file = builder.tempfile_in(folder.unwrap_or(Path::new(".")))?;
+        let folder = folder.unwrap_or(Path::new("."));
+        // The name of the temporary file tells users nothing.
+        let named = |error: io::Error| {
+            let (kind, folder) = (error.kind(), folder.display());
+            io::Error::new(kind, format!("no file can be made in the folder {folder}: {kind}"))
+        };
+        let file = builder.tempfile_in(folder).map_err(named)?;
         state.path = Some(file.path().to_owned());
         Ok(Self(Some(file)))
     }
@@ -170,4 +176,20 @@ pub(crate) fn exit_on_signals() -> io::Result<()> {
         }
     })?;
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_takes_no_file_is_named_without_the_temporary_file() {
+        let Err(error) = Unfinished::beside(Path::new("no_such_folder/a.png")) else {
+            panic!("a file in no folder")
+        };
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        let words = error.to_string();
+        assert!(words.contains("in the folder no_such_folder: "), "{words}");
+        assert!(!words.contains(".tmp"), "{words}");
+    }
 }

@@ -38,8 +38,12 @@ pub(crate) fn with_area(
 /// Reads a file with an area: WKT, or a scenario of Vadere.
 pub(crate) fn load(path: &Path) -> Result<Place, Error> {
     let file = Input::of_file(path);
-    let mut text = String::new();
-    file.open()?.read_to_string(&mut text).map_err(file.unreadable())?;
+    let mut bytes = Vec::new();
+    file.open()?.read_to_end(&mut bytes).map_err(file.unreadable())?;
+    let Ok(text) = String::from_utf8(bytes) else {
+        let problem = "it is no text in UTF-8; name a file of WKT or a scenario of Vadere";
+        return Err(file.malformed(None, problem));
+    };
     let text = text.trim_start_matches('\u{feff}');
     if text.trim_start().starts_with('{') {
         return scenario::place(text).map_err(|problem| file.malformed(None, problem));

@@ -12,13 +12,15 @@ const BINARY: [(&[u8], Format); 2] =
     [(b"SQLite format 3\0", Format::JuPedSim), (b"\x89HDF\r\n\x1a\n", Format::Hdf5)];
 
 /// Beginnings of binary files that cannot be read, with their names and hints.
-const REFUSED_BINARY: [(&[u8], &str, &str); 8] = [
+const REFUSED_BINARY: [(&[u8], &str, &str); 10] = [
     (b"PAR1", "Parquet", "write it as CSV, for example with pandas' to_csv"),
     (b"\x93NUMPY", "a NumPy array", "write it as CSV with a line of names: id,frame,x,y"),
     (b"PK\x03\x04", "a ZIP archive", "unpack it first"),
     (b"\x28\xb5\x2f\xfd", "compressed by Zstandard", "decompress it first"),
     (b"\xfd7zXZ\0", "compressed by xz", "decompress it first"),
     (b"BZh", "compressed by bzip2", "decompress it first"),
+    (b"\x89PNG", "a PNG picture", "name a file with the positions of people"),
+    (b"\xff\xd8\xff", "a JPEG picture", "name a file with the positions of people"),
     (b"\xff\xfe", "text in UTF-16", "save it as UTF-8"),
     (b"\xfe\xff", "text in UTF-16", "save it as UTF-8"),
 ];

@@ -14,7 +14,7 @@ impl FromStr for Size {
             text.split_once(['x', 'X']).and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
         match sides {
             Some(sides) if !sides.contains(&0) => Ok(Self(sides)),
-            _ => Err("write width and height in pixels, for example 1280x720".into()),
+            _ => Err("write width and height in pixels, each 1 or more, such as 1280x720".into()),
         }
     }
 }
@@ -79,7 +79,7 @@ mod tests {
     fn valid_values_parse_and_others_are_refused() {
         assert_eq!("640x360".parse(), Ok(Size([640, 360])));
         for bad in ["", "640", "0x3", "-1x5", "axb", "5x"] {
-            assert!(bad.parse::<Size>().is_err(), "{bad}");
+            assert!(bad.parse::<Size>().is_err_and(|why| why.contains("1 or more")), "{bad}");
         }
         for bad in ["0", "-1", "inf", "1e-30", "x"] {
             assert!(height(bad).is_err(), "{bad}");

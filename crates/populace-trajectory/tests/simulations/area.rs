@@ -38,6 +38,9 @@ fn the_area_of_the_settings_counts_alone() {
     std::fs::write(&geometry, "POINT (1 2)").expect("a file");
     let text = load(&path, &settings).expect_err("no area").to_string();
     assert!(text.contains("hall.txt, byte 0: POINT is no area"), "{text}");
+    std::fs::write(&geometry, b"glTF\xff\0").expect("a file");
+    let text = load(&path, &settings).expect_err("no text").to_string();
+    assert!(text.contains("hall.txt: it is no text") && text.contains("WKT"), "{text}");
     std::fs::write(&geometry, "MULTIPOLYGON (((0 0, 1 0, 1 1)), ((2 2, 3 2, 3 3)))").expect("it");
     let recording = load(&path, &settings).expect("rows");
     assert_eq!(recording.place.walkable_at(0.0).len(), 2);

@@ -47,6 +47,13 @@ fn unsupported_families_are_refused_by_name_with_a_hint() {
 }
 
 #[test]
+fn pictures_are_refused_by_name() {
+    let png = error(*b"\x89PNG\r\n\x1a\n\0");
+    assert!(png.contains("a PNG picture") && png.contains("positions of people"), "{png}");
+    assert!(error(*b"\xff\xd8\xff\xe0\0").contains("a JPEG picture"));
+}
+
+#[test]
 fn an_unknown_file_lists_the_formats() {
     let message = error("hello\n");
     for (_, name, _) in Format::ALL {
