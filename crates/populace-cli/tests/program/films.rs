@@ -234,7 +234,7 @@ fn films_that_cannot_be_made_are_refused_at_once() {
     };
     refuse("f.mp4", &[], &["f.mp4", "--frames N"]);
     refuse("f.avi", &["--frames", "2"], &["f.avi", ".png, .mp4 or .gif"]);
-    refuse("f.gif", &["--frames", "2", "--fps", "60"], &["at most 50"]);
+    refuse("f.gif", &["--frames", "2", "--fps", "60"], &["1/655 to 50"]);
     refuse("f.gif", &["--frames", "2", "--skip-existing"], &["numbered PNG files"]);
     // What is left of an interrupted film stays.
     std::fs::write(folder.path("kept.part.mp4"), "part").expect("written");

@@ -110,11 +110,17 @@ fn pipes_and_devices_are_refused_without_blocking() {
 #[test]
 fn files_of_no_known_kind_are_told_what_is_read() {
     let folder = Folder::new();
-    std::fs::write(folder.path("a.png"), b"\x89PNG\r\n\x1a\n\0\0").expect("written");
     let (file, out) = (folder.text("a.png"), folder.text("b.png"));
-    let words = ["a binary file", "--format NAME", ".glb, .gltf, .vrm", "scenes end in .toml"];
-    refused(&["render", &file, "--out", &out], 1, &words);
-    refused(&["inspect", &file], 1, &words);
+    let picture = &b"\x89PNG\r\n\x1a\n\0\0"[..];
+    for (bytes, words) in [
+        (picture, ["a PNG picture", "positions of people"]),
+        (&b"\x01\x02\0\0"[..], ["a binary file", "--format NAME"]),
+    ] {
+        std::fs::write(&file, bytes).expect("written");
+        let words = [&words[..], &[".glb, .gltf, .vrm", "scenes end in .toml"]].concat();
+        refused(&["render", &file, "--out", &out], 1, &words);
+        refused(&["inspect", &file], 1, &words);
+    }
 }
 
 #[test]
