@@ -305,7 +305,7 @@ fn wrong_usage_with_recordings_exits_with_2() {
     let formats = ["\"petrak\" is not a format", "petrack, jpscore, jupedsim"];
     refused(&drawn(&["--format", "petrak"]), 2, &formats);
     refused(&["inspect", &file, "--format", "petrak"], 2, &formats);
-    refused(&["inspect", &file, "--unit", "inch"], 2, &["m, cm, mm and ft"]);
+    refused(&["inspect", &file, "--unit", "inch"], 2, &["m, cm, mm or ft"]);
     refused(&["inspect", &file, "--data-fps", "0"], 2, &["--data-fps", "0.001"]);
     refused(&["render", &post, "--no-draw"], 2, &["--no-draw needs a trajectory file"]);
     let needs = ["--unit", "need a trajectory file"];
