@@ -2,7 +2,7 @@
  * that has both. POCL_LLVM_CPU_NAME is not enough: PoCL adds the features of the host.
  *
  *     cc -shared -fPIC -o hide_avx512.so hide_avx512.c -ldl
- *     LD_PRELOAD=./hide_avx512.so POCL_CACHE_DIR=/tmp/avx2 ... populace bench ...
+ *     LD_PRELOAD=./hide_avx512.so POCL_CACHE_DIR="$PWD/avx2-cache" ... populace bench ...
  *
  * LLVM is the name of the library that PoCL uses, by default that of Debian 12. */
 #define _GNU_SOURCE

@@ -289,7 +289,7 @@ impl Stage {
         Ok(driven)
     }
 
-    /// Lets go of the member that the keyboard drives. It comes to stand.
+    /// Releases the member that the keyboard drives, which slows down and stands.
     pub(crate) fn leave(&mut self) {
         self.leaving.extend(self.you.take());
     }

@@ -14,7 +14,7 @@ pub(super) struct Metered {
     meter: SkateMeter,
     /// The agents are measured whose index is a multiple of this.
     every: usize,
-    /// Those who were there in the last frame.
+    /// Measured people who were present in the last frame.
     members: Vec<MemberId>,
 }
 

@@ -20,7 +20,7 @@ pub(super) struct ActiveDevice {
     pub(super) history: Option<DeviceHistory>,
     /// Whether the device holds the results of the last update.
     pub(super) is_readable: bool,
-    /// Whether the device has begun an update, so that its pages may hold results of some frame.
+    /// True once the device has begun an update: its pages may hold results of a frame.
     has_begun: bool,
 }
 
