@@ -20,6 +20,18 @@ pub(super) struct Attachments {
 struct Attached {
     parent: Option<Parent>,
     children: Vec<MemberId>,
+    /// The joints that children follow.
+    followed: Vec<Followed>,
+}
+
+/// A joint that devices write once for all children that follow it.
+#[derive(Clone, Copy, Debug)]
+struct Followed {
+    joint: JointIndex,
+    /// Its index among the watched joints.
+    watched: u32,
+    /// The number of children that follow it.
+    children: usize,
 }
 
 /// The joint that an attached member follows.
@@ -59,7 +71,7 @@ impl Attachments {
         let old = self.parent(child);
         let parent = match old {
             Some(old) if (old.member, old.joint) == (to, joint) => old,
-            _ => follow_joint(base, constraints, to, joint)?,
+            _ => self.follow_joint(base, constraints, to, joint)?,
         };
         let changed = constraints.change(base, child, |controls| {
             controls.attached = Some((parent.watched, offset));
@@ -69,7 +81,7 @@ impl Attachments {
             return changed;
         }
         if let Err(error) = changed {
-            unfollow_joint(base, constraints, parent)?;
+            self.unfollow_joint(base, constraints, parent)?;
             return Err(error);
         }
         self.unlink(base, constraints, child)?;
@@ -191,53 +203,125 @@ impl Attachments {
         child: MemberId,
     ) -> Result<(), Error> {
         let Some(parent) = self.parent(child) else { return Ok(()) };
-        unfollow_joint(base, constraints, parent)?;
+        self.unfollow_joint(base, constraints, parent)?;
         if let Some(attached) = self.by_member.get_mut(child.number()) {
             attached.parent = None;
         }
-        if let Some(attached) = self.by_member.get_mut(parent.member.number()) {
-            attached.children.retain(|other| *other != child);
+        if let Some(attached) = self.by_member.get_mut(parent.member.number())
+            && let Some(at) = attached.children.iter().position(|other| *other == child)
+        {
+            // Their order means nothing.
+            attached.children.swap_remove(at);
         }
-        for index in [child.number(), parent.member.number()] {
-            let is_done =
-                |attached: &Attached| attached.parent.is_none() && attached.children.is_empty();
-            if self.by_member.get(index).is_some_and(is_done) {
-                self.by_member.remove(index);
-            }
-        }
+        self.forget_if_free(child);
+        self.forget_if_free(parent.member);
         Ok(())
     }
-}
 
-/// Makes devices write a joint that attachments can follow.
-fn follow_joint(
-    base: &mut Base,
-    constraints: &mut Constraints,
-    member: MemberId,
-    joint: JointIndex,
-) -> Result<Parent, Error> {
-    let watched = base.tables.add_watched();
-    let changed = constraints.change(base, member, |controls| {
-        controls.carries.push((joint, watched));
-        Ok(())
-    });
-    if let Err(error) = changed {
+    /// Forgets a member that is not attached and carries nobody.
+    fn forget_if_free(&mut self, member: MemberId) {
+        let is_free = |attached: &Attached| {
+            let Attached { parent, children, followed } = attached;
+            parent.is_none() && children.is_empty() && followed.is_empty()
+        };
+        if self.by_member.get(member.number()).is_some_and(is_free) {
+            self.by_member.remove(member.number());
+        }
+    }
+
+    /// Makes devices write a joint that one more attachment can follow.
+    fn follow_joint(
+        &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        member: MemberId,
+        joint: JointIndex,
+    ) -> Result<Parent, Error> {
+        let mut followed =
+            self.by_member.get_mut(member.number()).into_iter().flat_map(|a| &mut a.followed);
+        if let Some(known) = followed.find(|followed| followed.joint == joint) {
+            known.children += 1;
+            return Ok(Parent { member, joint, watched: known.watched });
+        }
+        let watched = base.tables.add_watched();
+        let changed = constraints.change(base, member, |controls| {
+            controls.carries.push((joint, watched));
+            Ok(())
+        });
+        if let Err(error) = changed {
+            base.tables.remove_watched(watched);
+            return Err(error);
+        }
+        let followed = Followed { joint, watched, children: 1 };
+        self.by_member.get_or_default(member.number()).followed.push(followed);
+        Ok(Parent { member, joint, watched })
+    }
+
+    /// Takes an attachment from a followed joint, and ends its writing with the last one.
+    fn unfollow_joint(
+        &mut self,
+        base: &mut Base,
+        constraints: &mut Constraints,
+        parent: Parent,
+    ) -> Result<(), Error> {
+        let Parent { member, joint, watched } = parent;
+        let Some(attached) = self.by_member.get_mut(member.number()) else { return Ok(()) };
+        let Some(at) = attached.followed.iter().position(|f| f.joint == joint) else {
+            return Ok(());
+        };
+        if attached.followed[at].children > 1 {
+            attached.followed[at].children -= 1;
+            return Ok(());
+        }
+        constraints.change(base, member, |controls| {
+            controls.carries.retain(|(_, other)| *other != watched);
+            Ok(())
+        })?;
+        attached.followed.swap_remove(at);
         base.tables.remove_watched(watched);
-        return Err(error);
+        self.forget_if_free(member);
+        Ok(())
     }
-    Ok(Parent { member, joint, watched })
 }
 
-/// Ends the writing of a followed joint.
-fn unfollow_joint(
-    base: &mut Base,
-    constraints: &mut Constraints,
-    parent: Parent,
-) -> Result<(), Error> {
-    constraints.change(base, parent.member, |controls| {
-        controls.carries.retain(|(_, watched)| *watched != parent.watched);
-        Ok(())
-    })?;
-    base.tables.remove_watched(parent.watched);
-    Ok(())
+#[cfg(test)]
+mod tests {
+    use populace_device::layout::WATCHED_ELEMENTS;
+
+    use super::*;
+    use crate::{Crowd, Device, Placement};
+
+    #[test]
+    fn a_joint_is_written_once_for_all_who_follow_it() {
+        let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+        let lift = crowd.add_character(crate::crowd::tests::lift()).unwrap();
+        let all = crowd.spawn_many(lift, &[Placement::at([0.0; 3]); 5]).unwrap();
+        let (carrier, riders) = all.split_first().unwrap();
+        let written = |crowd: &Crowd| crowd.state.base.tables.watched_elements();
+        let one = WATCHED_ELEMENTS as usize;
+        let attach = |crowd: &mut Crowd, rider: MemberId| {
+            let mut rider = crowd.member_mut(rider).unwrap();
+            rider.attach_to(*carrier, JointIndex(0), Trs::IDENTITY).unwrap();
+        };
+        for rider in riders {
+            attach(&mut crowd, *rider);
+            assert_eq!(written(&crowd), one);
+        }
+        attach(&mut crowd, riders[0]);
+        for rider in &riders[1..] {
+            crowd.member_mut(*rider).unwrap().detach().unwrap();
+            assert_eq!(written(&crowd), one, "the first follows it");
+        }
+        let beyond = JointIndex(9);
+        let refused =
+            crowd.member_mut(riders[1]).unwrap().attach_to(*carrier, beyond, Trs::IDENTITY);
+        refused.unwrap_err();
+        crowd.member_mut(riders[0]).unwrap().detach().unwrap();
+        assert_eq!(written(&crowd), 0);
+        assert!(crowd.state.attachments.is_empty());
+        riders.iter().for_each(|rider| attach(&mut crowd, *rider));
+        crowd.despawn(*carrier).unwrap();
+        assert_eq!(written(&crowd), 0);
+        assert!(crowd.state.attachments.is_empty());
+    }
 }
