@@ -304,6 +304,7 @@ impl SceneSource<'_> {
             let (sin, cos) = facing.sin_cos();
             scene.sun.to_sun = [level * sin, up, level * cos];
         }
+        scene.floor_m = self.plan.ground.height_m;
         if !self.plan.ground.shown {
             scene.ground = None;
         } else if let Some(ground) = &mut scene.ground {

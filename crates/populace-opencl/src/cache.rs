@@ -53,6 +53,13 @@ impl Cache {
     }
 }
 
+/// Returns true for the name of an entry. A user may keep other files in the folder.
+fn is_entry(path: &Path) -> bool {
+    let is_hash = |name: &str| name.len() == 32 && name.bytes().all(|b| b.is_ascii_hexdigit());
+    path.extension() == Some(OsStr::new(EXTENSION))
+        && path.file_stem().and_then(OsStr::to_str).is_some_and(is_hash)
+}
+
 /// Returns the hash of a binary, which tells whether it is damaged.
 fn hash_of(binary: &[u8]) -> [u8; HASH_BYTES] {
     SipHasher24::new().hash(binary).as_bytes()
@@ -109,7 +116,7 @@ impl Entry {
                 .ok()
                 .and_then(|time| time.elapsed().ok())
                 .is_some_and(|age| age > KEPT_FOR);
-            if unused && path.extension() == Some(OsStr::new(EXTENSION)) {
+            if unused && is_entry(&path) {
                 // Another process may have deleted it already.
                 let _gone = fs::remove_file(path);
             }

@@ -81,7 +81,8 @@ pub enum Error {
     /// The palette of an instance lies past the end of its page.
     #[error(
         "instance {instance} needs {count} palette entries from entry {first} of page {page}, \
-         which holds {available}; acquire the palettes of its crowd before drawing"
+         which holds {available}; call `Crowd::update` after members are added, and acquire its \
+         palettes before drawing"
     )]
     NoPalette {
         /// Index of the instance.

@@ -75,6 +75,26 @@ fn more_spectators_than_seats_are_refused() {
 
 /// Plans that are made in code are not checked as those of a file are.
 #[test]
+fn fewer_people_than_fill_a_row_stand_around_its_middle() {
+    for (count, asides) in [(1, vec![0.0]), (3, vec![-2.0, 0.0, 2.0])] {
+        let text = format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+             count = {count}\ndoes.stand = {{ at = [5, 6], spacing_m = 2 }}\n"
+        );
+        let live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
+        let mut xs = Vec::new();
+        for member in live.behaviours.people() {
+            let [x, y, z] = live.crowd.member(member).unwrap().placement().position();
+            assert!(y.abs() < 1e-6 && (z - 6.0).abs() < 1e-6);
+            xs.push(x - 5.0);
+        }
+        xs.sort_by(f32::total_cmp);
+        let apart = xs.iter().zip(&asides).map(|(x, wanted)| (x - wanted).abs());
+        assert!(xs.len() == asides.len() && apart.fold(0.0, f32::max) < 1e-5, "{xs:?}");
+    }
+}
+
+#[test]
 fn footways_without_length_are_refused() {
     let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\
                 [[footway]]\nname = \"path\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n\

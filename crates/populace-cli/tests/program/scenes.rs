@@ -54,6 +54,27 @@ fn the_ground_of_a_scene_lies_at_its_height() {
     }
 }
 
+/// People on raised ground have the shadows that they have at height 0.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn contact_shadows_lie_on_raised_ground() {
+    let picture_at = |height: u8| {
+        let folder = Folder::new();
+        let text = format!(
+            "[output]\nsize = [64, 48]\n[light]\nsky = \"overcast\"\n\
+             [ground]\nheight_m = {height}\n\
+             [[cast]]\nname = \"people\"\nfrom = [\"@man\"]\nvaried = false\n\
+             [[crowd]]\ncast = \"people\"\ncount = 1\ndoes = {{ stand = {{}} }}\n\
+             [[camera]]\nname = \"a\"\nkey = [{{ from = [0, {}, 2], to = [0, {height}, 0] }}]\n",
+            height + 3
+        );
+        image::open(draw(&folder, &text, &["--device", "native"])).expect("a picture").to_rgb8()
+    };
+    let [low, high] = [0, 2].map(picture_at);
+    let apart = low.iter().zip(high.iter()).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(apart < Some(8), "{apart:?} of 255");
+}
+
 /// The demo writes its scene, and the scene draws the same picture.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

@@ -63,16 +63,17 @@ fn unwritable_folder_is_not_an_error() {
 fn old_entries_are_deleted_and_other_files_stay() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
-    let names = ["old.program", "old.txt", "new.program"];
+    let old = "0123456789abcdef0123456789abcdef.program";
+    let names = [old, "old.txt", "old.program", "new.program"];
     for name in names {
         fs::write(at(name), name).unwrap();
     }
     let long_ago = SystemTime::now() - 2 * KEPT_FOR;
-    for old in &names[..2] {
+    for old in &names[..3] {
         File::options().append(true).open(at(old)).unwrap().set_modified(long_ago).unwrap();
     }
     entry(folder.path()).write(b"binary");
-    assert_eq!(names.map(|name| at(name).exists()), [false, true, true]);
+    assert_eq!(names.map(|name| at(name).exists()), [false, true, true, true]);
 }
 
 #[test]

@@ -201,7 +201,8 @@ impl Arrival<'_> {
         let yaw_rad = plan.facing_deg.to_radians();
         let ahead = direction(plan.facing_deg);
         let left = Vec2::new(ahead.y, -ahead.x);
-        let row = plan.row.max(1);
+        // Fewer than fill a row stand around its middle.
+        let row = plan.row.min(people.len()).max(1);
         for (nth, of) in people.iter().enumerate() {
             let mut random = self.random(world);
             let aside = ((nth % row) as f32 - 0.5 * (row - 1) as f32) * plan.spacing_m;

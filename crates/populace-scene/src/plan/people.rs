@@ -178,11 +178,11 @@ impl Default for FightPlan {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct StandPlan {
-    /// The middle `[x, z]`.
+    /// The middle of the front row, `[x, z]`.
     pub at: [f32; 2],
     /// Their heading.
     pub facing_deg: f32,
-    /// Members in a row.
+    /// Members in a row, at most.
     pub row: usize,
     /// Distance between neighbours.
     pub spacing_m: f32,

@@ -189,7 +189,8 @@ impl MemberMut<'_> {
     }
 
     /// Sets the placement of the member and of all that is attached to it. Root motion continues
-    /// from there.
+    /// from there. A member with root motion is drawn there after the next update: until then its
+    /// palette still holds the way that it has moved.
     ///
     /// # Errors
     ///

@@ -25,7 +25,7 @@ impl Reach {
         let joints: Vec<_> = skeleton.joints().collect();
         Self::of(skeleton, |joint| {
             let scales = skeleton.rest(joints[joint]).scale.map(f32::abs);
-            Freedom { shift: 0.0, scales: [scales; 2] }
+            Freedom { shift: 0.0, turn: 0.0, scales: [scales; 2] }
         })
     }
 
@@ -34,15 +34,17 @@ impl Reach {
         let ranges = binding.ranges();
         let joints: Vec<_> = skeleton.joints().collect();
         Self::of(skeleton, |joint| {
-            let [translation, _, scale] = ranges[joint];
-            let rest = skeleton.rest(joints[joint]).translation;
+            let [translation, rotation, scale] = ranges[joint];
+            let at_rest = skeleton.rest(joints[joint]);
+            let rest = at_rest.translation;
             let spread = |range: Range| 0.5 * range.step * ROW_STEPS;
             let shift = AXES
                 .map(|axis| (translation.offset[axis] - rest[axis]).abs() + spread(translation));
             let middle = AXES.map(|axis| scale.offset[axis].abs());
             let least = middle.map(|middle| (middle - spread(scale)).max(0.0));
             let greatest = middle.map(|middle| middle + spread(scale));
-            Freedom { shift: length(shift), scales: [least, greatest] }
+            let turn = turn_within(at_rest.rotation, rotation.offset, spread(rotation));
+            Freedom { shift: length(shift), turn, scales: [least, greatest] }
         })
     }
 
@@ -76,6 +78,7 @@ impl Reach {
                 Some(parent) => stretches[parent].change(between(joint, parent), &free[joint]),
                 None => free[joint].shift,
             };
+            away += free[joint].turn * stretches[joint].own[1] * between(joint, center);
         }
         // Length of the chain from the centre to each joint, at most.
         let mut chains = vec![0.0_f32; joints.len()];
@@ -108,6 +111,8 @@ impl Reach {
 struct Freedom {
     /// The most by which it leaves its rest translation, in the space of its parent.
     shift: f32,
+    /// The most by which its rotations move a point that is 1 m away.
+    turn: f32,
     /// The least and the greatest scale along each axis, without signs.
     scales: [[f32; 3]; 2],
 }
@@ -154,6 +159,17 @@ impl Stretch {
     }
 }
 
+/// Returns the most by which a rotation moves a point that is 1 m away from where it is at `rest`, if
+/// the rotation's components lie within `spread` of those of `middle`.
+fn turn_within(rest: [f32; 4], middle: [f32; 4], spread: f32) -> f32 {
+    let apart = |sign: f32| {
+        let differences = rest.iter().zip(middle).map(|(rest, middle)| sign * rest - middle);
+        differences.fold(0.0, f32::hypot)
+    };
+    // A rotation by 2a moves the point by 2 sin(a), and its quaternion by 2 sin(a / 2).
+    (2.0 * (apart(1.0).min(apart(-1.0)) + 2.0 * spread)).min(2.0)
+}
+
 fn least_of([x, y, z]: [f32; 3]) -> f32 {
     x.min(y).min(z)
 }
@@ -194,5 +210,40 @@ mod tests {
         let reach = Reach::with_clip(&skeleton, &Binding::new(&clip, &skeleton));
         assert!(reach.radius_m >= 10.4, "{reach:?}");
         assert!(Reach::at_rest(&skeleton).radius_m < 2.0);
+    }
+
+    #[test]
+    fn the_sphere_holds_a_body_that_a_root_on_the_ground_turns_over() {
+        let joint = |name: &str, parent, y| JointSource {
+            name: name.into(),
+            parent,
+            rest: Trs { translation: [0.0, y, 0.0], ..Trs::IDENTITY },
+        };
+        let joints = [
+            joint("root", None, 0.0),
+            joint("hips", Some(0), 1.0),
+            joint("head", Some(1), 0.5),
+            joint("foot", Some(1), -1.0),
+        ];
+        let skeleton = Skeleton::new(&joints).unwrap();
+        let reach_of = |angle: f32| {
+            let (sin, cos) = (0.5 * angle).sin_cos();
+            let track = Track {
+                joint: "root".into(),
+                property: Property::Rotation,
+                interpolation: Interpolation::Linear,
+                times: vec![0.0, 1.0],
+                values: vec![0.0, 0.0, 0.0, 1.0, sin, 0.0, 0.0, cos],
+            };
+            let source = ClipSource { name: "turns".into(), tracks: vec![track] };
+            let clip = Clip::new(source, &skeleton).unwrap();
+            Reach::with_clip(&skeleton, &Binding::new(&clip, &skeleton))
+        };
+        let rest = Reach::at_rest(&skeleton);
+        assert!((reach_of(0.0).radius_m - rest.radius_m).abs() < 0.01);
+        // The head is then 1.5 m below the ground, and the sphere's centre 1 m above.
+        assert!(reach_of(std::f32::consts::PI).radius_m >= 2.5);
+        let little = reach_of(0.1).radius_m - rest.radius_m;
+        assert!((0.1..0.5).contains(&little), "{little}");
     }
 }

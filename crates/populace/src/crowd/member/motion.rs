@@ -55,7 +55,8 @@ impl MemberMut<'_> {
     }
 
     /// Sets the placement to which root motion has moved the member, and returns it. Root motion
-    /// continues from there. Waits for the device.
+    /// continues from there. Waits for the device. Update the crowd before the next draw: until
+    /// then the palette still holds the way that the member has moved.
     ///
     /// # Errors
     ///
