@@ -7,6 +7,7 @@ mod crossings;
 mod driving;
 mod falls;
 mod footways;
+mod grips;
 mod hands;
 mod leans;
 mod person;

@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use populace::model::{Role, RoleMap, Side};
-use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId, Trs};
+use populace::{CharacterId, ClipId, Crowd, JointIndex, Mask, MaskId};
 use populace_physics::{GetUp, RagdollPlan};
 
+use super::grips::Grips;
 use crate::Error;
 use crate::plan::MaskPlan;
 
@@ -89,8 +90,7 @@ pub(crate) struct Body {
     pub(crate) get_up: GetUp,
     pub(crate) chest: Option<JointIndex>,
     pub(crate) right_hand: Option<JointIndex>,
-    /// Places of a phone in the right hand: at the ear, and to read.
-    pub(crate) phones: [Option<(JointIndex, Trs)>; 2],
+    pub(crate) grips: Grips,
     pub(crate) can_look: bool,
     /// Height in metres, at scale 1.
     pub(crate) height_m: f32,
@@ -129,6 +129,10 @@ impl Body {
         let upper = mask(joint(Role::Spine))?;
         let left_arm = mask(joint(Role::UpperArm(Side::Left)))?;
         let right_arm = mask(joint(Role::UpperArm(Side::Right)))?;
+        let carry = match clip_for(&clips, Use::Carry) {
+            Some(carry) => Some(Arc::clone(crowd.clip_mut(carry.id)?.asset())),
+            None => None,
+        };
         let chest = joint(Role::Chest).or_else(|| joint(Role::Spine));
         Ok(Self {
             character,
@@ -140,7 +144,7 @@ impl Body {
             get_up: GetUp::find(crowd, character),
             chest,
             right_hand: joint(Role::Hand(Side::Right)),
-            phones: [populace_cast::phone_at_ear(&asset), populace_cast::phone_to_read(&asset)],
+            grips: Grips::new(&asset, roles.as_ref(), carry.as_deref()),
             can_look: joint(Role::Head).is_some(),
             height_m: asset.height_m(),
         })
@@ -148,8 +152,7 @@ impl Body {
 
     /// Returns the clip for a use, if the character has one.
     pub(crate) fn clip(&self, usage: Use) -> Option<UsedClip> {
-        let at = USES.iter().position(|(other, ..)| *other == usage)?;
-        self.clips[at]
+        clip_for(&self.clips, usage)
     }
 
     /// Returns the mask of a part of the body: `None` for the whole of it.
@@ -171,4 +174,9 @@ impl Body {
     pub(crate) fn has(&self, uses: &[Use]) -> bool {
         uses.iter().all(|usage| self.clip(*usage).is_some())
     }
+}
+
+fn clip_for(clips: &[Option<UsedClip>; USES.len()], usage: Use) -> Option<UsedClip> {
+    let at = USES.iter().position(|(other, ..)| *other == usage)?;
+    clips[at]
 }

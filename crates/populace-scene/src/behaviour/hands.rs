@@ -3,6 +3,7 @@
 use populace::{CharacterId, Crowd, Error as CrowdError, JointIndex, MemberId, Placement, Trs};
 
 use super::body::{Body, Use};
+use super::grips::Grip;
 use crate::Error;
 
 /// Time in which a phone comes out of a pocket, and goes back, in seconds.
@@ -30,10 +31,10 @@ struct Phone {
 }
 
 /// Returns where a body holds a phone for what it plays.
-pub(crate) fn place(body: &Body, usage: Use) -> Option<(JointIndex, Trs)> {
+pub(crate) fn place(body: &Body, usage: Use) -> Option<Grip> {
     match usage {
-        Use::Phone => body.phones[0],
-        Use::Text => body.phones[1],
+        Use::Phone => body.grips.phones[0],
+        Use::Text => body.grips.phones[1],
         _ => None,
     }
 }
@@ -50,7 +51,7 @@ impl Phones {
         &mut self,
         crowd: &mut Crowd,
         owner: MemberId,
-        place: Option<(JointIndex, Trs)>,
+        place: Option<Grip>,
         now: f64,
     ) -> Result<(), Error> {
         for phone in self.held.iter_mut().filter(|phone| phone.owner == owner) {

@@ -1,8 +1,6 @@
 //! Things that people hold and wear.
 
-use populace::character::Character;
-use populace::model::{Role, RoleMap, Side};
-use populace::{ClipPlayback, Crowd, JointIndex, MemberId, Placement, Trs};
+use populace::{ClipPlayback, Crowd, MemberId, Placement};
 
 use super::arrival::{Arrival, first_layer};
 use super::body::Use;
@@ -25,12 +23,13 @@ impl Arrival<'_> {
             }
             let things = self.stage.things(kind);
             let Some(nth) = who.checked_rem(things.len()) else { continue };
-            let asset = crowd.character(world.body(who).character)?.asset().clone();
-            let in_both_hands = match kind == PARCEL && self.plays_carry(world, crowd, who)? {
-                true => populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M),
-                false => None,
+            let grips = &world.body(who).grips;
+            let place = match kind.as_str() {
+                "helmet" => grips.helmet,
+                "shield" => grips.left,
+                PARCEL if self.plays_carry(world, crowd, who)? => grips.parcel.or(grips.right),
+                _ => grips.right,
             };
-            let place = in_both_hands.or_else(|| grip(&asset, kind));
             let Some((joint, offset)) = place else { continue };
             let owner = world.member(who);
             let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
@@ -62,8 +61,7 @@ impl Arrival<'_> {
         who: usize,
         chance: f32,
     ) -> Result<(), Error> {
-        let asset = crowd.character(world.body(who).character)?.asset().clone();
-        let place = populace_cast::carried(&asset, populace_props::PARCEL_WIDTH_M);
+        let place = world.body(who).grips.parcel;
         let (Some((joint, offset)), Some(parcel)) = (place, self.stage.things(PARCEL).first())
         else {
             return Ok(());
@@ -80,20 +78,4 @@ impl Arrival<'_> {
         world.counts.carried += 1;
         Ok(())
     }
-}
-
-/// Returns the joint that holds or wears a thing, and the offset. Characters other than the
-/// built-in people hold it at the joint itself.
-fn grip(character: &Character, kind: &str) -> Option<(JointIndex, Trs)> {
-    let (role, own) = match kind {
-        "helmet" => (Role::Head, populace_cast::helmet(character)),
-        "shield" => {
-            (Role::Hand(Side::Left), populace_cast::grip(character, populace_cast::Side::Left))
-        }
-        _ => (Role::Hand(Side::Right), populace_cast::grip(character, populace_cast::Side::Right)),
-    };
-    own.or_else(|| {
-        let joint = RoleMap::detect(&character.skeleton)?.joint(role)?;
-        Some((joint, Trs::IDENTITY))
-    })
 }
