@@ -114,6 +114,14 @@ impl<'a> Loader<'a> {
     }
 }
 
+/// What else is in the picture, by which a character has a plausible size.
+#[derive(Clone, Copy)]
+enum Among {
+    None,
+    Others,
+    Scene,
+}
+
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
 /// added to all characters. `levels` says which levels of detail they get. With `options`, built-in
@@ -159,7 +167,12 @@ pub(crate) fn load(
     if drawn.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
     }
-    let mixed = drawn.len() > 1;
+    // What scenes have is as large as people need it.
+    let among = match choice {
+        ClipChoice::Scene => Among::Scene,
+        _ if drawn.len() > 1 => Among::Others,
+        _ => Among::None,
+    };
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let drawn = drawn.into_par_iter();
@@ -174,9 +187,9 @@ pub(crate) fn load(
     let drawn: Vec<Character> = drawn.collect::<Result<_, Failure>>()?;
     let mut add = |character: Character| {
         let character = Arc::new(character);
-        let scale = scale(&character, height_m, mixed);
+        let scale = scale(&character, height_m, among);
         if height_m.is_none() && scale != 1.0 {
-            report_scale(&character, scale, mixed);
+            report_scale(&character, scale, among);
         }
         progress.step();
         Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
@@ -191,17 +204,17 @@ fn has_roles(character: &Character) -> bool {
 }
 
 /// Says that a character is in another unit than metres.
-fn report_scale(character: &Character, scale: f32, mixed: bool) {
+fn report_scale(character: &Character, scale: f32, among: Among) {
     let (name, own_m) = (&character.name, character.size_m());
     let own = if own_m < 0.1 { format!("{:.2} mm", own_m * 1e3) } else { format!("{own_m:.2} m") };
-    let reason = if mixed {
-        "which suits no crowd of several characters"
-    } else {
-        "which is hardly meant in metres"
+    let (reason, setter) = match among {
+        Among::None => ("which is hardly meant in metres", "--height"),
+        Among::Others => ("which suits no crowd of several characters", "--height"),
+        Among::Scene => ("which suits no scene of people", "height_m of its cast"),
     };
     let extent = if own_m > character.height_m() { "long" } else { "high" };
     message!(
-        "\"{name}\" is {own} {extent}, {reason}; it is drawn {:.2} m {extent}, and --height \
+        "\"{name}\" is {own} {extent}, {reason}; it is drawn {:.2} m {extent}, and {setter} \
          sets it",
         scale * own_m
     );
@@ -376,12 +389,12 @@ fn role_clip(
 
 /// Returns the scale to the height asked for or, for a character in another unit than metres, to a
 /// plausible height.
-fn scale(character: &Character, height_m: Option<f32>, mixed: bool) -> f32 {
+fn scale(character: &Character, height_m: Option<f32>, among: Among) -> f32 {
     let own = character.size_m().max(1e-6);
     // A humanoid may hold a long sword.
     let longer_than_high = !has_roles(character)
         && character.rest_bounds().is_some_and(|b| b.high[2] - b.low[2] > own);
-    let plausible_m = if mixed { PLAUSIBLE_M } else { ALONE_M };
+    let plausible_m = if matches!(among, Among::None) { ALONE_M } else { PLAUSIBLE_M };
     match height_m {
         Some(height_m) => height_m / own,
         None if plausible_m.contains(&own) => 1.0,

@@ -58,6 +58,7 @@ pub fn street(settings: StreetSettings) -> ScenePlan {
             clips_from: Vec::new(),
             clips: std::collections::BTreeMap::new(),
             varied: true,
+            height_m: None,
             holds: Vec::new(),
             top: None,
         }],

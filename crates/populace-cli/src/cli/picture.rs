@@ -40,7 +40,8 @@ pub(crate) struct PictureArgs {
     #[arg(long, value_name = "day|evening|overcast|studio")]
     pub(crate) sky: Option<Preset>,
     /// Scale every character to this height in metres [default: its own height; one below 3 cm or
-    /// above 40 m, or with several characters below 0.5 or above 2.2 m, becomes a plausible one]
+    /// above 40 m, or with several characters or in a scene below 0.5 or above 2.2 m, becomes a
+    /// plausible one]
     #[arg(long, value_name = "METRES", value_parser = height)]
     pub(crate) height: Option<f32>,
     /// Add the clips of this file to all characters, retargeted if skeletons differ. The file is

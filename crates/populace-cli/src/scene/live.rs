@@ -153,7 +153,7 @@ fn casts(
             &source.inputs(cast),
             &clips,
             ClipChoice::Scene,
-            args.height,
+            args.height.or(cast.height_m),
             Levels::wanted(args),
             cast.varied && !args.plain,
         )?;

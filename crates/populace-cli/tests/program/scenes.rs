@@ -54,6 +54,29 @@ fn the_ground_of_a_scene_lies_at_its_height() {
     }
 }
 
+/// A knight of 2.5 m in a scene is drawn as high as people, or as its cast says.
+#[cfg_attr(any(skip_gl, no_test_data), ignore = "no test data, or POPULACE_SKIP names gl")]
+#[test]
+fn characters_of_scenes_are_as_high_as_people() {
+    let folder = Folder::new();
+    let data = std::env::var("POPULACE_TEST_DATA").expect("ignored without it");
+    let scene = folder.text("scene.toml");
+    for height in ["", "height_m = 2.5\n"] {
+        let text = format!(
+            "schema = 1\n[output]\nsize = [32, 32]\n[[cast]]\nname = \"knights\"\n\
+             from = ['{data}/characters/kaykit_knight.glb']\n{height}[[crowd]]\n\
+             cast = \"knights\"\ncount = 1\ndoes.stand = {{ clip = \"Idle\" }}\n"
+        );
+        std::fs::write(&scene, text).expect("a file");
+        let drawn = populace(&["render", &scene, "--out", &folder.text("out.png")]);
+        let stderr = String::from_utf8_lossy(&drawn.stderr);
+        assert!(drawn.status.success(), "{stderr}");
+        let said =
+            "which suits no scene of people; it is drawn 1.75 m high, and height_m of its cast";
+        assert_eq!(stderr.contains(said), height.is_empty(), "{stderr}");
+    }
+}
+
 /// People on raised ground have the shadows that they have at height 0.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

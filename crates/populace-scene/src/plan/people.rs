@@ -23,6 +23,10 @@ pub struct CastPlan {
     /// Seed of colours, options and heights; they are as in the file if false.
     #[serde(default = "yes")]
     pub varied: bool,
+    /// Height of each of its characters in metres, before the variety. Without it, they are as high
+    /// as in their files if that suits people.
+    #[serde(default)]
+    pub height_m: Option<f32>,
     /// Things that each member wears or holds, by the prop's kind: `shield`, `spear`, `helmet`.
     #[serde(default)]
     pub holds: Vec<String>,

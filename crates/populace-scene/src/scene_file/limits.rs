@@ -10,6 +10,7 @@ pub(super) const HEADING: Limits<f32> = Limits::new(-3600.0, 3600.0, " degrees")
 pub(super) const PART: Limits<f32> = Limits::new(0.0, 1.0, "");
 
 pub(super) const MEMBERS: Limits<usize> = Limits::new(1, 10_000_000, " members");
+pub(super) const BODY_HEIGHT: Limits<f32> = Limits::new(0.1, 100.0, " metres");
 /// People decide two times in a second.
 pub(super) const RATE: Limits<f32> = Limits::new(0.0, 120.0, " times in a minute");
 pub(super) const WALKING_SPEED: Limits<f32> = Limits::new(0.1, 10.0, " metres in a second");

@@ -2,8 +2,8 @@
 
 use super::fault::{Fault, first, first_of, unknown};
 use super::limits::{
-    ADVANCE, COORDINATE, HEADING, MEMBERS, PART, RATE, SPACING, WALKING_SPEED, WAVE_EVERY,
-    WAVE_SPEED,
+    ADVANCE, BODY_HEIGHT, COORDINATE, HEADING, MEMBERS, PART, RATE, SPACING, WALKING_SPEED,
+    WAVE_EVERY, WAVE_SPEED,
 };
 use crate::THING_KINDS;
 use crate::behaviour::use_keys;
@@ -33,7 +33,10 @@ fn check_cast(plan: &ScenePlan, cast: &CastPlan) -> Option<Fault> {
         let rule = unknown("things to hold", thing, things.iter().copied())?;
         Some(Fault::of("holds", rule))
     });
-    unknown_use.or(unknown_thing).or_else(|| PART.check_all("top", cast.top.as_ref()?))
+    unknown_use
+        .or(unknown_thing)
+        .or_else(|| BODY_HEIGHT.check("height_m", cast.height_m?))
+        .or_else(|| PART.check_all("top", cast.top.as_ref()?))
 }
 
 fn check_crowd(plan: &ScenePlan, crowd: &CrowdPlan) -> Option<Fault> {
