@@ -19,8 +19,13 @@ const HURRY_SECS: f64 = 9.0;
 const TOUCH_M: f32 = 0.5;
 /// The change of speed of who is run into, in metres per second.
 const PUSH_M_PER_SEC: f32 = 1.7;
-/// Radius in metres of the ground that somebody takes who lies.
-const LYING_M: f32 = 0.7;
+/// Radius in metres of the ground that somebody takes who lies, and the distance of its middle from
+/// where the person stood.
+const LYING_M: f32 = 0.9;
+const LIES_AHEAD_M: f32 = 0.7;
+/// Distance in metres that somebody who has run into another one keeps from where that one stood.
+const STEPS_BACK_M: f32 = 0.7;
+const STEPS_BACK_M_PER_SEC: f32 = 0.9;
 /// Seconds after which somebody gets up who has not come to rest.
 const LIES_SECS: f64 = 4.5;
 const STOP_SECS: f64 = 2.6;
@@ -65,8 +70,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
             let to = world.position(victim) - world.position(who);
             if to.length() < TOUCH_M {
-                fall(world, crowd, victim, to)?;
-                return stumble(world, crowd, who, victim);
+                stumble(world, crowd, who, victim)?;
+                return fall(world, crowd, victim, to);
             }
             // Past the other one, so that it does not slow down before.
             let beyond = world.position(victim) + to.normalize_or_zero() * 1.5;
@@ -107,8 +112,8 @@ pub(crate) fn fall(
 ) -> Result<(), Error> {
     let member = world.member(who);
     world.end(crowd, who, UPPER, 0.3)?;
-    let at = world.position(who);
-    world.walkers.rest(member, at.to_array(), LYING_M)?;
+    let middle = world.position(who) + along.normalize_or_zero() * LIES_AHEAD_M;
+    world.walkers.rest(member, middle.to_array(), LYING_M)?;
     let body = world.body(who);
     let (plan, chest) = (Arc::clone(&body.ragdoll), body.chest);
     world.ragdolls.go_limp(crowd, member, &plan)?;
@@ -127,9 +132,16 @@ pub(crate) fn direction(facing_deg: f32) -> Vec2 {
     Vec2::new(sin, cos)
 }
 
-/// Stops somebody who has run into another one.
+/// Lets somebody who has run into another one step back and look at it.
 fn stumble(world: &mut World, crowd: &mut Crowd, who: usize, victim: usize) -> Result<(), Error> {
-    world.halt(who)?;
+    let ahead = (world.position(victim) - world.position(who)).normalize_or_zero();
+    let member = world.member(who);
+    // The other one takes all of the speed.
+    world.walkers.rest(member, world.position(who).to_array(), TOUCH_M)?;
+    world.walkers.resume(crowd, member)?;
+    world.walkers.set_speed(member, STEPS_BACK_M_PER_SEC)?;
+    world.face(who, Some(ahead.x.atan2(ahead.y)))?;
+    world.send(who, world.position(victim) - ahead * STEPS_BACK_M)?;
     let once = ClipPlayback::once().fade_in_secs(0.1);
     world.play(crowd, who, Use::Hit, (UPPER, once))?;
     let at = world.above(crowd, victim, 0.2)?;
