@@ -7,12 +7,17 @@ use std::path::PathBuf;
 use gif::{DisposalMethod, EncodingError, Frame, Repeat};
 
 use crate::Error;
+use crate::colors::{Color, FewColors};
 use crate::output::{Part, output_error};
 use crate::settings::{FilmSettings, FrameRate};
 use crate::writer::FrameWriter;
 
-/// Speed of the search for colours, from 1 (best colours) to 30.
-const SPEED: i32 = 10;
+/// The place of pixels that stay, before those of the colours.
+const STAYS: u8 = 0;
+/// Most colours of a frame besides.
+const COLORS: usize = 255;
+/// Greatest difference in a channel, of 255, between a frame and a pixel that stays as it is shown.
+const NEAR: u8 = 3;
 /// Least and greatest frames per second. A frame lasts at most 65535 hundredths of a second, and
 /// browsers show frames of less than 2 for longer.
 const SLOWEST: f64 = 1.0 / 655.0;
@@ -25,8 +30,8 @@ pub(crate) struct GifWriter {
     size: [u16; 2],
     rate: FrameRate,
     frames: u32,
-    /// The frame before, to find what changes.
-    before: Vec<u8>,
+    /// The pixels as the GIF shows them, to find what changes.
+    shown: Vec<Color>,
 }
 
 impl GifWriter {
@@ -45,7 +50,31 @@ impl GifWriter {
         let mut encoder = gif::Encoder::new(file, size[0], size[1], &[]).map_err(fail)?;
         encoder.set_repeat(Repeat::Infinite).map_err(fail)?;
         let rate = settings.rate;
-        Ok(Self { part, encoder, size, rate, frames: 0, before: Vec::new() })
+        Ok(Self { part, encoder, size, rate, frames: 0, shown: Vec::new() })
+    }
+
+    /// Returns the next frame, and shows it: pixels that stay are transparent, which takes less
+    /// room and leaves the colours to the others.
+    fn next_frame(&mut self, rgba: &[u8]) -> Frame<'static> {
+        let pixels = || rgba.chunks_exact(4).map(|pixel| [pixel[0], pixel[1], pixel[2]]);
+        let near = |a: Color, b: Color| (0..3).all(|at| a[at].abs_diff(b[at]) <= NEAR);
+        let changed = |(at, pixel)| self.shown.get(at).is_none_or(|shown| !near(*shown, pixel));
+        let changed: Vec<bool> = pixels().enumerate().map(changed).collect();
+        let new = pixels().zip(&changed).filter(|(_, changed)| **changed);
+        let few = FewColors::choose(new.map(|(pixel, _)| pixel), COLORS);
+        self.shown.resize(changed.len(), [0; 3]);
+        let show = |((pixel, changed), shown): ((Color, bool), &mut Color)| {
+            if !changed {
+                return STAYS;
+            }
+            let place = few.place(pixel);
+            *shown = few.colors[usize::from(place)];
+            place + 1
+        };
+        let places: Vec<u8> = pixels().zip(changed).zip(&mut self.shown).map(show).collect();
+        let [width, height] = self.size;
+        let palette = [&[[0; 3]], &few.colors[..]].concat().into_flattened();
+        Frame::from_palette_pixels(width, height, places, palette, Some(STAYS))
     }
 
     /// Returns how long the next frame lasts in hundredths of a second. Rounded times add up to
@@ -71,19 +100,10 @@ fn failed(part: &Part, error: EncodingError) -> Error {
 
 impl FrameWriter for GifWriter {
     fn write(&mut self, rgba: &[u8]) -> Result<(), Error> {
-        let mut pixels = rgba.to_vec();
-        // Pixels that stay are transparent, which takes less room and colours.
-        for (index, pixel) in pixels.chunks_exact_mut(4).enumerate() {
-            let before = self.before.get(4 * index..4 * index + 3);
-            let stays = before.is_some_and(|before| before == &pixel[..3]);
-            pixel[3] = if stays { 0 } else { 255 };
-        }
-        let mut frame = Frame::from_rgba_speed(self.size[0], self.size[1], &mut pixels, SPEED);
+        let mut frame = self.next_frame(rgba);
         frame.delay = self.delay();
         frame.dispose = DisposalMethod::Keep;
         self.encoder.write_frame(&frame).map_err(|error| failed(&self.part, error))?;
-        self.before.clear();
-        self.before.extend_from_slice(rgba);
         self.frames += 1;
         self.encoder.get_mut().flush().map_err(|source| output_error(self.part.path(), source))
     }

@@ -18,6 +18,7 @@
 //! as that program does.
 
 mod animation;
+mod colors;
 mod error;
 mod ffmpeg;
 mod film;

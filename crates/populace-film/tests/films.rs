@@ -278,6 +278,53 @@ mod mp4 {
     }
 }
 
+/// Returns a frame of many colours: a wide slope of the sky, on which somebody moves whose
+/// clothes are coloured and whose hair is dark.
+fn busy_frame([width, height]: [u32; 2], number: u32) -> Vec<u8> {
+    let byte = |value: u32| u8::try_from(value % 256).unwrap();
+    let pixel = |x: u32, y: u32| {
+        let from_left = x.wrapping_sub(5 * number + 4);
+        let shade = byte((x * 7 + y * 13) % 16);
+        match (from_left, y) {
+            (0..12, 20..32) => [60 + shade, 30 + shade, 20, 255],
+            (0..12, 32..56) => [180 + shade, 30, 50 + shade, 255],
+            (0..12, 56..60) => [20, 60 + shade, 200, 255],
+            (0..12, 60..88) => [30, 110 + shade, 40 + shade, 255],
+            _ => [byte(120 + x / 2), byte(150 + y / 2), byte(200 + (x + y) / 5), 255],
+        }
+    };
+    (0..height).flat_map(|y| (0..width).flat_map(move |x| pixel(x, y))).collect()
+}
+
+#[test]
+fn gifs_leave_no_trails_and_keep_the_colours_of_what_moves() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("film.gif");
+    let settings = settings([160, 96], "25");
+    let mut film = Film::create(&path, &settings).unwrap();
+    for number in 0..24 {
+        film.push(busy_frame(settings.size, number)).unwrap();
+    }
+    film.finish().unwrap();
+    let mut options = gif::DecodeOptions::new();
+    options.set_color_output(gif::ColorOutput::RGBA);
+    let mut reader = options.read_info(std::fs::File::open(&path).unwrap()).unwrap();
+    let mut shown = vec![0; 160 * 96 * 4];
+    for number in 0..24 {
+        let found = reader.read_next_frame().unwrap().unwrap();
+        for (pixel, new) in shown.chunks_exact_mut(4).zip(found.buffer.chunks_exact(4)) {
+            if new[3] != 0 {
+                pixel.copy_from_slice(new);
+            }
+        }
+        let wanted = busy_frame(settings.size, number);
+        let apart = || shown.iter().zip(&wanted).map(|(a, b)| a.abs_diff(*b));
+        let mean = apart().map(f64::from).sum::<f64>() / (160.0 * 96.0 * 3.0);
+        let most = apart().max().unwrap();
+        assert!(mean < 3.0 && most < 16, "frame {number} differs by {mean}, at most {most}");
+    }
+}
+
 #[test]
 fn gifs_show_the_frames_at_their_times() {
     let folder = tempfile::tempdir().unwrap();
