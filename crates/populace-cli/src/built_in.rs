@@ -6,13 +6,36 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use populace::character::Character;
 use populace::clip::Clip;
-use populace_cast::{Look, dress, dress_with_options, person};
+use populace_cast::{Extra, Look, dress, dress_with_options, person};
 
 use crate::failure::Failure;
 
 /// Returns the name of a built-in person given in place of a file: `people` for `@people`.
 pub(crate) fn name_of(input: &Path) -> Option<&str> {
     input.to_str()?.strip_prefix('@')
+}
+
+/// What the built-in people of a cast wear.
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Clothes {
+    /// They have what they could wear besides what they wear.
+    pub(crate) options: bool,
+    /// They wear no hats, which helmets do not cover.
+    pub(crate) no_hats: bool,
+    /// The colour of their upper clothes, linear red, green and blue from 0 to 1.
+    pub(crate) top: Option<[f32; 3]>,
+}
+
+impl Clothes {
+    fn put_on(&self, look: &mut Look) {
+        if self.no_hats {
+            look.hat = None;
+            look.spare.retain(|extra| !matches!(extra, Extra::Hat(_)));
+        }
+        if let Some(color) = self.top {
+            look.colors.shirt = color;
+        }
+    }
 }
 
 /// Number of outfits of each person among `@people`.
@@ -56,11 +79,12 @@ pub(crate) fn people(name: &str) -> Result<Vec<Arc<Character>>, Failure> {
     looks.iter().map(|look| create_person(look).map(Arc::new)).collect()
 }
 
-/// Returns the people of this name in their outfits. With `options`, they have what they could wear
-/// besides what they wear.
-pub(crate) fn dressed(name: &str, options: bool) -> Result<Vec<Character>, Failure> {
-    let make = if options { dress_with_options } else { dress };
-    make(&looks(name)?).map_err(|e| Failure::Run(e.into()))
+/// Returns the people of this name in their outfits, in what `clothes` says.
+pub(crate) fn dressed(name: &str, clothes: Clothes) -> Result<Vec<Character>, Failure> {
+    let mut looks = looks(name)?;
+    looks.iter_mut().for_each(|look| clothes.put_on(look));
+    let make = if clothes.options { dress_with_options } else { dress };
+    make(&looks).map_err(|e| Failure::Run(e.into()))
 }
 
 /// Returns the clips of a built-in person; `people` stands for the first of them. They are made
@@ -75,4 +99,34 @@ pub(crate) fn clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
     let clips = looks.first().map(create_person).transpose()?.map_or(vec![], |p| p.clips.clone());
     made.insert(name.to_owned(), clips.clone());
     Ok(clips)
+}
+
+#[cfg(test)]
+mod tests {
+    use populace_cast::option_of;
+
+    use super::*;
+
+    #[test]
+    fn who_wears_a_helmet_has_no_hat_to_wear() {
+        let hats = |no_hats| {
+            let clothes = Clothes { options: true, no_hats, ..Clothes::default() };
+            let people = dressed("people", clothes).unwrap();
+            let parts = people.iter().flat_map(|person| &person.parts);
+            let groups = parts.filter_map(|part| Some(option_of(&part.node_name)?.0));
+            groups.filter(|group| *group == "hat").count()
+        };
+        assert!(hats(false) > 0);
+        assert_eq!(hats(true), 0);
+    }
+
+    #[test]
+    fn all_tops_take_the_colour_that_was_asked_for() {
+        let clothes = Clothes { top: Some([0.8, 0.1, 0.1]), ..Clothes::default() };
+        for person in dressed("people", clothes).unwrap() {
+            let tops = person.materials.iter().filter(|m| m.name.starts_with("Top"));
+            let colors: Vec<[f32; 4]> = tops.map(|material| material.base_color).collect();
+            assert_eq!(colors, [[0.8, 0.1, 0.1, 1.0]], "{}", person.name);
+        }
+    }
 }

@@ -8,6 +8,7 @@ use populace_render::Camera;
 use serde_json::Value;
 
 use crate::built_in;
+use crate::built_in::Clothes;
 use crate::camera::{Cameras, Pose, Subject, View};
 use crate::cli::{FrameRange, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
@@ -52,7 +53,7 @@ impl CrowdPlan<'_> {
             choice,
             args.height,
             Levels::wanted(args),
-            !plain,
+            Clothes { options: !plain, ..Clothes::default() },
         )?;
         let settings =
             PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };

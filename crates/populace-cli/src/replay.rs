@@ -17,6 +17,7 @@ use populace_trajectory::Recording;
 use serde_json::{Value, json};
 
 use crate::built_in;
+use crate::built_in::Clothes;
 use crate::camera::{Cameras, Subject, View};
 use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
@@ -168,7 +169,7 @@ impl ReplayJob<'_> {
             ClipChoice::default(),
             args.height,
             if are_drawn { Levels::wanted(args) } else { Levels::None },
-            !args.plain,
+            Clothes { options: !args.plain, ..Clothes::default() },
         )?;
         let roles = &loaded.roles;
         if are_drawn {

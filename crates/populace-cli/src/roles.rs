@@ -12,7 +12,7 @@ use populace::{
 };
 use rayon::prelude::*;
 
-use crate::built_in;
+use crate::built_in::{self, Clothes};
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
@@ -41,6 +41,8 @@ pub(crate) struct CrowdRole {
     /// Clips to choose from; may be empty.
     pub(crate) clips: Vec<RoleClip>,
     pub(crate) scale: f32,
+    /// True for built-in people, who have the clothes that were asked for.
+    pub(crate) is_built_in: bool,
 }
 
 /// A clip of a role.
@@ -124,8 +126,8 @@ enum Among {
 
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
-/// added to all characters. `levels` says which levels of detail they get. With `options`, built-in
-/// people have what they could wear besides what they wear.
+/// added to all characters. `levels` says which levels of detail they get. Built-in people
+/// wear what `clothes` says.
 pub(crate) fn load(
     crowd: &mut Crowd,
     input: &InputArgs,
@@ -134,7 +136,7 @@ pub(crate) fn load(
     choice: ClipChoice,
     height_m: Option<f32>,
     levels: Levels,
-    options: bool,
+    clothes: Clothes,
 ) -> Result<LoadedRoles, Failure> {
     let inputs = in_folders(inputs)?;
     let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
@@ -146,7 +148,7 @@ pub(crate) fn load(
     for input in &inputs {
         match built_in::name_of(input) {
             Some(name) => {
-                drawn.extend(built_in::dressed(name, options)?.into_iter().map(|c| (c, vec![])))
+                drawn.extend(built_in::dressed(name, clothes)?.into_iter().map(|c| (c, vec![])))
             }
             None => {
                 let known = loader.referenced.len();
@@ -178,21 +180,23 @@ pub(crate) fn load(
     let drawn = drawn.into_par_iter();
     let drawn = drawn.map(|(character, files)| {
         let character = levels.of(character, &files, loader.input)?;
-        match (files.first(), choice) {
+        let character = match (files.first(), choice) {
             (Some(file), ClipChoice::Gaits) => on_legs(character, file),
             (Some(file), ClipChoice::Scene) if has_roles(&character) => on_legs(character, file),
             _ => Ok(character),
-        }
+        };
+        Ok((character?, files.is_empty()))
     });
-    let drawn: Vec<Character> = drawn.collect::<Result<_, Failure>>()?;
-    let mut add = |character: Character| {
+    let drawn: Vec<(Character, bool)> = drawn.collect::<Result<_, Failure>>()?;
+    let mut add = |(character, is_built_in): (Character, bool)| {
         let character = Arc::new(character);
         let scale = scale(&character, height_m, among);
         if height_m.is_none() && scale != 1.0 {
             report_scale(&character, scale, among);
         }
         progress.step();
-        Ok::<_, Failure>(CrowdRole { scale, ..add_role(crowd, character, &clips, choice)? })
+        let role = add_role(crowd, character, &clips, choice)?;
+        Ok::<_, Failure>(CrowdRole { scale, is_built_in, ..role })
     };
     let roles = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
     Ok(LoadedRoles { roles, files: loader.referenced })
@@ -299,7 +303,7 @@ fn add_role(
         .into_iter()
         .map(|clip| role_clip(crowd, id, clip, choice))
         .collect::<Result<_, _>>()?;
-    Ok(CrowdRole { id, character, clips, scale: 1.0 })
+    Ok(CrowdRole { id, character, clips, scale: 1.0, is_built_in: false })
 }
 
 /// Adds a clip if it fits the character. Returns how well it fits, or why it does not.

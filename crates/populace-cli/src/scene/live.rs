@@ -14,6 +14,7 @@ use populace_scene::{Behaviours, Counts, Person, Stage};
 
 use super::SceneSource;
 use super::past::Past;
+use crate::built_in::Clothes;
 use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, in_foot_steps};
@@ -147,6 +148,11 @@ fn casts(
     for cast in &source.plan.casts {
         let clips = cast.clips_from.iter().map(|file| source.path(file));
         let clips: Vec<_> = clips.chain(args.clips.iter().cloned()).collect();
+        let clothes = Clothes {
+            options: cast.varied && !args.plain,
+            no_hats: cast.holds.iter().any(|thing| thing == "helmet"),
+            top: cast.top,
+        };
         let loaded = roles::load(
             crowd,
             &args.input,
@@ -155,7 +161,7 @@ fn casts(
             ClipChoice::Scene,
             args.height.or(cast.height_m),
             Levels::wanted(args),
-            cast.varied && !args.plain,
+            clothes,
         )?;
         files.extend(loaded.files);
         casts.insert(cast.name.clone(), loaded.roles);
@@ -209,12 +215,15 @@ fn dress(
             .iter()
             .map(|member| Ok(crowd.member(*member)?.placement().position()))
             .collect::<Result<Vec<_>, populace::Error>>()?;
-        let looks = appearances(&casts[&of.cast.name], &of.chosen, &places, of.seed);
+        let roles = &casts[&of.cast.name];
+        let looks = appearances(roles, &of.chosen, &places, of.seed);
         for (nth, member) in members.iter().enumerate() {
             let mut member = crowd.member_mut(*member)?;
             let mut look = looks.get(nth).map_or_else(|| member.look(), |of| of.look);
             if let Some(color) = of.cast.top {
-                look = look.tinted(Region::Top, color);
+                // The clothes of built-in people have the colour.
+                let is_built_in = roles[of.chosen[nth]].is_built_in;
+                look = look.tinted(Region::Top, if is_built_in { [1.0; 3] } else { color });
             }
             member.set_look(look);
         }
