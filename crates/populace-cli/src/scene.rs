@@ -33,6 +33,8 @@ use live::{FilmedScene, LiveScene};
 const SLOTS: usize = 8;
 /// How far the plain ground is drawn below that of the scene where props cover it, in metres.
 const GROUND_BELOW_M: f32 = 0.4;
+/// Height of the sun in degrees below which its light fades, to none at the horizon.
+const SUNSET_DEG: f32 = 2.0;
 
 /// A scene, as the command line describes it.
 pub(crate) struct SceneSource<'a> {
@@ -92,6 +94,18 @@ pub(crate) fn frame_count(plan: &ScenePlan, rate: FrameRate) -> u32 {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
     let count = frames.round().max(1.0) as u32;
     count.min(MOST_FRAMES)
+}
+
+/// Puts the sun of a scene at a height above the horizon and a facing. Its light fades at sunset,
+/// and none comes through the ground.
+fn place_sun(scene: &mut Scene, height_deg: f32, facing_deg: f32) {
+    let (up, level) = height_deg.to_radians().sin_cos();
+    let (sin, cos) = facing_deg.to_radians().sin_cos();
+    scene.sun.to_sun = [level * sin, up, level * cos];
+    let share = (height_deg / SUNSET_DEG).clamp(0.0, 1.0);
+    scene.sun.color = scene.sun.color.map(|channel| channel * share);
+    scene.sun.casts_shadows &= share > 0.0;
+    scene.ambient.glow = scene.ambient.glow.map(|channel| channel * share);
 }
 
 impl SceneJob<'_> {
@@ -299,10 +313,7 @@ impl SceneSource<'_> {
             *scene = crate::filming::scene_of(self.picture, sky);
         }
         if let Some(height_deg) = light.sun_height_deg {
-            let (up, level) = height_deg.to_radians().sin_cos();
-            let facing = light.sun_facing_deg.unwrap_or(0.0).to_radians();
-            let (sin, cos) = facing.sin_cos();
-            scene.sun.to_sun = [level * sin, up, level * cos];
+            place_sun(scene, height_deg, light.sun_facing_deg.unwrap_or(0.0));
         }
         scene.floor_m = self.plan.ground.height_m;
         if !self.plan.ground.shown {
@@ -311,5 +322,25 @@ impl SceneSource<'_> {
             ground.height_m = plain_ground_m(&self.plan);
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sun_fades_at_the_horizon_and_lights_nothing_from_below() {
+        let day = Preset::Day.scene();
+        let lit = |height_deg| {
+            let mut scene = day;
+            place_sun(&mut scene, height_deg, 30.0);
+            let share = scene.sun.color[0] / day.sun.color[0];
+            assert_eq!(scene.ambient.glow, day.ambient.glow.map(|channel| channel * share));
+            (share, scene.sun.casts_shadows)
+        };
+        assert_eq!(lit(60.0), (1.0, true));
+        assert_eq!(lit(1.0), (0.5, true));
+        assert_eq!([0.0, -1.0, -30.0, -90.0].map(lit), [(0.0, false); 4]);
     }
 }
