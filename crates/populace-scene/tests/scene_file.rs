@@ -167,4 +167,8 @@ fn names_that_resemble_none_come_with_all_that_there_are() {
     refused(&holds("shild"), 5, "did you mean \"shield\"");
     let file = "\n[[prop]]\nfile = \"sword.glb\"\nat = [0, 0, 0]\n";
     ScenePlan::parse(&(holds("sword.glb") + file)).unwrap();
+    let words = "the right hand has \"phone\" and \"spear\"";
+    refused(&holds("shield\", \"phone\", \"spear"), 5, words);
+    refused(&holds("helmet\", \"helmet"), 5, "the head has \"helmet\" and \"helmet\"");
+    ScenePlan::parse(&holds("helmet\", \"shield\", \"spear")).unwrap();
 }

@@ -33,10 +33,36 @@ fn check_cast(plan: &ScenePlan, cast: &CastPlan) -> Option<Fault> {
         let rule = unknown("things to hold", thing, things.iter().copied())?;
         Some(Fault::of("holds", rule))
     });
+    let in_one_place = || {
+        let (first, second) = in_one_place(&cast.holds)?;
+        let rule = format!(
+            "at most one thing for the head and each hand: the {} has \"{first}\" and \"{second}\"",
+            place_of(first)
+        );
+        Some(Fault::of("holds", rule))
+    };
     unknown_use
         .or(unknown_thing)
+        .or_else(in_one_place)
         .or_else(|| BODY_HEIGHT.check("height_m", cast.height_m?))
         .or_else(|| PART.check_all("top", cast.top.as_ref()?))
+}
+
+/// Returns the first two things that are held or worn in one place.
+fn in_one_place(things: &[String]) -> Option<(&str, &str)> {
+    things.iter().enumerate().find_map(|(nth, second)| {
+        let first = things[..nth].iter().find(|first| place_of(first) == place_of(second))?;
+        Some((first.as_str(), second.as_str()))
+    })
+}
+
+/// Returns where a thing is held or worn.
+fn place_of(thing: &str) -> &'static str {
+    match thing {
+        "helmet" => "head",
+        "shield" => "left hand",
+        _ => "right hand",
+    }
 }
 
 fn check_crowd(plan: &ScenePlan, crowd: &CrowdPlan) -> Option<Fault> {
