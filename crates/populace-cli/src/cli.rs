@@ -201,7 +201,7 @@ pub(crate) struct RenderArgs {
     /// meshes are added to all characters
     #[arg(required_unless_present = "cast", value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// More characters: files, folders with glTF files, or built-in people
+    /// More characters: files, folders with glTF files, or built-in people. A scene names its own
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
     /// Number of members of a crowd of characters [default: 1000]

@@ -115,8 +115,9 @@ impl Filmed {
         let count = frames.count();
         let [total, behave, animate, view_ms, draw] = times.medians();
         message!(
-            "{} drawn, {}",
-            counted(drawn.members.instances, "member"),
+            "{} of {} drawn, {}",
+            drawn.members.instances,
+            counted(crowd.member_count(), "member"),
             counted(drawn.members.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };

@@ -9,6 +9,7 @@ use crate::{scene, trajectory};
 /// Inputs and options of a command. Some have no meaning for some shows.
 pub(crate) struct Given<'a> {
     pub(crate) inputs: &'a [PathBuf],
+    pub(crate) cast: &'a [PathBuf],
     pub(crate) members: Option<u32>,
     pub(crate) trajectory: &'a TrajectoryArgs,
     pub(crate) picture: &'a PictureArgs,
@@ -29,10 +30,11 @@ impl Given<'_> {
             } else if trajectory::is_trajectory(other) {
                 format!("{shown} is a scene and {given} a recording; give one of them")
             } else {
-                format!(
-                    "{shown} is a scene, which names its own characters; give {given} by --cast"
-                )
+                has_characters(file, other)
             }));
+        }
+        if let Some(other) = self.cast.first() {
+            return Err(Failure::usage(has_characters(file, other)));
         }
         self.check_without_recording()?;
         check_for_street(self.picture)
@@ -74,6 +76,14 @@ impl Given<'_> {
         self.trajectory.read.refuse_unused()?;
         self.trajectory.overlay.refuse_unused()
     }
+}
+
+/// Returns why characters cannot be given beside a scene.
+fn has_characters(scene: &Path, given: &Path) -> String {
+    let [scene, given] = [scene, given].map(Path::display);
+    format!(
+        "{scene} is a scene, which names its own characters; name {given} in `from` of a [[cast]]"
+    )
 }
 
 /// Refuses what has no meaning for people with behaviours.

@@ -24,7 +24,7 @@ use crate::filming::{Filming, check_hidden};
 use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter};
 use crate::names::hint;
-use crate::report::{counted, message};
+use crate::report::message;
 use crate::roles::{self, LoadedRoles};
 use crate::text_file;
 use live::{FilmedScene, LiveScene};
@@ -301,7 +301,6 @@ impl SceneSource<'_> {
             devices_and_shares(crowd),
             crowd.device_info().schedule
         );
-        message!("{} in all", counted(crowd.member_count(), "member"));
     }
 
     /// Sets the light of the plan, unless the command line says otherwise.

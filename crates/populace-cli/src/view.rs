@@ -99,6 +99,7 @@ impl<'a> CommandLine<'a> {
         };
         let given = Given {
             inputs: &inputs.clone(),
+            cast: &args.cast,
             members: args.members.filter(|_| wish.dropped.is_none()),
             trajectory: &args.trajectory,
             picture: &args.picture,
@@ -117,8 +118,8 @@ impl<'a> CommandLine<'a> {
             if !is_dropped {
                 given.check_for_scene(file)?;
             }
-            let (plan, cast) = (scene::read(file)?, args.cast.as_slice());
-            let source = SceneSource { plan, file: Some(file), cast, picture: &args.picture };
+            let plan = scene::read(file)?;
+            let source = SceneSource { plan, file: Some(file), cast: &[], picture: &args.picture };
             return Ok((source.stage(builder)?, name_of(file)));
         }
         if let Some(file) = inputs.iter().find(|input| trajectory::is_trajectory(input)) {

@@ -20,7 +20,7 @@ pub(crate) struct ViewArgs {
     /// @street for the street of `populace demo` [default: @people]
     #[arg(value_name = "FILE")]
     pub(crate) inputs: Vec<PathBuf>,
-    /// More characters: files, folders with glTF files, or built-in people
+    /// More characters: files, folders with glTF files, or built-in people. A scene names its own
     #[arg(long, value_name = "PATH", num_args = 1..)]
     pub(crate) cast: Vec<PathBuf>,
     /// Number of members of a crowd of characters [default: 200]

@@ -39,7 +39,7 @@ fn scene(mut args: RenderArgs, file: &Path) -> Result<(), Failure> {
     given(&args).check_for_scene(file)?;
     let plan = scene::read(file)?;
     args.picture.size.get_or_insert(Size(plan.output.size));
-    let source = SceneSource { plan, file: Some(file), cast: &args.cast, picture: &args.picture };
+    let source = SceneSource { plan, file: Some(file), cast: &[], picture: &args.picture };
     SceneJob { source, out: out(&args)? }.run()
 }
 
@@ -58,8 +58,8 @@ fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
 }
 
 fn given(args: &RenderArgs) -> Given<'_> {
-    let RenderArgs { inputs, members, trajectory, picture, .. } = args;
-    Given { inputs, members: *members, trajectory, picture }
+    let RenderArgs { inputs, cast, members, trajectory, picture, .. } = args;
+    Given { inputs, cast, members: *members, trajectory, picture }
 }
 
 /// Returns the path of what is drawn, which only recordings may lack.

@@ -342,6 +342,9 @@ fn far_members_have_fewer_triangles_and_others_are_hidden() {
     let full = json_of(&[&args[..], &["--full-detail"]].concat());
     assert_eq!((number(&full, "hidden"), number(&full, "drawn_members")), (0, 100));
     assert!(number(&full, "triangles") > 4 * number(&seen, "triangles"));
+    let text = populace(&args).stderr;
+    let words = format!("{in_view} of 100 members drawn");
+    assert!(String::from_utf8_lossy(&text).contains(&words), "no {words:?}");
     let finer = json_of(&[&args[..], &["--detail", "0.1"]].concat());
     assert!(number(&finer, "triangles") > number(&seen, "triangles"));
 }

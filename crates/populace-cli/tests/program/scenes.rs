@@ -234,6 +234,9 @@ fn wrong_scenes_are_refused_with_line_and_key() {
     );
     std::fs::write(&scene, crowd).unwrap();
     refused(&["render", &scene, "--out", "x.png"], 1, &["2 `layers`", "give at most 1"]);
+    std::fs::write(&scene, good).unwrap();
+    let cast = ["render", &scene, "--cast", "@woman", "--out", "x.png"];
+    refused(&cast, 2, &["names its own characters", "@woman in `from` of a [[cast]]"]);
     let two = "[[cast]]\nname = \"b\"\nfrom = [\"@woman\"]\n";
     std::fs::write(&scene, format!("{good}{two}")).unwrap();
     refused(&["render", &scene, "--hide", "xyz", "--out", "x.png"], 2, &["no node \"xyz\""]);
