@@ -8,8 +8,8 @@ use populace::character::{Character, CharacterSource, Level, Region};
 use populace::interop::{View, Visibility};
 use populace::model::{JointSource, Skeleton};
 use populace::{
-    Affine, BackendError, ClipPlayback, Crowd, Device, Error, JointIndex, JointOverride, MemberId,
-    MemberLook, Placement, Schedule, Space, Target, Trs, Weight,
+    Affine, BackendError, ClipPlayback, Crowd, Device, Error, JointIndex, JointOverride,
+    LiveSettings, MemberId, MemberLook, Placement, Schedule, Space, Target, Trs, Weight,
 };
 
 /// Joints that are left at the second level.
@@ -368,6 +368,27 @@ fn members_that_others_need_or_whose_reach_is_unknown_are_posed() {
     let seen: Vec<_> = scene.seen().iter().map(|seen| seen.0).collect();
     use Visibility::{Hidden, InView};
     assert_eq!(seen, [Hidden, Hidden, Hidden, InView, Hidden]);
+}
+
+/// Poses of a live clip may be anywhere, but only those of members that play it.
+#[test]
+fn live_clips_show_their_own_members_alone() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[BEHIND, BEHIND]);
+    let [live, plain] = *scene.members else { panic!() };
+    scene.crowd.set_view(Some(view(0.0))).unwrap();
+    let body = scene.crowd.member(live).unwrap().character();
+    let sphere = |scene: &Scene| scene.crowd.member(plain).unwrap().bounding_sphere();
+    let before = sphere(&scene);
+    let mut character = scene.crowd.character_mut(body).unwrap();
+    let clip = character.add_live_clip("Actor", &LiveSettings::default()).unwrap();
+    scene.crowd.member_mut(live).unwrap().play(clip, ClipPlayback::live(0.1)).unwrap();
+    scene.crowd.update(0.1).unwrap();
+    assert_eq!(sphere(&scene), before);
+    assert_eq!(scene.seen(), [(Visibility::InView, 0), (Visibility::Hidden, 0)]);
+    let walk = scene.crowd.clip(body, "Walk").unwrap();
+    scene.crowd.member_mut(live).unwrap().play(walk, ClipPlayback::looping()).unwrap();
+    scene.crowd.update(0.1).unwrap();
+    assert_eq!(scene.seen(), [(Visibility::Hidden, 0); 2], "the live clip has ended");
 }
 
 #[test]

@@ -95,7 +95,7 @@ pub(super) struct CharacterState {
     pub(super) body: BodyIndex,
     /// The reduced body that each level of detail evaluates, counted from 1; 0 for the whole one.
     pub(super) reduced_of_level: Vec<u32>,
-    /// Around all poses of the clips that were bound to it so far.
+    /// Around all poses of the clips that were bound to it so far, except for live ones.
     pub(super) reach: Reach,
     /// Detected from joint names, or set.
     pub(super) roles: Option<RoleMap>,

@@ -52,14 +52,18 @@ impl Base {
             check(&bound.report)?;
             return Ok(bound.index);
         }
+        let is_bounded = known.ring().is_none();
         let binding = self.make_binding(state, known)?;
         let report = *binding.report();
         check(&report)?;
         let index = self.tables.add_bound_clip(key.1.0, key.0, &binding)?;
         self.assets.bound_clips.insert(key, Bound { index, report });
-        let state = self.character_state_mut(character)?;
-        let reach = Reach::with_clip(&state.character.skeleton, &binding);
-        state.reach = state.reach.and(reach);
+        // Live clips pose bodies anywhere, so members that play one are always shown.
+        if is_bounded {
+            let state = self.character_state_mut(character)?;
+            let reach = Reach::with_clip(&state.character.skeleton, &binding);
+            state.reach = state.reach.and(reach);
+        }
         Ok(index)
     }
 
