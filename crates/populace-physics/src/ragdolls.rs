@@ -77,7 +77,9 @@ impl PendingRagdoll {
 /// so it would follow the new placement only one frame later. A limp member keeps its handle, its
 /// buffer ranges and its clips, because a ragdoll only writes joint overrides.
 ///
-/// A clone, with a snapshot of the crowd, goes on as the original does.
+/// A clone, with a snapshot of the crowd, goes on as the original does. Joints are evaluated again by
+/// [`Crowd::restore`], which can change those of members with planted feet or with targets at joints
+/// of others slightly, and with them a fall that has not begun.
 #[derive(Clone)]
 pub struct Ragdolls {
     world: World,

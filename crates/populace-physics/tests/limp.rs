@@ -10,6 +10,7 @@ mod common;
 
 use common::{DT, GRAVITY, Scene, beyond_limits, chain, length, minus};
 use populace::interop::View;
+use populace::model::{Role, Side};
 use populace::{BackendError, Crowd, Device, Feet, Foot, Placement, Schedule};
 use populace_physics::{Ragdolls, State};
 
@@ -196,26 +197,52 @@ fn simulation_is_deterministic() {
     assert_eq!(run(), run());
 }
 
+/// Goes limp with the left arm alone, or gets up with it.
+fn limp_arm(scene: &mut Scene, gets_up: bool) {
+    let Scene { crowd, ragdolls, plan, member, .. } = &mut *scene;
+    let arm = crowd.member(*member).unwrap().joint(Role::UpperArm(Side::Left)).unwrap();
+    ragdolls.go_limp_from(crowd, *member, plan, arm).unwrap();
+    scene.frames(20);
+    if gets_up {
+        scene.ragdolls.get_up(&mut scene.crowd, scene.member, 0.5).unwrap();
+        scene.frames(5);
+    }
+}
+
 #[test]
 fn a_clone_goes_on_as_the_original() {
-    let mut scene = Scene::walking_man();
-    let chest = scene.joint("Spine4");
-    scene.go_limp();
-    scene.ragdolls.push(scene.member, chest, [30.0, 10.0, -50.0], None).unwrap();
-    scene.frames(20);
-    let saved = (scene.crowd.snapshot().unwrap(), scene.ragdolls.clone());
-    let run = |scene: &mut Scene| -> Vec<_> {
-        (0..40)
-            .map(|_| {
-                scene.frame();
-                scene.joints()
-            })
-            .collect()
-    };
-    let uninterrupted = run(&mut scene);
-    scene.crowd.restore(&saved.0).unwrap();
-    scene.ragdolls = saved.1;
-    assert_eq!(run(&mut scene), uninterrupted);
+    type Bring = fn(&mut Scene);
+    let states: [(&str, Bring); 5] = [
+        ("about to go limp", Scene::go_limp),
+        ("one frame before going limp", |scene| {
+            scene.go_limp();
+            scene.frame();
+        }),
+        ("limp", |scene| {
+            scene.go_limp();
+            scene.frames(20);
+        }),
+        ("limp at an arm", |scene| limp_arm(scene, false)),
+        ("getting up at an arm", |scene| limp_arm(scene, true)),
+    ];
+    let on = |device| states.map(|state| (device, state));
+    for (device, (state, bring)) in [Device::native(), Device::opencl(0)].into_iter().flat_map(on) {
+        let mut scene = Scene::walking_man_on(Crowd::builder().device(device));
+        bring(&mut scene);
+        let saved = (scene.crowd.snapshot().unwrap(), scene.ragdolls.clone());
+        let run = |scene: &mut Scene| -> Vec<_> {
+            (0..20)
+                .map(|_| {
+                    scene.frame();
+                    scene.joints()
+                })
+                .collect()
+        };
+        let uninterrupted = run(&mut scene);
+        scene.crowd.restore(&saved.0).unwrap();
+        scene.ragdolls = saved.1;
+        assert!(run(&mut scene) == uninterrupted, "{state}, {device}");
+    }
 }
 
 #[test]

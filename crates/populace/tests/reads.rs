@@ -164,6 +164,7 @@ fn hidden_members_have_no_results() {
         show(&mut crowd, true, "shown again");
         assert_height(&mut crowd, member, 1.0, &at("shown again"));
         crowd.restore(&hidden).unwrap();
+        assert_not_evaluated(&mut crowd, member, &at("just restored"));
         show(&mut crowd, false, "restored");
         assert_not_evaluated(&mut crowd, member, &at("restored"));
         crowd.move_to(devices.clone()).unwrap();
@@ -213,16 +214,11 @@ fn palettes_of_an_undone_frame_are_not_released() {
         let new = crowd.snapshot().unwrap();
         crowd.update(0.1).unwrap();
         let updated = crowd.snapshot().unwrap();
-        for snapshot in [updated, new] {
+        for (snapshot, released) in [(updated, Ok(true)), (new, Err(BackendError::NotEvaluated))] {
             crowd.update(0.1).unwrap();
             assert_eq!(is_released(&mut crowd), Ok(true), "{}", at("updated"));
             crowd.restore(&snapshot).unwrap();
-            assert_eq!(
-                is_released(&mut crowd),
-                Err(BackendError::NotEvaluated),
-                "{}",
-                at("restored")
-            );
+            assert_eq!(is_released(&mut crowd), released, "{}", at("restored"));
         }
         crowd.move_to(devices.clone()).unwrap();
         assert_eq!(is_released(&mut crowd), Ok(false), "{}", at("moved"));
@@ -258,6 +254,13 @@ fn reads_give_the_same_result_in_every_state() {
 
         crowd.update(0.1).unwrap();
         assert_height(&mut crowd, member, 1.0, &at("updated again"));
+        let risen = crowd.snapshot().unwrap();
+        let stand = crowd.clip(crowd.member(member).unwrap().character(), "Stand").unwrap();
+        crowd.member_mut(member).unwrap().play(stand, ClipPlayback::looping()).unwrap();
+        crowd.update(0.1).unwrap();
+        assert_height(&mut crowd, member, 0.0, &at("updated after the snapshot"));
+        crowd.restore(&risen).unwrap();
+        assert_height(&mut crowd, member, 1.0, &at("restored"));
         crowd.move_to(devices.clone()).unwrap();
         assert_not_evaluated(&mut crowd, member, &at("moved"));
         assert_eq!(pages(&mut crowd), no_pages, "{}", at("moved"));

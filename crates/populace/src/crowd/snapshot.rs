@@ -1,6 +1,7 @@
 //! Snapshots: the state of a crowd between two frames.
 
 use super::Crowd;
+use super::base::Clock;
 use super::state::State;
 use crate::Error;
 use populace_backends::DeviceHistory;
@@ -46,8 +47,10 @@ impl Crowd {
     }
 
     /// Returns to the state of a snapshot of this crowd. The same calls then give the same bits as
-    /// they did after the snapshot, on any devices that compute the same bits. Results can be read
-    /// after the next update.
+    /// they did after the snapshot, on any devices that compute the same bits. If the snapshot was
+    /// taken after an update, the crowd is evaluated at its time once more, and results can be read
+    /// at once. They are those of the snapshot's time. Joints of planted feet, and of members whose
+    /// targets are joints of others, can differ slightly there; what later updates give does not.
     ///
     /// Devices, their split and the OpenGL context stay as they are. Handles that were returned
     /// after the snapshot was taken mean nothing afterwards.
@@ -55,7 +58,8 @@ impl Crowd {
     /// # Errors
     ///
     /// [`Error::OtherCrowd`] for a snapshot of another crowd, or a device that cannot run a user
-    /// stage of the snapshot. Nothing is changed then.
+    /// stage of the snapshot. Nothing is changed then. With a failing device the crowd has the
+    /// state of the snapshot, and [`move_to`](Self::move_to) continues on another.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         if snapshot.state.base.number != self.state.base.number {
             return Err(Error::OtherCrowd);
@@ -71,6 +75,11 @@ impl Crowd {
         self.state.motion.continue_after(last_motion);
         self.state.base.tables.mark_dirty();
         self.device.take_history(snapshot.history.clone());
-        Ok(())
+        let Clock { tick, frame, .. } = self.state.base.clock;
+        if frame == 0 {
+            return Ok(());
+        }
+        // Whoever reads joints before an update, as ragdolls do, finds those of the snapshot.
+        self.device.run_again(&mut self.state.base.tables, tick)
     }
 }
