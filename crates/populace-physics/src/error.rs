@@ -62,6 +62,28 @@ pub(crate) fn finite(what: &'static str, values: &[f32]) -> Result<(), Error> {
     }
 }
 
+/// Largest size of a gravity in m/s², a hundred times that of the Earth.
+const GRAVITY_MOST: f32 = 1e3;
+/// Largest size of an impulse in newton-seconds, more than that of a lorry on a motorway.
+const IMPULSE_MOST: f32 = 1e7;
+
+/// Fails if a component of a gravity is out of its range.
+pub(crate) fn gravity(values: &[f32]) -> Result<(), Error> {
+    within("gravity", values, GRAVITY_MOST, "from -1,000 to 1,000 m/s²")
+}
+
+/// Fails if a component of an impulse is out of its range.
+pub(crate) fn impulse(values: &[f32]) -> Result<(), Error> {
+    within("an impulse", values, IMPULSE_MOST, "from -10,000,000 to 10,000,000 Ns")
+}
+
+fn within(what: &'static str, values: &[f32], most: f32, rule: &'static str) -> Result<(), Error> {
+    match values.iter().find(|value| !(-most..=most).contains(*value)) {
+        Some(&value) => Err(Error::BadValue { what, value, rule }),
+        None => Ok(()),
+    }
+}
+
 /// Fails if a time is negative or not finite.
 pub(crate) fn seconds(what: &'static str, value: f32) -> Result<(), Error> {
     if value >= 0.0 && value.is_finite() {

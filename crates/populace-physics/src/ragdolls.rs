@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use populace::{Crowd, JointIndex, MemberId, Watch};
 
-use crate::error::finite;
+use crate::error::{self, finite};
 use crate::math::Vector;
 use crate::member_ragdoll::{BuildParams, JointAngles, MemberRagdoll};
 use crate::snapshot::Snapshot;
@@ -95,9 +95,9 @@ impl Ragdolls {
     ///
     /// # Errors
     ///
-    /// [`Error::BadValue`] if a component of the gravity is not finite.
+    /// [`Error::BadValue`] if a component of the gravity is not from -1,000 to 1,000 m/s².
     pub fn new(gravity: [f32; 3]) -> Result<Self, Error> {
-        finite("gravity", &gravity)?;
+        error::gravity(&gravity)?;
         let world = World::new(Vector::from_array(gravity));
         Ok(Self { world, pending: Vec::new(), active: Vec::new(), rising: Vec::new(), next_id: 1 })
     }
@@ -215,7 +215,8 @@ impl Ragdolls {
     ///
     /// # Errors
     ///
-    /// [`Error::NotLimp`], [`Error::NoBody`], or [`Error::BadValue`] if a number is not finite.
+    /// [`Error::NotLimp`], [`Error::NoBody`], or [`Error::BadValue`] if a component of the impulse
+    /// is not from -10,000,000 to 10,000,000 Ns or one of the point is not finite.
     pub fn push(
         &mut self,
         member: MemberId,
@@ -223,7 +224,7 @@ impl Ragdolls {
         impulse_ns: [f32; 3],
         at: Option<[f32; 3]>,
     ) -> Result<(), Error> {
-        finite("an impulse", &impulse_ns)?;
+        error::impulse(&impulse_ns)?;
         finite("the point of a push", at.as_ref().map_or(&[], |p| p))?;
         let no_body = Error::NoBody { joint: joint.0 };
         let (impulse, at) = (Vector::from_array(impulse_ns), at.map(Vector::from_array));
