@@ -99,12 +99,10 @@ pub enum Allowed {
     /// A count: this one.
     #[error("{0}")]
     Exactly(usize),
-    /// A factor for each joint, above zero and at most `most`.
-    #[error("one for each of the {joints} joints, above zero and at most {most}")]
-    PerJoint {
-        /// The number of joints.
-        joints: usize,
-        /// The largest factor.
+    /// A number above zero and at most this large.
+    #[error("above zero and at most {most:e}")]
+    AboveZero {
+        /// The largest.
         most: f32,
     },
     /// A direction of some length.

@@ -392,6 +392,19 @@ fn live_clips_show_their_own_members_alone() {
 }
 
 #[test]
+fn members_in_their_own_build_again_are_hidden_again() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[BEHIND]);
+    scene.crowd.set_view(Some(view(0.0))).unwrap();
+    let joints = man().skeleton.joint_count();
+    for (factor, visibility) in [(1.3, Visibility::InView), (1.0, Visibility::Hidden)] {
+        let mut member = scene.crowd.member_mut(scene.members[0]).unwrap();
+        member.set_proportions(&vec![factor; joints]).unwrap();
+        scene.crowd.update(0.1).unwrap();
+        assert_eq!(scene.seen(), [(visibility, 0)], "proportions of {factor}");
+    }
+}
+
+#[test]
 fn a_run_from_a_snapshot_repeats_to_the_bit() {
     for device in [Device::native(), Device::opencl(0)] {
         let mut scene = Scene::new(device, Schedule::Fused, &[AHEAD, BEHIND, [12.0, 0.0, -9.0]]);
@@ -446,11 +459,14 @@ fn looks_are_kept_by_snapshots_and_end_with_the_member() {
 }
 
 #[test]
-fn views_that_are_not_finite_are_refused() {
+fn views_with_numbers_out_of_range_are_refused() {
     let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD]);
     for bad in [
         View { eye: [f32::NAN, 0.0, 0.0], ..view(1.0) },
         View { pixels_per_metre: f32::INFINITY, ..view(1.0) },
+        View { pixels_per_metre: f32::NAN, ..view(1.0) },
+        View { pixels_per_metre: -5.0, ..view(1.0) },
+        View { pixels_per_metre: 0.0, ..view(1.0) },
         View { to_sun: Some([f32::NAN; 3]), ..view(1.0) },
         view(-1.0),
         view(f32::NAN),

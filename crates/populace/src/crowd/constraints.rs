@@ -156,36 +156,40 @@ impl Constraints {
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         let joints = base.character_state(character)?.character.skeleton.joint_count();
-        let good =
-            factors.len() == joints && factors.iter().all(|f| *f > 0.0 && *f <= LARGEST_SCALE);
-        if !good {
-            let allowed = Allowed::PerJoint { joints, most: LARGEST_SCALE };
-            return Err(Error::BadValue {
-                what: "the factors of proportions",
-                value: factors.len() as f32,
-                allowed,
-            });
+        check_factors(factors, joints)?;
+        if factors.iter().all(|factor| *factor == 1.0) {
+            return self.replace_proportions(base, member, None);
         }
         let bits = factors.iter().map(|factor| factor.to_bits()).collect();
         let key = (base.character_state(character)?.body, bits);
-        let known = self.proportions.get(&key).copied();
-        let first = match known {
-            Some(first) => first,
+        let first = match self.proportions.get(&key) {
+            Some(first) => *first,
             None => base.tables.add_joint_scales(factors)?,
         };
-        let old = self.controls.get(member.number()).and_then(|state| state.controls.proportions);
-        let changed = self.change(base, member, |controls| {
-            controls.proportions = Some(first);
-            Ok(())
-        });
-        if changed.is_ok() {
-            self.proportions.insert(key.clone(), first);
-            self.users_of_proportions.entry(first).or_insert((key, 0)).1 += 1;
-            self.release_proportions(base, old);
-        } else if known.is_none() {
-            base.tables.remove_joint_scales(first)?;
+        // Counted first, so that factors that the member has already stay.
+        self.proportions.insert(key.clone(), first);
+        self.users_of_proportions.entry(first).or_insert((key, 0)).1 += 1;
+        let changed = self.replace_proportions(base, member, Some(first));
+        if changed.is_err() {
+            self.release_proportions(base, Some(first));
         }
         changed
+    }
+
+    /// Sets the offset of a member's factors, and frees those that it had if nobody else has them.
+    fn replace_proportions(
+        &mut self,
+        base: &mut Base,
+        member: MemberId,
+        first: Option<u32>,
+    ) -> Result<(), Error> {
+        let old = self.controls.get(member.number()).and_then(|state| state.controls.proportions);
+        self.change(base, member, |controls| {
+            controls.proportions = first;
+            Ok(())
+        })?;
+        self.release_proportions(base, old);
+        Ok(())
     }
 
     /// Frees bone-length factors after their last user.
@@ -376,4 +380,16 @@ impl Constraints {
             }
         }
     }
+}
+
+/// Refuses bone-length factors that devices cannot take.
+fn check_factors(factors: &[f32], joints: usize) -> Result<(), Error> {
+    if factors.len() != joints {
+        let (what, value) = ("the number of factors of proportions", factors.len() as f32);
+        return Err(Error::BadValue { what, value, allowed: Allowed::Exactly(joints) });
+    }
+    let bad = factors.iter().find(|factor| !(**factor > 0.0 && **factor <= LARGEST_SCALE));
+    let Some(&value) = bad else { return Ok(()) };
+    let (what, allowed) = ("a factor of proportions", Allowed::AboveZero { most: LARGEST_SCALE });
+    Err(Error::BadValue { what, value, allowed })
 }

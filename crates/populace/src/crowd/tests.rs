@@ -341,6 +341,21 @@ fn refused_constraints_watch_nothing() {
 }
 
 #[test]
+fn refused_proportions_name_what_is_wrong() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let id = crowd.add_character(lift()).unwrap();
+    let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
+    let mut view = crowd.member_mut(member).unwrap();
+    for (factors, text) in [
+        (&[1.0, 1.0][..], "the number of factors of proportions is 2; it must be 1"),
+        (&[-0.5], "a factor of proportions is -0.5; it must be above zero and at most 1e4"),
+        (&[f32::NAN], "a factor of proportions is NaN; it must be above zero and at most 1e4"),
+    ] {
+        assert_eq!(view.set_proportions(factors).unwrap_err().to_string(), text);
+    }
+}
+
+#[test]
 fn proportions_stay_as_long_as_any_member_has_them() {
     let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
     let id = crowd.add_character(lift()).unwrap();

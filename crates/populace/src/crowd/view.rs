@@ -17,6 +17,8 @@ use crate::{Allowed, Error, Placement};
 const HYSTERESIS: f32 = 0.85;
 /// Members that a thread chooses for at a time.
 const SHARE: usize = 2048;
+/// The most pixels that a metre may cover at a distance of one metre.
+const LARGEST_PX_PER_METRE: f32 = 1e12;
 /// The largest error of a view, in pixels.
 const LARGEST_ERROR_PX: f32 = 1e6;
 
@@ -36,8 +38,8 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// [`Error::BadValue`] for a view with a number that is not finite, or an error in pixels below
-    /// 0.
+    /// [`Error::BadValue`] for a view with a number that is not finite, pixels per metre that are
+    /// not above 0 and at most 1e12, or an error in pixels that is not from 0 to 1e6.
     ///
     /// [`levels`]: populace_character::Character::levels
     pub fn set_view(&mut self, view: Option<View>) -> Result<(), Error> {
@@ -78,10 +80,15 @@ fn check(view: &View) -> Result<(), Error> {
     let View { eye, planes, pixels_per_metre, to_sun, error_px } = view;
     let numbers = eye.iter().chain(planes.as_flattened()).chain(to_sun.iter().flatten());
     let allowed = Allowed::Finite;
-    for value in numbers.chain([pixels_per_metre]) {
+    for value in numbers {
         if !value.is_finite() {
             return Err(Error::BadValue { what: "a number of the view", value: *value, allowed });
         }
+    }
+    if !(*pixels_per_metre > 0.0 && *pixels_per_metre <= LARGEST_PX_PER_METRE) {
+        let (what, value) = ("the pixels per metre of the view", *pixels_per_metre);
+        let allowed = Allowed::AboveZero { most: LARGEST_PX_PER_METRE };
+        return Err(Error::BadValue { what, value, allowed });
     }
     if !(0.0..=LARGEST_ERROR_PX).contains(error_px) {
         let allowed = Allowed::Range { least: 0.0, most: LARGEST_ERROR_PX.into() };

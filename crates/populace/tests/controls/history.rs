@@ -11,7 +11,7 @@ use populace::{
 };
 
 use crate::feet::feet;
-use crate::fixture::{Scene, everywhere, scene, skeleton};
+use crate::fixture::{Scene, everywhere, scene};
 use crate::gaze::gaze;
 
 const FRAME_SECS: f32 = 1.0 / 30.0;
@@ -25,9 +25,8 @@ fn slope(scene: &mut Scene) {
 fn swaying(scene: &mut Scene) -> MemberId {
     let member = scene.member(Placement::at([0.0; 3]));
     let clip = scene.clip("sway");
-    let joints = skeleton().joint_count();
     scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
-    scene.edit(member).set_proportions(&vec![1.0; joints]).expect("proportions");
+    scene.edit(member).watch_joint(populace::JointIndex(0)).expect("a joint");
     member
 }
 

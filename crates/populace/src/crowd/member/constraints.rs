@@ -174,7 +174,7 @@ impl MemberMut<'_> {
     }
 
     /// Scales the lengths of joints: one factor for each joint, in level order, on its distance
-    /// from its parent. All 1 is the character's own build.
+    /// from its parent. All 1 is the character's own build, and takes earlier factors away.
     ///
     /// # Errors
     ///
