@@ -2,6 +2,7 @@
 
 #![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
+use std::process::Command;
 use std::sync::Arc;
 
 use populace::character::{Character, CharacterSource, PaletteEntry};
@@ -219,4 +220,22 @@ fn unsupported_device_part_is_refused() {
         Crowd::builder().device(Device::opencl_part(0, 1, 1000)).build().map(|_| ()).unwrap_err();
     assert!(error.to_string().contains("cannot be cut into 1000 equal parts"), "{error}");
     assert!(error.to_string().contains("name the whole device"), "{error}");
+}
+
+/// The native device has no form for GPUs, and nobody asked for it by name.
+#[test]
+fn crowds_without_opencl_fall_back_to_a_schedule_that_the_native_device_has() {
+    const INNER: &str = "POPULACE_TEST_WITHOUT_OPENCL";
+    if std::env::var_os(INNER).is_none() {
+        let this_test = "crowds_without_opencl_fall_back_to_a_schedule_that_the_native_device_has";
+        let mut process = Command::new(std::env::current_exe().unwrap());
+        process.args(["--exact", this_test]).env(INNER, "1");
+        process.env("OCL_ICD_VENDORS", "/nonexistent").env("OPENCL_VENDOR_PATH", "/nonexistent");
+        assert!(process.status().unwrap().success());
+        return;
+    }
+    let crowd = Crowd::builder().schedule(Schedule::FusedGrouped).build().unwrap();
+    let info = crowd.device_info();
+    assert_eq!((info.devices, info.schedule), (Device::native().into(), Schedule::Fused));
+    assert!(info.fallback.is_some());
 }

@@ -8,6 +8,7 @@ use populace_device::{GlContext, MAX_SLOTS, Schedule};
 use super::Crowd;
 use super::active_device::ActiveDevice;
 use super::base::Base;
+use super::devices::schedule_for;
 use super::state::State;
 use crate::{Allowed, Device, Devices, Error, Split};
 use populace_backends::Opened;
@@ -62,7 +63,8 @@ impl CrowdBuilder {
     }
 
     /// Sets how stages are mapped to work-items; [`Schedule::Fused`] unless set. All schedules
-    /// compute the same poses.
+    /// compute the same poses. A crowd that falls back to the native device takes
+    /// [`Schedule::Fused`] instead of [`Schedule::FusedGrouped`].
     #[must_use]
     pub fn schedule(mut self, schedule: Schedule) -> Self {
         self.schedule = schedule;
@@ -121,16 +123,22 @@ impl CrowdBuilder {
 
     /// Opens the selected devices, or the best device that opens.
     fn open(&self) -> Result<Start, Error> {
-        let open = |devices: Devices, fallback| {
-            let opened = devices.open(self.schedule, &self.split, self.gl.as_ref())?;
+        let open = |devices: Devices, schedule, fallback| {
+            let opened = devices.open(schedule, &self.split, self.gl.as_ref())?;
             Ok(Start { devices, opened, fallback })
         };
         if let Some(devices) = &self.devices {
-            return open(devices.clone(), None);
+            return open(devices.clone(), self.schedule, None);
         }
-        let started = Device::best_opencl()
-            .and_then(|device| open(device.into(), None).map_err(|error: Error| error.to_string()));
-        started.or_else(|reason| open(Device::native().into(), Some(reason)))
+        let started = Device::best_opencl().and_then(|device| {
+            let opened = open(device.into(), self.schedule, None);
+            opened.map_err(|error: Error| error.to_string())
+        });
+        started.or_else(|reason| {
+            let native = Device::native().into();
+            let schedule = schedule_for(&native, self.schedule);
+            open(native, schedule, Some(reason))
+        })
     }
 }
 

@@ -35,12 +35,7 @@ impl Crowd {
     pub fn move_to(&mut self, devices: impl Into<Devices>) -> Result<(), Error> {
         let devices = devices.into();
         let gl = self.device.gl.clone();
-        let is_native = |device: &Device| matches!(device, Device::Native { .. });
-        let schedule = match self.device.backend().schedule() {
-            // The native device has no form for GPUs.
-            Schedule::FusedGrouped if devices.as_slice().iter().any(is_native) => Schedule::Fused,
-            schedule => schedule,
-        };
+        let schedule = schedule_for(&devices, self.device.backend().schedule());
         let mut opened = devices.open(schedule, &Split::Measured, gl.as_ref())?;
         opened.backend_mut().set_stages(self.state.stages.as_slice())?;
         // A lost device has no history: feet are planted again, and machines restart.
@@ -49,5 +44,15 @@ impl Crowd {
         self.device.history = Some(history);
         self.state.base.tables.mark_dirty();
         Ok(())
+    }
+}
+
+/// Returns the schedule, or the one in its place where devices lack it: the native device has no
+/// form for GPUs.
+pub(super) fn schedule_for(devices: &Devices, schedule: Schedule) -> Schedule {
+    let is_native = |device: &Device| matches!(device, Device::Native { .. });
+    match schedule {
+        Schedule::FusedGrouped if devices.as_slice().iter().any(is_native) => Schedule::Fused,
+        schedule => schedule,
     }
 }
