@@ -26,7 +26,7 @@ pub enum Error {
         name: String,
     },
     /// Devices that cannot share a crowd.
-    #[error("{devices}: {fault}")]
+    #[error("{devices}{}{fault}", if devices.is_empty() { "" } else { ": " })]
     BadDevices {
         /// The devices, joined.
         devices: String,

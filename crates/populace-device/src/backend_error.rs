@@ -28,14 +28,15 @@ pub enum BackendError {
         /// The number of devices.
         count: usize,
     },
-    /// A device that cannot be divided into the requested number of equal parts.
-    #[error("{device} cannot be cut into {parts} equal parts: {cause}; name the whole device")]
+    /// A device that cannot be divided into the requested number of equal parts, or has no part of
+    /// the requested number.
+    #[error("{device} {cause}")]
     NoPart {
         /// The device's name.
         device: String,
         /// The requested number of parts.
         parts: usize,
-        /// The reason.
+        /// The reason and how to mend it.
         cause: String,
     },
     /// Memory that could not be allocated.

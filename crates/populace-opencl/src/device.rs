@@ -53,13 +53,18 @@ fn part_of(whole: &Device, info: &DeviceInfo, part: DevicePart) -> Result<Device
         Entry::Vacant(vacant) => vacant.insert(split(whole, info, parts)?),
     };
     let found = sub_devices.get(part.wrapping_sub(1)).map(|part| Device::new(part.id()));
-    let cause = || format!("there is no part {part} among them");
+    let cause =
+        || format!("has no part {part} of {parts}: parts count from 1; name one from 1 to {parts}");
     found.ok_or_else(|| BackendError::NoPart { device: info.name.clone(), parts, cause: cause() })
 }
 
 fn split(whole: &Device, info: &DeviceInfo, parts: usize) -> Result<Vec<SubDevice>, BackendError> {
     let (units, most) = (info.compute_units, info.most_parts);
-    let refused = |cause| BackendError::NoPart { device: info.name.clone(), parts, cause };
+    let refused = |reason: String| BackendError::NoPart {
+        device: info.name.clone(),
+        parts,
+        cause: format!("cannot be cut into {parts} equal parts: {reason}; name the whole device"),
+    };
     if most < 2 {
         return Err(refused("its driver cannot split it".into()));
     }

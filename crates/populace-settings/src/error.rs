@@ -63,8 +63,9 @@ pub enum Error {
     BadAttachment(AttachmentFault),
     /// An id of another crowd, or of something that does not exist.
     #[error(
-        "there is no {what} {index} in this crowd; ids are valid in the crowd that returned them, \
-         until it is removed"
+        "there is no {what} {index} in this {owner}; ids are valid in the {owner} that returned \
+         them, until it is removed",
+        owner = .what.owner()
     )]
     UnknownId {
         /// The kind of id.

@@ -23,8 +23,6 @@ pub enum IdKind {
     Stage,
     /// A member.
     Member,
-    /// A joint of a character.
-    Joint,
     /// A playback of a member.
     Playback,
     /// A watch of a joint.
@@ -36,15 +34,24 @@ impl fmt::Display for IdKind {
         f.write_str(match self {
             Self::Character => "character",
             Self::Clip => "clip",
-            Self::Mask => "mask of this character",
+            Self::Mask => "mask",
             Self::BlendSpace => "blend space",
             Self::Machine => "state machine",
             Self::Stage => "stage",
             Self::Member => "member",
-            Self::Joint => "joint",
             Self::Playback => "playback",
             Self::Watch => "watch",
         })
+    }
+}
+
+impl IdKind {
+    /// The thing that returns ids of this kind.
+    pub(crate) const fn owner(self) -> &'static str {
+        match self {
+            Self::Mask => "character",
+            _ => "crowd",
+        }
     }
 }
 

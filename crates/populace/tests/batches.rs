@@ -16,7 +16,7 @@ mod fixture;
 
 use fixture::{Scene, joint, scene};
 use populace::{
-    Affine, BlendSpace, BlendSpacePlayback, ClipPlayback, Condition, Device, Error, IdKind,
+    Affine, BlendSpace, BlendSpacePlayback, ClipPlayback, Condition, Device, Error,
     MachinePlayback, MemberId, Placement, Schedule, SpacePoint, StateMachine, StatePlayback,
     Weight,
 };
@@ -181,5 +181,9 @@ fn a_batch_with_an_error_changes_nothing() {
     assert!(matches!(wrong, Err(Error::BadValue { .. })), "{wrong:?}");
     let beyond = populace::JointIndex(999);
     let wrong = scene.crowd.read_joints(&[(members[0], beyond)], &mut models[..1]);
-    assert_eq!(wrong, Err(Error::UnknownId { what: IdKind::Joint, index: 999 }));
+    let count = scene.crowd.character(body).expect("a body").asset().skeleton.joint_count();
+    assert_eq!(
+        wrong.expect_err("no such joint").to_string(),
+        format!("there is no joint 999; the skeleton has {count}")
+    );
 }

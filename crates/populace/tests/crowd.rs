@@ -390,11 +390,12 @@ fn mask_of_another_character_is_refused() {
         .add_mask(&Mask::subtree(&skeleton, JointIndex(0)))
         .unwrap();
     let member = crowd.spawn(id, Placement::at([0.0; 3])).unwrap();
-    assert!(
-        crowd
-            .member_mut(member)
-            .and_then(|mut m| m.set_layer(1, LayerSettings::default(), Some(mask)))
-            .is_err()
+    let mut member = crowd.member_mut(member).unwrap();
+    let refused = member.set_layer(1, LayerSettings::default(), Some(mask)).unwrap_err();
+    assert_eq!(
+        refused.to_string(),
+        "there is no mask 0 in this character; ids are valid in the character that returned them, \
+         until it is removed"
     );
 }
 

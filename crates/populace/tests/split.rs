@@ -204,7 +204,8 @@ fn devices_and_load_shares_can_be_changed_at_any_time() {
     assert_eq!(scene.crowd.device_info().shares, [0.5, 0.5]);
     let error = scene.crowd.move_to([two, two]).unwrap_err();
     assert!(matches!(&error, Error::Devices(DevicesError::BadDevices { .. })), "{error}");
-    assert!(Crowd::builder().devices([]).build().is_err());
+    let error = Crowd::builder().devices([]).build().map(|_| ()).unwrap_err();
+    assert_eq!(error.to_string(), "no device is named; name at least one");
     assert!(Crowd::builder().device(one).split(Split::Fixed(vec![1.0, 1.0])).build().is_err());
     let mut twin = Scene::new(&Device::native().into(), Schedule::Fused, Split::Measured);
     (0..2).for_each(|_| twin.step());

@@ -101,8 +101,8 @@ fn parts_divide_the_compute_units_equally() {
     for (part, parts, words) in [
         (1, 9999, "compute units, for at most"),
         (1, 0, "compute units, for at most"),
-        (3, 2, "there is no part 3"),
-        (0, 2, "there is no part 0"),
+        (3, 2, "has no part 3 of 2: parts count from 1"),
+        (0, 2, "has no part 0 of 2: parts count from 1"),
     ] {
         let error = OpenClDevice::open_part(0, crate::DevicePart { part, parts }).unwrap_err();
         assert!(

@@ -2,14 +2,14 @@
 //! changed.
 
 use populace_device::layout::{Float4, PAGE_ENTRIES};
-use populace_device::{Schedule, StageBuffer};
+use populace_device::{ConstraintFault, Schedule, StageBuffer};
 use populace_model::{Affine, JointIndex};
 use populace_settings::parts::{Check, bounded, check_secs, stride_row};
 
 use super::base::Base;
 use super::state::State;
 use super::{CharacterId, Crowd, MemberId, ParameterId};
-use crate::{Allowed, Error, IdKind, Placement, SpacePoint, Stride};
+use crate::{Allowed, Error, Placement, SpacePoint, Stride};
 
 impl Crowd {
     /// Adds a member for each placement, as [`spawn`](Self::spawn) does.
@@ -116,7 +116,8 @@ impl Crowd {
 
     /// Reads joints of members after the last update into `models`: joint to model space, one for
     /// each of `joints`. Joints that a member's level of detail leaves out hang from the others as
-    /// at rest. Waits for the last update, once.
+    /// at rest; see [`model_from_joints`](crate::MemberMut::model_from_joints). Waits for the last
+    /// update, once.
     ///
     /// # Errors
     ///
@@ -156,7 +157,8 @@ impl Crowd {
         let (row, body) = self.device_member(member)?;
         let skeleton = self.skeleton_of(member)?;
         if joint.index() >= skeleton.joint_count() {
-            return Err(Error::UnknownId { what: IdKind::Joint, index: joint.0 });
+            let count = skeleton.joint_count();
+            return Err(Error::Tables(ConstraintFault::NoJoint { joint: joint.0, count }.into()));
         }
         let (mut evaluated, mut rests) = (joint, Vec::new());
         while evaluated.0 >= body.joint_count

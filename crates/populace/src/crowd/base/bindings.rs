@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use populace_clip::Clip;
+use populace_device::ConstraintFault;
 use populace_retarget::{Binding, BindingReport};
 
 use populace_settings::parts::{check_contact, contact_row};
 
 use super::reach::Reach;
 use super::{Base, CharacterState, ClipIndex};
-use crate::{CharacterId, ClipId, Contact, Error, IdKind};
+use crate::{CharacterId, ClipId, Contact, Error};
 
 /// A clip bound to a body.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +102,8 @@ impl Base {
         for contact in contacts {
             check_contact(contact, known.duration_secs())?;
             if contact.ankle.index() >= joints {
-                return Err(Error::UnknownId { what: IdKind::Joint, index: contact.ankle.0 });
+                let fault = ConstraintFault::NoJoint { joint: contact.ankle.0, count: joints };
+                return Err(Error::Tables(fault.into()));
             }
         }
         let bound = self.bind(character, clip, true)?;
