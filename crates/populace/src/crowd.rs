@@ -89,7 +89,8 @@ impl Crowd {
 
     /// The events of the last update, in order of time, of members that
     /// [subscribed](crate::MemberMut::subscribe_events). Clips of state machines report none: only
-    /// the device knows their state.
+    /// the device knows their state. If a clip comes to one footstep or marker more than 16 times
+    /// in an update, the last 16 are reported.
     #[must_use]
     pub fn events(&self) -> &[Event] {
         self.state.events.as_slice()

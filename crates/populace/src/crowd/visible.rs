@@ -33,7 +33,8 @@ pub struct VisibleMember {
 
 impl Crowd {
     /// Fills `list` with all members that were present at the last update and not hidden by it, and
-    /// keeps its allocation. Without a [view](Self::view) they are in full detail.
+    /// keeps its allocation. Without a [view](Self::view) they are in full detail. Before the first
+    /// update all members are listed, although they have no palettes yet.
     ///
     /// The list is sorted by character, palette page and level, so that each of its runs is one
     /// instanced draw. In a run, members keep the order of [`members`](Self::members).

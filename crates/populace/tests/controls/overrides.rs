@@ -153,3 +153,30 @@ fn bad_overrides_are_refused_and_change_nothing() {
         );
     });
 }
+
+/// Local poses have what comes before Transform, and nothing that comes after it.
+#[test]
+fn local_pose_is_the_pose_before_constraints() {
+    everywhere(|scene| {
+        let member = scene.member(Placement::at([0.0; 3]));
+        let clip = scene.clip("sway");
+        scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
+        let factors = vec![1.3; skeleton().joint_count()];
+        scene.edit(member).set_proportions(&factors).expect("proportions");
+        for (space, is_before) in [(Space::Local, true), (Space::Model, false)] {
+            let given = [given("chest", space, 1.0)];
+            scene.edit(member).override_joints(&given).expect("an override");
+            scene.update(0.1);
+            let mut models: Vec<Affine> = Vec::new();
+            let locals = scene.edit(member).local_pose().expect("an evaluated member");
+            for (joint, local) in skeleton().joints().zip(&locals) {
+                let parent = skeleton().parent(joint);
+                let parent = parent.map_or(Affine::IDENTITY, |parent| models[parent.index()]);
+                models.push(parent.mul(&Affine::from_trs(local)));
+            }
+            let pairs = models.iter().zip(scene.models(member));
+            let off = pairs.map(|(a, b)| distance(a.origin(), b.origin())).fold(0.0, f32::max);
+            assert_eq!(off < 1e-4, is_before, "{space:?}: {off} m");
+        }
+    });
+}

@@ -19,8 +19,13 @@ impl MemberMut<'_> {
         self.crowd.palette(self.id)
     }
 
-    /// Returns the joints in model space after the last update, in level order. Waits for the
-    /// device.
+    /// Returns the joints in model space after the last update, in level order, as they are drawn.
+    /// Waits for the device.
+    ///
+    /// With a [view](crate::Crowd::set_view), joints that the member's level of detail leaves out,
+    /// such as fingers, hang from the others as at rest. [Watched](Self::watch_joint) joints and
+    /// those that constraints need are evaluated all the same, and so is the whole member in an
+    /// update without a view.
     ///
     /// # Errors
     ///
@@ -29,7 +34,13 @@ impl MemberMut<'_> {
         self.crowd.model_from_joints(self.id)
     }
 
-    /// Returns the local transforms after the last update, in level order. Waits for the device.
+    /// Returns the local transforms that the clips gave the joints in the last update, in level
+    /// order. Waits for the device.
+    ///
+    /// Proportions, overrides in local space and stages after Pose are in them; what comes later is
+    /// not: look-at, reach, planted feet, overrides in model space, stages after Transform, root
+    /// motion and attachments. [`model_from_joints`](Self::model_from_joints) returns the joints
+    /// after all of that. Joints that the member's level of detail leaves out are at rest.
     ///
     /// # Errors
     ///
