@@ -124,6 +124,17 @@ enum Among {
     Scene,
 }
 
+impl Among {
+    fn of(choice: ClipChoice, characters: usize) -> Self {
+        match choice {
+            // What scenes have is as large as people need it.
+            ClipChoice::Scene => Self::Scene,
+            _ if characters > 1 => Self::Others,
+            _ => Self::None,
+        }
+    }
+}
+
 /// Loads the inputs into the crowd. An input is a file, `@people` for all built-in people, or one
 /// of them by name, such as `@child`. The clips of files without meshes, and of `clip_files`, are
 /// added to all characters. `levels` says which levels of detail they get. Built-in people
@@ -169,12 +180,7 @@ pub(crate) fn load(
     if drawn.is_empty() {
         return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
     }
-    // What scenes have is as large as people need it.
-    let among = match choice {
-        ClipChoice::Scene => Among::Scene,
-        _ if drawn.len() > 1 => Among::Others,
-        _ => Among::None,
-    };
+    let among = Among::of(choice, drawn.len());
     drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let drawn = drawn.into_par_iter();
