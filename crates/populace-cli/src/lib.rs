@@ -14,6 +14,7 @@ mod camera;
 mod cli;
 mod commands;
 mod crowd_renderer;
+mod doubts;
 mod draw;
 mod exposure;
 mod failure;

@@ -19,7 +19,7 @@ use serde_json::{Value, json};
 use crate::built_in;
 use crate::built_in::Clothes;
 use crate::camera::{Cameras, Subject, View};
-use crate::cli::{FrameRange, OverlayArgs, PictureArgs, build};
+use crate::cli::{FrameRange, ImageKind, OverlayArgs, PictureArgs, build};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
 use crate::film_length;
@@ -92,7 +92,11 @@ impl ReplayJob<'_> {
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let played = (&mut action as &mut dyn Action, &scene, 0);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
-        filmed.report(&crowd, args.json, action.measures())
+        let mut more = action.measures();
+        if args.film.images.contains(&ImageKind::Id) {
+            more = report::with_fields(more, json!({"ids": action.ids()}));
+        }
+        filmed.report(&crowd, args.json, more)
     }
 
     /// Brings people and place into a crowd for a window, with room for `slots` clips each.
@@ -133,7 +137,7 @@ impl ReplayJob<'_> {
         action: &mut ReplayAction,
         scene: &mut Scene,
     ) -> Result<(), Failure> {
-        action.place = Place::new(crowd, &action.recording, self.overlay.walls_m())?;
+        action.place = Place::new(crowd, &action.recording, self.overlay)?;
         scene.floor_m = place::floor_m(&action.recording);
         if scene.floor_m != 0.0 {
             message!("the ground is at {:.2} m, the least elevation", scene.floor_m);
@@ -294,6 +298,13 @@ impl ReplayAction {
         self.metered.find(crowd, &self.replay)?;
         crowd.update(secs)?;
         self.metered.sample(crowd, secs)
+    }
+
+    /// Returns the ids of the file by the values that stand for them in `.id.png`.
+    fn ids(&self) -> Value {
+        let agents = self.recording.agents.iter();
+        let ids = (1_u64..).zip(agents).map(|(value, agent)| (value.to_string(), json!(agent.id)));
+        Value::Object(ids.collect())
     }
 
     /// Returns foot skate and the error of positions as JSON, by their names.

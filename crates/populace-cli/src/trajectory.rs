@@ -7,8 +7,10 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use populace_trajectory::{
     Error, Fact, Format, HeadingSource, Kind, Origin, ReadSettings, Recording, Source, Unit,
+    Warning,
 };
 
+use crate::doubts::doubts;
 use crate::failure::Failure;
 use crate::report::counted;
 
@@ -50,12 +52,22 @@ pub(crate) struct ReadArgs {
 }
 
 impl ReadArgs {
-    /// Reads a trajectory file.
+    /// Reads a trajectory file, and adds what looks wrong in it to its warnings.
     pub(crate) fn load(&self, file: &Path) -> Result<Recording, Failure> {
-        populace_trajectory::load(file, &self.settings()).map_err(|error| match error {
+        let read = populace_trajectory::load(file, &self.settings());
+        let mut recording = read.map_err(|error| match error {
             Error::Unknown { .. } => Failure::Input(anyhow::anyhow!("{error}; {OTHER_INPUTS}")),
             error => error.into(),
-        })
+        })?;
+        let doubts = doubts(&recording).into_iter();
+        let doubts = doubts.map(|text| Warning { text, rows: 0, first: None });
+        recording.warnings.extend(doubts);
+        match recording.warnings.first() {
+            Some(warning) if self.strict => {
+                Err(Error::Strict { path: file.to_owned(), warning: warning.clone() }.into())
+            }
+            _ => Ok(recording),
+        }
     }
 
     /// Refuses these options if any was given. For commands without a trajectory file.

@@ -16,6 +16,8 @@ const MARGIN: f64 = 0.9;
 const PADDING: f64 = 0.75;
 const LINE: f64 = 1.4;
 const BAR_WIDTH: f64 = 13.0;
+/// Most of the picture's width that a bar covers, unless its title is longer.
+const BAR_SHARE: f64 = 0.2;
 const BAR_HEIGHT: f64 = 0.8;
 const TICK: f64 = 0.28;
 const SWATCH: f64 = 0.85;
@@ -71,7 +73,8 @@ impl Canvas<'_> {
         let size = self.text_size();
         let title = legend.heading();
         let title_rows = if title.is_empty() { 0.0 } else { LINE * size };
-        let width = (BAR_WIDTH * size).max(text_width(&title, size)).round();
+        let most = BAR_SHARE * f64::from(self.size()[0]);
+        let width = (BAR_WIDTH * size).min(most).max(text_width(&title, size)).round();
         let under = (TICK + 0.35 + CAP_HEIGHT) * size;
         // Numbers at the ends stand half beside the bar.
         let side = (0.8 * size).round();

@@ -145,6 +145,16 @@ fn trail_is_even_where_its_parts_meet() {
 }
 
 #[test]
+fn legends_leave_room_in_small_pictures() {
+    let legend = legend(Scale::number(0.0, 2.0), &[]);
+    for size in [[320, 180], [640, 360], [1280, 720]] {
+        let rgba = drawn(size, |canvas| canvas.legend(&legend, Corner::TopRight));
+        let first = changed(&rgba, size[0]).iter().map(|at| at[0]).min().expect("a legend");
+        assert!(first > size[0] * 3 / 5, "from column {first} of {}", size[0]);
+    }
+}
+
+#[test]
 fn legend_shows_the_colours_of_its_scale() {
     let scale = Scale::number(0.0, 2.0);
     let legend = legend(scale.clone(), &[]);

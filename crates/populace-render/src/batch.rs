@@ -49,6 +49,9 @@ pub(crate) struct ModelInfo {
     pub(crate) blended: bool,
     /// True for a thing as large as a house: a place, before which others stand.
     pub(crate) is_place: bool,
+    /// True for a floor, such as that of a walkable area with its low walls: far wider than high,
+    /// so that others throw shadows onto it, and it throws few.
+    pub(crate) is_floor: bool,
     /// Centre and radius in metres of the rest pose's bounding sphere, in model space.
     pub(crate) sphere: (Vec3, f32),
 }

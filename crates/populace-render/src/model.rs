@@ -78,6 +78,8 @@ const BAKED: f32 = 0.015;
 
 /// Radius in metres beyond which a character is a place, such as a house.
 const PLACE_M: f32 = 4.0;
+/// Radius in heights from which on a place is a floor.
+const FLOOR: f32 = 8.0;
 
 /// A character on the graphics device.
 pub(crate) struct Model {
@@ -119,15 +121,18 @@ impl Model {
             levels.push(ModelLevel { parts, is_coarse });
         }
         let blended = levels[0].parts.iter().any(|part| part.alpha == Alpha::Blended);
-        let sphere = character.rest_bounds().map_or((Vec3::ZERO, 0.0), |bounds| {
+        let (mut sphere, mut height_m) = ((Vec3::ZERO, 0.0), 0.0);
+        if let Some(bounds) = character.rest_bounds() {
             let (low, high) = (Vec3::from(bounds.low), Vec3::from(bounds.high));
-            (0.5 * (low + high), 0.5 * low.distance(high))
-        });
+            sphere = (0.5 * (low + high), 0.5 * low.distance(high));
+            height_m = high.y - low.y;
+        }
         let info = ModelInfo {
             entry_count: character.palette.len(),
             level_errors_m,
             blended,
             is_place: sphere.1 > PLACE_M,
+            is_floor: sphere.1 > PLACE_M.max(FLOOR * height_m),
             sphere,
         };
         let contacts = Contacts::new(shared, character, hide)?;

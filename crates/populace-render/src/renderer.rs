@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use self::constants::{bounding_sphere, frame};
 use self::interface::Interface;
-use crate::batch::{Batches, Drawn, Instances, ModelInfo, Run};
+use crate::batch::{Batches, Drawn, Instances, ModelInfo};
 use crate::gl::{
     Buffer, BufferUse, ContactTarget, DrawCommands, Gl, MarkTarget, PictureTarget, ShadowTarget,
     Timers, VertexArray, WindowTarget,
@@ -51,8 +51,8 @@ pub struct Renderer {
     commands: DrawCommands,
     frame: Buffer<Frame>,
     timers: Timers<3>,
-    /// Runs of the instances in the last picture.
-    runs: Vec<Run>,
+    /// The instances in the last picture.
+    last: Batches,
     /// Created on first use.
     marks: Option<MarkTarget>,
     /// What a window shows besides the picture; created on first use.
@@ -99,7 +99,7 @@ impl Renderer {
             commands: DrawCommands::new(&gl)?,
             frame: Buffer::new(&gl, BufferUse::Stream)?,
             timers: Timers::new(&gl)?,
-            runs: Vec::new(),
+            last: Batches::default(),
             marks: None,
             interface: None,
             gl,
@@ -116,7 +116,7 @@ impl Renderer {
         self.gl.make_current()?;
         self.picture = PictureTarget::new(&self.gl, size)?;
         (self.size, self.marks, self.contact_map) = (size, None, None);
-        self.runs.clear();
+        self.last = Batches::default();
         if self.shadow.as_ref().is_some_and(|map| u32::from(map.size()) != shadow_size(size)) {
             self.shadow = None;
         }
@@ -255,10 +255,10 @@ impl Renderer {
         self.palettes.acquire(&self.gl, source).map(|_| ())
     }
 
-    /// Gives up all palettes, and with them the runs that are drawn from their pages.
+    /// Gives up all palettes, and with them the instances that are drawn from their pages.
     fn clear_palettes(&mut self) {
         self.palettes.clear();
-        self.runs.clear();
+        self.last = Batches::default();
     }
 
     /// Draws `instances` from the palettes that were last acquired, for callers who choose, place
@@ -279,7 +279,7 @@ impl Renderer {
         scene: &Scene,
     ) -> Result<Drawn, Error> {
         // They would name models that may be gone, if this fails.
-        self.runs.clear();
+        self.last = Batches::default();
         scene.check()?;
         #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
         let aspect = self.size[0] as f32 / self.size[1] as f32;
@@ -318,7 +318,7 @@ impl Renderer {
         self.draw_passes(&batches, sun.is_some(), scene, &mut drawn)?;
         self.palettes.fence_draws(&self.gl)?;
         self.gl.check("draw the crowd")?;
-        self.runs = batches.opaque;
+        self.last = batches;
         Ok(drawn)
     }
 

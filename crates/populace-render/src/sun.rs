@@ -7,6 +7,8 @@ use glam::{Mat3, Mat4, Vec3};
 pub(crate) struct Sphere {
     pub(crate) center: Vec3,
     pub(crate) radius: f32,
+    /// True for a floor: see [`ModelInfo::is_floor`](crate::batch::ModelInfo::is_floor).
+    pub(crate) is_floor: bool,
 }
 
 /// Projection of the shadow map, and the size of its texels in metres.
@@ -25,13 +27,16 @@ const SHADOW_REACH: f32 = 4.0;
 const DISTANCE_RATIO: f32 = 8.0;
 /// Lower bound of the distance at which shadows end, in radii of the largest member.
 const DISTANCE_RADII: f32 = 60.0;
+/// Size in metres of the texels up to which floors widen the map. Shadows of people are sharp enough.
+const FLOOR_TEXEL_M: f32 = 0.03;
 
 impl SunView {
     /// Returns the projection that covers the members in or near the picture, or `None` if there
     /// are none. `to_sun` is a unit vector, `map_size` the side of the map in texels.
     ///
     /// The covered size is rounded up to steps, and the centre to whole texels, so that shadow
-    /// edges do not crawl while the crowd moves.
+    /// edges do not crawl while the crowd moves. Of a floor that is far wider than the crowd, only
+    /// the part around the others is covered.
     pub(crate) fn over(
         spheres: &[Sphere],
         eye: Vec3,
@@ -45,20 +50,18 @@ impl SunView {
                 normal.dot(sphere.center) + offset > -(1.0 + SHADOW_REACH) * sphere.radius
             })
         };
-        let shown: Vec<&Sphere> = spheres.iter().filter(near_picture).collect();
-        let distance = |sphere: &Sphere| (sphere.center.distance(eye) - sphere.radius).max(0.0);
-        let nearest = shown.iter().map(|sphere| distance(sphere)).fold(f32::INFINITY, f32::min);
-        let largest = shown.iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
-        let limit = (DISTANCE_RATIO * nearest).max(DISTANCE_RADII * largest);
+        let shown = spheres.iter().filter(near_picture);
+        let (floors, bodies): (Vec<&Sphere>, Vec<_>) = shown.partition(|sphere| sphere.is_floor);
         let side = if to_sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
         let right = side.cross(to_sun).normalize();
         let sun_from_world = Mat3::from_cols(right, to_sun.cross(right), to_sun).transpose();
-        let (low, high) = shown
-            .into_iter()
-            .filter(|sphere| distance(sphere) <= limit)
-            .map(|sphere| (sun_from_world * sphere.center, Vec3::splat(MOTION * sphere.radius)))
-            .map(|(center, half)| (center - half, center + half))
-            .reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))?;
+        let bodies = extent(&within_reach(bodies, eye), sun_from_world);
+        let floors = extent(&floors, sun_from_world);
+        let map_m = FLOOR_TEXEL_M * f32::from(map_size);
+        let (low, high) = match (bodies, floors) {
+            (Some(bodies), Some(floors)) => widened(bodies, floors, map_m),
+            (bodies, floors) => bodies.or(floors)?,
+        };
         let half = (0.5 * (high - low)).max(Vec3::splat(1e-3));
         // Steps by a factor of 2^(1/4).
         let stepped = |x: f32| ((4.0 * x.log2()).ceil() / 4.0).exp2();
@@ -88,6 +91,32 @@ impl SunView {
         };
         at.x.abs() <= 1.0 + radius(0) && at.y.abs() <= 1.0 + radius(1)
     }
+}
+
+/// Returns the members whose shadows are not too far away to be missed.
+fn within_reach(shown: Vec<&Sphere>, eye: Vec3) -> Vec<&Sphere> {
+    let distance = |sphere: &Sphere| (sphere.center.distance(eye) - sphere.radius).max(0.0);
+    let nearest = shown.iter().map(|sphere| distance(sphere)).fold(f32::INFINITY, f32::min);
+    let largest = shown.iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
+    let limit = (DISTANCE_RATIO * nearest).max(DISTANCE_RADII * largest);
+    shown.into_iter().filter(|sphere| distance(sphere) <= limit).collect()
+}
+
+/// Returns the corners of the box around moving members, as the sun sees them.
+fn extent(spheres: &[&Sphere], sun_from_world: Mat3) -> Option<(Vec3, Vec3)> {
+    let corners = |sphere: &&Sphere| {
+        let (center, half) = (sun_from_world * sphere.center, Vec3::splat(MOTION * sphere.radius));
+        (center - half, center + half)
+    };
+    spheres.iter().map(corners).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// Returns a box with what lies around it of another, up to a width and a height of `most_m`.
+fn widened(own: (Vec3, Vec3), other: (Vec3, Vec3), most_m: f32) -> (Vec3, Vec3) {
+    let (middle, half) = (0.5 * (own.0 + own.1), 0.5 * most_m);
+    // Depth takes no texels.
+    let room = Vec3::new(half, half, f32::INFINITY);
+    (own.0.min(other.0.max(middle - room)), own.1.max(other.1.min(middle + room)))
 }
 
 /// Returns the planes of the picture's four edges, as inward unit normal and offset.
@@ -125,7 +154,7 @@ mod tests {
     }
 
     fn sphere(x: f32, z: f32) -> Sphere {
-        Sphere { center: Vec3::new(x, 1.0, z), radius: 1.0 }
+        Sphere { center: Vec3::new(x, 1.0, z), radius: 1.0, is_floor: false }
     }
 
     #[test]
@@ -146,6 +175,22 @@ mod tests {
         let alone = view(&[sphere(0.0, 0.0)]).unwrap();
         assert_eq!(view(&[sphere(0.0, 0.0), sphere(300.0, 0.0)]), Some(alone));
         assert!(view(&[sphere(0.0, 0.0), sphere(3.0, 0.0)]).unwrap().texel_m > alone.texel_m);
+    }
+
+    #[test]
+    fn floors_take_the_texels_that_people_do_not_need() {
+        let people = [sphere(0.0, 0.0), sphere(2.0, -3.0)];
+        let over = |radius: f32, is_floor: bool| {
+            let floor = Sphere { center: Vec3::ZERO, radius, is_floor };
+            view(&[people.as_slice(), &[floor]].concat()).unwrap()
+        };
+        assert_eq!(over(10.0, true), over(10.0, false), "a small one is covered whole");
+        assert!(over(400.0, false).texel_m > 1.0, "a house of this size");
+        assert!(over(400.0, true).texel_m < 1.2 * FLOOR_TEXEL_M, "{}", over(400.0, true).texel_m);
+        let at = over(400.0, true).shadow_from_world.project_point3(Vec3::new(2.0, 2.0, -3.0));
+        assert!(at.truncate().abs().max_element() < 1.0, "{at}");
+        // Alone, its walls throw shadows onto it.
+        assert!(view(&[Sphere { is_floor: true, ..sphere(0.0, 0.0) }]).is_some());
     }
 
     #[test]

@@ -17,6 +17,10 @@ const HOLDS_M_PER_SEC: f64 = 0.08;
 const AGREES: f64 = 0.6;
 /// The length of such a mean from which on it points somewhere.
 const POINTS: f64 = 0.2;
+/// Time in seconds over which a turn is measured, and the length of the mean of such turns, as
+/// unit vectors, from which on somebody turns steadily.
+const TURN_SECS: f64 = 0.3;
+const STEADY: f64 = 0.9;
 /// Width in seconds over which turns are spread.
 const TURNS_SECS: f64 = 0.25;
 /// The highest rate of turns in radians per second.
@@ -37,20 +41,40 @@ pub(crate) fn of_motion(velocities: &[[f64; 2]], step_secs: f64) -> Vec<f64> {
 
 /// Returns headings of data for velocities on the plan, without gaps and sudden turns. NaN is a gap.
 /// Models turn people who wait in a queue to and fro: the less somebody moves, the longer the time
-/// over which headings are averaged, and they are held where they disagree.
+/// over which headings are averaged, and they are held where they disagree. Who turns steadily on the
+/// spot is followed.
 pub(crate) fn of_data(headings: &[f64], velocities: &[[f64; 2]], step_secs: f64) -> Vec<f64> {
     let given: Vec<[f64; 2]> = headings.iter().map(|heading| direction(*heading)).collect();
     let near = bell(velocities, step_secs, WALKS_SECS);
-    let wide = bell(&given, step_secs, CREEPS_SECS);
+    let calm = calm(&given, step_secs);
     let settle = |(nth, heading): (usize, &f64)| {
         let moves = moves(near[nth]);
         if moves >= 1.0 {
             return heading.is_finite().then_some(*heading);
         }
-        let [x, y] = [0, 1].map(|axis| moves * given[nth][axis] + (1.0 - moves) * wide[nth][axis]);
+        let [x, y] = [0, 1].map(|axis| moves * given[nth][axis] + (1.0 - moves) * calm[nth][axis]);
         (x.hypot(y) > AGREES).then(|| y.atan2(x))
     };
     settled(headings.iter().enumerate().map(settle).collect(), step_secs)
+}
+
+/// Returns the means of unit vectors over a long time, or over a short one where they turn steadily:
+/// a whole turn has no mean.
+fn calm(given: &[[f64; 2]], step_secs: f64) -> Vec<[f64; 2]> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few steps")]
+    let half = (0.5 * TURN_SECS / step_secs).ceil() as usize;
+    let last = given.len().saturating_sub(1);
+    let turn = |nth: usize| {
+        let ([a, b], [c, d]) = (given[nth.saturating_sub(half)], given[(nth + half).min(last)]);
+        [a * c + b * d, a * d - b * c]
+    };
+    let turns: Vec<[f64; 2]> = (0..given.len()).map(turn).collect();
+    let turns = bell(&turns, step_secs, CREEPS_SECS);
+    let [wide, near] = [CREEPS_SECS, WALKS_SECS].map(|secs| bell(given, step_secs, secs));
+    let steady = |nth: usize| turns[nth][0].hypot(turns[nth][1]) > STEADY;
+    let agrees = |nth: usize| wide[nth][0].hypot(wide[nth][1]) > AGREES;
+    let one = |nth: usize| if !agrees(nth) && steady(nth) { near[nth] } else { wide[nth] };
+    (0..given.len()).map(one).collect()
 }
 
 /// Returns directions of view without gaps and sudden turns. NaN is a gap.
@@ -197,6 +221,24 @@ mod tests {
         let turns: Vec<f64> = (0..300).map(|nth| if nth < 150 { 0.0 } else { 1.8 }).collect();
         let headings = of_data(&turns, &still, STEP_SECS);
         assert!(headings[90].abs() < 0.05 && (headings[210] - 1.8).abs() < 0.05, "{headings:?}");
+    }
+
+    #[test]
+    fn who_turns_steadily_on_the_spot_is_followed() {
+        let still = vec![[0.0; 2]; 300];
+        for rate in [0.3, 1.0, -1.5, 3.0] {
+            let given: Vec<f64> =
+                (0..300).map(|nth| 1.0 + rate * STEP_SECS * f64::from(nth)).map(wrapped).collect();
+            let headings = of_data(&given, &still, STEP_SECS);
+            let off = |nth: usize| wrapped(headings[nth] - given[nth]).abs();
+            let most = (75..225).map(off).fold(0.0, f64::max);
+            assert!(most < 0.1 && off(0) < 0.8, "{rate} rad/s: {most} rad off");
+        }
+        // To and fro within 3 s is no turn.
+        let sway: Vec<f64> = (0..300).map(|nth| 1.6 * (f64::from(nth) * 0.084).sin()).collect();
+        let headings = of_data(&sway, &still, STEP_SECS);
+        let far = headings.iter().map(|heading| (heading - headings[0]).abs()).fold(0.0, f64::max);
+        assert!(far < 0.8, "{far}");
     }
 
     #[test]

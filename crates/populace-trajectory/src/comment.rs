@@ -2,6 +2,12 @@
 
 use crate::Unit;
 
+/// Returns true for the line by which spreadsheets note how fields are separated, such as `sep=;`.
+pub(crate) fn names_separator(line: &str) -> bool {
+    let sign = line.trim().to_ascii_lowercase();
+    sign.strip_prefix("sep=").is_some_and(|sign| sign.chars().count() <= 1)
+}
+
 /// Returns the frame rate that a comment names: its first number after the word, perhaps with a
 /// decimal comma.
 pub(crate) fn frame_rate(comment: &str) -> Option<f64> {

@@ -90,6 +90,9 @@ impl Reading<'_> {
             return Ok(());
         }
         let Some(header) = &mut self.header else {
+            if comment::names_separator(text) {
+                return Ok(());
+            }
             if self.header_of(text, place)? {
                 return Ok(());
             }

@@ -159,7 +159,7 @@ fn lines(text: &str) -> Result<Format, Refusal> {
     let comments = || text.lines().filter(|line| line.trim_start().starts_with('#'));
     let mut rows = text.lines().filter(|line| {
         let line = line.trim();
-        !line.is_empty() && !line.starts_with('#')
+        !line.is_empty() && !line.starts_with('#') && !comment::names_separator(line)
     });
     let first = rows.next().unwrap_or_default();
     let is_vadere = text.starts_with("#IDXCOL") || first.contains("-PID");

@@ -26,8 +26,12 @@ pub struct Summary {
     pub median_speed_m_s: f64,
     /// The speed in metres per second that 95 of 100 rows of people do not exceed.
     pub p95_speed_m_s: f64,
+    /// The greatest speed of a person from a row to the next, in metres per second.
+    pub max_speed_m_s: f64,
     /// The corners with the least and the greatest coordinates of all positions, in metres.
     pub extent_m: [[f32; 2]; 2],
+    /// The least and the greatest elevation of the ground in metres, if the file has some.
+    pub elevations_m: Option<[f32; 2]>,
     /// Interruptions of agents' rows.
     pub gaps: Gaps,
 }
@@ -57,7 +61,9 @@ impl Recording {
             peak_agents: self.peak_agents(),
             median_speed_m_s: percentile(&mut speeds, 50),
             p95_speed_m_s: percentile(&mut speeds, 95),
+            max_speed_m_s: percentile(&mut speeds, 100),
             extent_m: self.extent(),
+            elevations_m: self.elevation_range(),
             gaps,
         }
     }
@@ -80,6 +86,11 @@ impl Recording {
         let mut intervals: Vec<f64> =
             tracks.flat_map(|track| track.times.windows(2)).map(|pair| pair[1] - pair[0]).collect();
         percentile(&mut intervals, 50)
+    }
+
+    fn elevation_range(&self) -> Option<[f32; 2]> {
+        let elevations = self.elevations.iter().filter(|elevation| elevation.is_finite());
+        elevations.map(|z| [*z; 2]).reduce(|[a, b], [c, d]| [a.min(c), b.max(d)])
     }
 
     fn peak_agents(&self) -> usize {
@@ -173,6 +184,8 @@ mod tests {
         assert_eq!((summary.fps, summary.duration_s), (10.0, 4.0));
         assert!((summary.median_speed_m_s - 1.0).abs() < 1e-4, "{summary:?}");
         assert!((summary.p95_speed_m_s - 2.0).abs() < 1e-4, "{summary:?}");
+        assert!((summary.max_speed_m_s - 2.0).abs() < 1e-4, "{summary:?}");
+        assert_eq!(summary.elevations_m, None);
         assert_eq!(summary.extent_m, [[0.0, 0.0], [8.0, 3.0]]);
         assert_eq!(summary.gaps.agents, 1);
         assert!((summary.gaps.longest_s - 0.8).abs() < 1e-9, "{summary:?}");

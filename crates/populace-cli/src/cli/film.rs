@@ -33,8 +33,8 @@ pub(crate) struct FilmArgs {
     pub(crate) shutter: f64,
     /// Images beside each picture, as PNG: depth, id or alpha. In FILE.depth.png, a unit is a
     /// centimetre along the view, 0 nothing and 65535 the farthest; in FILE.id.png, red, green and
-    /// blue are the digits of 1 plus a member's number, to the base of 256; in FILE.alpha.png, 255
-    /// is a pixel that members cover
+    /// blue are the digits of 1 plus a person's number, to the base of 256; in FILE.alpha.png, 255
+    /// is a pixel that people cover
     #[arg(long, value_name = "depth,id,alpha", value_delimiter = ',')]
     pub(crate) images: Vec<ImageKind>,
 }

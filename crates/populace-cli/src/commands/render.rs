@@ -44,17 +44,30 @@ fn scene(mut args: RenderArgs, file: &Path) -> Result<(), Failure> {
 }
 
 fn replay(args: &RenderArgs, file: &PathBuf) -> Result<(), Failure> {
+    refuse_outputs_without_drawing(args)?;
     let mut cast = given(args).cast_for_recording(file)?;
     cast.extend(args.cast.iter().cloned());
     let job = ReplayJob {
         file,
         cast: &cast,
-        out: args.out.as_deref().filter(|_| !args.trajectory.no_draw),
+        out: args.out.as_deref(),
         read: &args.trajectory.read,
         overlay: &args.trajectory.overlay,
         picture: &args.picture,
     };
     job.run()
+}
+
+/// Refuses outputs that --no-draw would not write.
+fn refuse_outputs_without_drawing(args: &RenderArgs) -> Result<(), Failure> {
+    let outputs =
+        [("--out", args.out.is_some()), ("--images", !args.picture.film.images.is_empty())];
+    match outputs.into_iter().find(|(_, is_given)| *is_given && args.trajectory.no_draw) {
+        Some((flag, _)) => {
+            Err(Failure::usage(format!("--no-draw draws nothing, so leave out {flag}")))
+        }
+        None => Ok(()),
+    }
 }
 
 fn given(args: &RenderArgs) -> Given<'_> {

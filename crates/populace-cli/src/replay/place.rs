@@ -4,6 +4,7 @@ use populace::{CharacterId, Crowd, MemberId, Placement};
 use populace_scene::{PlaceModel, PlaceSettings};
 use populace_trajectory::Recording;
 
+use crate::cli::OverlayArgs;
 use crate::failure::Failure;
 use crate::report::message;
 
@@ -28,20 +29,23 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Brings the place of a recording to a crowd, with walls of a height in metres.
+    /// Brings the place of a recording to a crowd, with walls of the height that was asked for.
     pub(super) fn new(
         crowd: &mut Crowd,
         recording: &Recording,
-        walls_m: f64,
+        overlay: &OverlayArgs,
     ) -> Result<Self, Failure> {
         let settings = PlaceSettings {
-            wall_height_m: walls_m,
+            wall_height_m: overlay.walls_m(),
             slab_m: f64::from(SLAB_M),
             ..PlaceSettings::default()
         };
         let model = PlaceModel::new(recording, &settings);
         for warning in &model.warnings {
             message!("warning: {warning}");
+        }
+        if model.parts.is_empty() && overlay.walls.is_some() {
+            message!("warning: there is no walkable area, so --walls has no effect");
         }
         let mut parts = Vec::new();
         for part in model.parts {

@@ -60,6 +60,7 @@ fn inspect_describes_a_recording() {
         ("assumed", json!([])),
         ("told", json!([])),
         ("extent_m", json!([[0.0, 1.0], [2.5, 4.0]])),
+        ("elevations_m", json!(null)),
         ("heights_m", json!([1.71, 1.74])),
         ("warnings", json!([])),
     ] {
@@ -73,7 +74,7 @@ fn inspect_describes_a_recording() {
         "  4 people, at most 3 at a time\n",
         "  5.0 s, from 0 to 5 s, in 77 frames and 179 rows\n",
         "  25 rows a second, positions in m, headings from motion\n",
-        "  speeds of 1.25 m/s in the median, 1.25 m/s at the 95th percentile\n",
+        "  speeds of 1.25 m/s in the median, 1.25 m/s at the 95th percentile, 1.25 m/s at most\n",
         "  x from 0.00 to 2.50 m, y from 1.00 to 4.00 m\n",
         "  no gaps\n",
         "  body heights from 1.71 to 1.74 m\n",
@@ -221,6 +222,55 @@ fn ids_stand_above_heads() {
     assert!(child > adult + 5, "labels begin in rows {child} and {adult}");
 }
 
+/// Floor and walls cover nothing, hide whoever is behind them, and are nobody.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn images_beside_a_picture_know_people_and_their_ids() {
+    let folder = Folder::new();
+    // The third of the file is the first in the plan.
+    let rows = "id,t,x,y\nq7,0,9,1\nq7,1,9,1\n12,0,1,1\n12,1,1,1\n12,2,1,1\nA,0,0,1\nA,2,0,1\n";
+    let file = write(&folder, "stand.csv", rows);
+    let area = write(&folder, "area.wkt", "POLYGON ((-9 -9, 12 -9, 12 9, -9 9, -9 -9))");
+    let draw = |name: &str, more: &[&str]| {
+        let out = folder.text(name);
+        let args =
+            ["render", &file, "--at", "1.5", "--json", "--out", &out, "--images", "alpha,id"];
+        let d = json_of(&[&args[..], &["--camera", "0.5,4,6,0.5,1,-1"], &SMALL, more].concat());
+        let open = |kind: &str| image::open(out.replace(".png", kind)).expect("a PNG");
+        (open(".alpha.png").to_luma8(), open(".id.png").to_rgb8(), d)
+    };
+    let (open, _, _) = draw("open.png", &[]);
+    let (alpha, ids, d) = draw("area.png", &["--geometry", &area]);
+    assert!(open.pixels().zip(alpha.pixels()).all(|(a, b)| a.0[0].abs_diff(b.0[0]) < 80));
+    let covered = alpha.pixels().filter(|pixel| pixel.0[0] > 0).count();
+    assert!((50..3000).contains(&covered), "{covered} of 14400 pixels");
+    let values: std::collections::BTreeSet<u8> = ids.pixels().map(|pixel| pixel.0[2]).collect();
+    assert_eq!(values.into_iter().collect::<Vec<_>>(), [0, 2, 3]);
+    assert_eq!(d["ids"], json!({"1": "q7", "2": "12", "3": "A"}));
+}
+
+/// A wall height without walls is said to have no effect, and what looks wrong is said too.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn doubts_are_warnings_of_render_and_inspect() {
+    let folder = Folder::new();
+    let (file, out) = (write(&folder, "walk.txt", &rows()), folder.text("x.png"));
+    let args = ["render", &file, "--at", "1", "--walls", "2", "--out", &out];
+    let stderr = stderr_of(&[&args[..], &SMALL].concat());
+    assert!(stderr.contains("warning: there is no walkable area, so --walls"), "{stderr}");
+    let far = write(&folder, "far.wkt", "POLYGON ((90 90, 99 90, 99 99, 90 99, 90 90))");
+    let warnings = |geometry: &[&str]| {
+        let d = json_of(&[&["inspect", &file, "--json"], geometry].concat());
+        d["trajectory"]["warnings"].as_array().expect("warnings").len()
+    };
+    let elsewhere = ["--geometry", far.as_str()];
+    assert_eq!([warnings(&[]), warnings(&elsewhere)], [0, 1]);
+    let strict = [&["inspect", &file, "--strict"], &elsewhere[..]].concat();
+    refused(&strict, 1, &["walk.txt", "0 % of the positions are within the walkable area"]);
+    let stderr = stderr_of(&[&args[..4], &args[6..], &SMALL, &elsewhere].concat());
+    assert!(stderr.contains("warning: 0 % of the positions"), "{stderr}");
+}
+
 /// A picture of a time within a gap or after the file's end shows nobody, and the program says so.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
@@ -307,6 +357,9 @@ fn wrong_usage_with_recordings_exits_with_2() {
     refused(&["inspect", &file, "--format", "petrak"], 2, &formats);
     refused(&["inspect", &file, "--unit", "inch"], 2, &["m, cm, mm or ft"]);
     refused(&["inspect", &file, "--data-fps", "0"], 2, &["--data-fps", "0.001"]);
+    refused(&drawn(&["--no-draw"]), 2, &["--no-draw draws nothing", "--out"]);
+    let images = ["render", &file, "--no-draw", "--images", "id"];
+    refused(&images, 2, &["--no-draw draws nothing", "--images"]);
     refused(&["render", &post, "--no-draw"], 2, &["--no-draw needs a trajectory file"]);
     let needs = ["--unit", "need a trajectory file"];
     refused(&["render", &post, "--unit", "cm", "--out", &out], 2, &needs);

@@ -22,6 +22,7 @@ fn info(kind: Kind) -> ModelInfo {
         level_errors_m: if kind == Blended { vec![0.0] } else { vec![0.0, 0.1] },
         blended: kind == Blended,
         is_place: kind == Place,
+        is_floor: false,
         sphere: (Vec3::ZERO, 1.0),
     }
 }

@@ -91,6 +91,7 @@ pub(crate) struct DrawState {
     pub(crate) cull: Cull,
     pub(crate) blend: bool,
     pub(crate) depth_write: bool,
+    pub(crate) color_write: bool,
     /// Depth offset away from the eye: factor of the slope, and constant in units of the depth
     /// buffer's precision.
     pub(crate) depth_offset: [f32; 2],
@@ -103,6 +104,7 @@ impl DrawState {
         cull: Cull::Back,
         blend: false,
         depth_write: true,
+        color_write: true,
         depth_offset: [0.0; 2],
         depth_clamp: false,
     };
@@ -225,6 +227,8 @@ impl Gl {
             gl.front_face(front);
             gl.depth_func(glow::LEQUAL);
             gl.depth_mask(state.depth_write);
+            let [red, green, blue, alpha] = [state.color_write; 4];
+            gl.color_mask(red, green, blue, alpha);
             gl.polygon_offset(slope, units);
             gl.blend_func_separate(
                 glow::SRC_ALPHA,

@@ -18,6 +18,10 @@ pub(super) enum Pass {
         /// Contact shadows lie on members.
         on_members: bool,
     },
+    /// Depth of what hides members, by the shaders of `Opaque`.
+    Hiding {
+        on_members: bool,
+    },
     /// Blended parts, whose order counts.
     Blended,
     /// Depth and number of members.
@@ -52,10 +56,15 @@ impl Pass {
     /// Returns true if parts with this alpha mode are drawn.
     fn draws(self, alpha: Alpha) -> bool {
         match self {
-            Self::Shadow | Self::Opaque { .. } => alpha != Alpha::Blended,
+            Self::Shadow | Self::Opaque { .. } | Self::Hiding { .. } => alpha != Alpha::Blended,
             Self::Blended => alpha == Alpha::Blended,
             Self::Marks => true,
         }
+    }
+
+    /// Returns true if contact shadows lie on the members that are drawn.
+    fn reads_contacts(self) -> bool {
+        matches!(self, Self::Opaque { on_members: true } | Self::Hiding { on_members: true })
     }
 
     /// Returns the shader variant of a part.
@@ -68,14 +77,14 @@ impl Pass {
         match self {
             Self::Shadow => Kind::Shadow { influences, alpha, textured: has_alpha },
             Self::Marks => Kind::Marks { influences, alpha, textured: has_alpha, faded },
-            Self::Opaque { .. } | Self::Blended => Kind::Member(MemberKind {
+            Self::Opaque { .. } | Self::Hiding { .. } | Self::Blended => Kind::Member(MemberKind {
                 influences,
                 alpha,
                 textured,
                 vertex_lit,
                 two_sided: vertex_lit && part.double_sided,
                 faded,
-                contacts: !vertex_lit && self == (Self::Opaque { on_members: true }),
+                contacts: !vertex_lit && self.reads_contacts(),
                 maps: part.sampled_maps(),
             }),
         }

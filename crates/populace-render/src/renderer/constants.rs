@@ -19,7 +19,8 @@ pub(super) fn bounding_sphere(info: &ModelInfo, instance: &Instance<'_>) -> Opti
     let column = |c: usize| Vec3::from(world.rows.map(|row| row[c])).length();
     let radius = radius * column(0).max(column(1)).max(column(2));
     let center = Vec3::from(world.transform_point(center.to_array())) + Vec3::from(instance.moved);
-    (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius })
+    let is_floor = info.is_floor;
+    (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius, is_floor })
 }
 
 /// Returns the constants of a picture.

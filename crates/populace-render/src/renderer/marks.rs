@@ -1,11 +1,12 @@
 //! Depth, instance and coverage of the pixels of a picture.
 
 use glam::Vec3;
+use populace_model::convert::u32_from;
 
 use super::Renderer;
 use super::calls::{Pass, calls};
-use super::passes::MEMBER_UNIT;
-use crate::batch::PassCounts;
+use super::passes::{Contacts, MEMBER_UNIT};
+use crate::batch::{PassCounts, Run};
 use crate::gl::{Cull, DrawState, MarkTarget};
 use crate::programs::Kind;
 use crate::{Camera, Error, Scene};
@@ -20,21 +21,31 @@ pub struct Marks {
     /// none. Blended surfaces count if they hide at least half of what is behind them, and members
     /// that fade count in the pixels in which they are drawn.
     pub instances: Vec<Option<u32>>,
-    /// Share of the pixel that instances cover, in 1/255. Blended surfaces count by their alpha.
+    /// Share of the pixel in 1/255 that those instances cover that count, as far as opaque surfaces
+    /// of others do not hide them. Blended surfaces count by their alpha.
     pub coverage: Vec<u8>,
 }
 
 impl Renderer {
     /// Draws the instances of the last picture again, from its `camera` over the ground of its
-    /// `scene`, and reads back what each pixel shows. No pixel shows an instance after a change of
-    /// size, or once other palettes were acquired. The picture itself cannot be read after this
-    /// call.
+    /// `scene`, and reads back what each pixel shows. `covers` returns true for the index of an
+    /// instance that counts in the coverage, and false for one that does not, such as a place. No
+    /// pixel shows an instance after a change of size, or once other palettes were acquired. The
+    /// picture itself cannot be read after this call.
     ///
     /// # Errors
     ///
     /// [`Error::BadCamera`] for invalid settings, and others if the driver fails.
-    pub fn read_marks(&mut self, camera: &Camera, scene: &Scene) -> Result<Marks, Error> {
+    pub fn read_marks(
+        &mut self,
+        camera: &Camera,
+        scene: &Scene,
+        covers: &dyn Fn(u32) -> bool,
+    ) -> Result<Marks, Error> {
         self.gl.make_current()?;
+        if !self.last.instances.iter().all(|instance| covers(instance.number)) {
+            self.draw_covering(scene, covers)?;
+        }
         let coverage = self.coverage()?;
         let pixels = self.draw_marks()?;
         let ground = Ground::new(camera, scene, self.size)?;
@@ -48,6 +59,43 @@ impl Renderer {
             instances: pixels.iter().map(|[_, number]| number.checked_sub(1)).collect(),
             coverage,
         })
+    }
+
+    /// Draws the instances that count into the picture, without those that do not. The latter hide
+    /// the former where they are opaque.
+    fn draw_covering(&mut self, scene: &Scene, covers: &dyn Fn(u32) -> bool) -> Result<(), Error> {
+        let on_members = Contacts::of(scene) == Contacts::OnMembers;
+        let (counting, hiding) = self.parts(&self.last.opaque, covers);
+        let (blended, _) = self.parts(&self.last.blended, covers);
+        let passes = [
+            (hiding, Pass::Hiding { on_members }),
+            (counting, Pass::Opaque { on_members }),
+            (blended, Pass::Blended),
+        ];
+        self.commands.clear();
+        let (models, commands) = (self.models.as_slice(), &mut self.commands);
+        let passes = passes.map(|(runs, pass)| (calls(&runs, pass, models, commands), pass));
+        self.commands.upload()?;
+        self.frame.bind_uniform();
+        self.picture.begin();
+        for (calls, pass) in &passes {
+            self.draw_calls(calls, *pass, &mut PassCounts::default())?;
+        }
+        // Clearing writes colours too.
+        self.gl.set_state(DrawState::OPAQUE);
+        Ok(())
+    }
+
+    /// Returns the parts of runs whose instances count, and the other parts.
+    fn parts(&self, runs: &[Run], covers: &dyn Fn(u32) -> bool) -> (Vec<Run>, Vec<Run>) {
+        let counts = |index: u32| covers(self.last.instances[index as usize].number);
+        let parts = runs.iter().flat_map(|run| {
+            let all: Vec<u32> = (run.first..run.first + run.count).collect();
+            let parts = all.chunk_by(|a, b| counts(*a) == counts(*b));
+            let part = |of: &[u32]| Run { first: of[0], count: u32_from(of.len()), ..*run };
+            parts.map(part).collect::<Vec<_>>()
+        });
+        parts.partition(|run| counts(run.first))
     }
 
     /// Draws the members' samples of the last picture over nothing, and returns their alpha.
@@ -71,7 +119,7 @@ impl Renderer {
         self.frame.bind_uniform();
         let models = self.models.as_slice();
         self.commands.clear();
-        let calls = calls(&self.runs, Pass::Marks, models, &mut self.commands);
+        let calls = calls(&self.last.opaque, Pass::Marks, models, &mut self.commands);
         self.commands.upload()?;
         self.draw_calls(&calls, Pass::Marks, &mut PassCounts::default())?;
         let pixels = target.read();

@@ -204,7 +204,7 @@ impl Renderer {
 
 /// The surface on which contact shadows lie.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Contacts {
+pub(super) enum Contacts {
     None,
     /// The ground is as high as the floor.
     OnGround,
@@ -213,7 +213,7 @@ enum Contacts {
 }
 
 impl Contacts {
-    fn of(scene: &Scene) -> Self {
+    pub(super) fn of(scene: &Scene) -> Self {
         match scene.ground {
             Some(_) if scene.contact_shadows == 0.0 => Self::None,
             Some(ground) if ground.height_m == scene.floor_m => Self::OnGround,
@@ -228,6 +228,7 @@ fn state(pass: Pass, cull: Cull) -> DrawState {
         Pass::Shadow => {
             DrawState { cull, depth_offset: [1.5, 2.0], depth_clamp: true, ..DrawState::OPAQUE }
         }
+        Pass::Hiding { .. } => DrawState { cull, color_write: false, ..DrawState::OPAQUE },
         Pass::Opaque { .. } | Pass::Marks => DrawState { cull, ..DrawState::OPAQUE },
         Pass::Blended => DrawState { cull, blend: true, depth_write: false, ..DrawState::OPAQUE },
     }

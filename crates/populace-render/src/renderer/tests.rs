@@ -55,6 +55,10 @@ impl PaletteSource for Still {
 
 /// A blended quad that fills the picture.
 fn glass() -> Character {
+    with_alpha(AlphaMode::Blend)
+}
+
+fn with_alpha(alpha: AlphaMode) -> Character {
     let joint = JointSource { name: "pane".into(), parent: None, rest: Trs::IDENTITY };
     let mesh = Mesh {
         positions: vec![[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 9.0, 0.0], [-9.0, 9.0, 0.0]],
@@ -79,7 +83,7 @@ fn glass() -> Character {
             material: Some(0),
             mesh,
         }],
-        materials: vec![Material { alpha: AlphaMode::Blend, ..Material::default() }],
+        materials: vec![Material { alpha, ..Material::default() }],
         images: Vec::new(),
         skins: Vec::new(),
         clips: Vec::new(),
@@ -154,7 +158,7 @@ fn marks_say_what_each_pixel_shows() {
     renderer.draw_instances(&instances, &camera, &scene).unwrap();
     // Windows have another viewport.
     MarkTarget::new(&renderer.gl, [8, 8]).unwrap().begin();
-    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
     for (row, instance, depth_m) in [(0, Some(2), 6.0), (30, Some(2), 6.0), (33, None, 78.1)] {
         assert_eq!(marks.instances[64 * row + MIDDLE], instance, "row {row}");
         let covered = if instance.is_some() { 255 } else { 0 };
@@ -166,7 +170,7 @@ fn marks_say_what_each_pixel_shows() {
     let slope = (0.5f32).tan() * 31.5 / 32.0;
     assert!((lowest - 2.0 / slope).abs() < 1e-3, "{lowest}");
     renderer.draw_instances(&[], &camera, &Scene { ground: None, ..scene }).unwrap();
-    let marks = renderer.read_marks(&camera, &Scene { ground: None, ..scene }).unwrap();
+    let marks = renderer.read_marks(&camera, &Scene { ground: None, ..scene }, &|_| true).unwrap();
     assert!(marks.depths_m.iter().all(|depth| depth.is_infinite()));
     assert!(marks.coverage.iter().all(|share| *share == 0));
 }
@@ -181,7 +185,7 @@ fn marks_leave_out_the_pixels_that_fading_leaves_out() {
         let mut instance = pane(&character, 0.0, 0.0);
         instance.look = instance.look.with_opacity(opacity);
         renderer.draw_instances(&[instance], &camera, &scene).unwrap();
-        let marks = renderer.read_marks(&camera, &scene).unwrap();
+        let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
         let named: Vec<_> = marks.instances.iter().map(Option::is_some).collect();
         let drawn: Vec<_> = marks.coverage.iter().map(|share| *share > 0).collect();
         assert_eq!(named, drawn, "{opacity}");
@@ -190,6 +194,26 @@ fn marks_leave_out_the_pixels_that_fading_leaves_out() {
         let count = named.iter().filter(|is_named| **is_named).count();
         assert!((least..=most).contains(&count), "{opacity}: {count}");
     }
+}
+
+/// A place covers nothing, and hides whoever is behind it.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn instances_that_do_not_count_cover_nothing() {
+    let (mut renderer, camera) = watched();
+    let person = Arc::new(glass());
+    let place = Arc::new(with_alpha(AlphaMode::Opaque));
+    let scene = Scene::default();
+    // The place hides the lower half of what the first shows, and is behind the last.
+    let instances = [pane(&person, -10.0, 2.0), pane(&place, 0.0, -7.0), pane(&person, 4.0, 11.5)];
+    let covered = |renderer: &mut Renderer, row: usize| {
+        renderer.draw_instances(&instances, &camera, &scene).unwrap();
+        let marks = renderer.read_marks(&camera, &scene, &|index| index != 1).unwrap();
+        (marks.instances[64 * row + MIDDLE], marks.coverage[64 * row + MIDDLE])
+    };
+    assert_eq!(covered(&mut renderer, 0), (Some(2), 255));
+    assert_eq!(covered(&mut renderer, 30), (Some(0), 255));
+    assert_eq!(covered(&mut renderer, 40), (Some(1), 0));
 }
 
 /// Marks show a body between y = 0 and a lower ground.
@@ -202,7 +226,7 @@ fn marks_are_those_of_a_ground_that_lies_lower() {
     scene.ground.as_mut().unwrap().height_m = -1.0;
     // It ends 0.5 m below y = 0, at a depth of 10 m, and begins far below the ground.
     renderer.draw_instances(&[pane(&character, 0.0, -9.5)], &camera, &scene).unwrap();
-    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
     let pixels_per_m = 32.0 / (0.5f32).tan() / 10.0;
     let row_of = |height: f32| {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a row")]
@@ -231,7 +255,7 @@ fn marks_show_nothing_after_a_draw_that_failed() {
     drop(other);
     let astray = Instance { palette_first: 1, ..pane(&first, 0.0, 0.0) };
     assert!(renderer.draw_instances(&[astray], &camera, &scene).is_err());
-    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
     assert!(marks.instances.iter().all(Option::is_none));
 }
 
@@ -244,11 +268,11 @@ fn marks_show_nothing_without_the_palettes_or_the_picture() {
     let scene = Scene::default();
     renderer.draw_instances(&[pane(&character, 0.0, 0.0)], &camera, &scene).unwrap();
     renderer.resize([64, 64]).unwrap();
-    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
     assert!(marks.instances.iter().all(Option::is_none), "after a change of size");
     renderer.draw_instances(&[pane(&character, 0.0, 0.0)], &camera, &scene).unwrap();
     renderer.acquire_palettes(&mut Still { is_empty: true, ..Still::default() }).unwrap();
-    let marks = renderer.read_marks(&camera, &scene).unwrap();
+    let marks = renderer.read_marks(&camera, &scene, &|_| true).unwrap();
     assert!(marks.instances.iter().all(Option::is_none), "after other palettes");
 }
 

@@ -44,6 +44,13 @@ fn separators_are_found() {
 }
 
 #[test]
+fn a_line_that_names_the_separator_is_skipped() {
+    let recording = recording("sep=;\nid;t;x;y\n1;0;2,5;3\n1;1;2,6;3\n");
+    assert_eq!(recording.source.format, Format::Csv);
+    assert_eq!(track(&recording, "1").positions, [[2.5, 3.0], [2.6, 3.0]]);
+}
+
+#[test]
 fn times_of_a_clock_are_seconds() {
     let text = "id;time;x;y\n1;00:00:01;0;0\n1;00:01:02,5;1;0\n1;1:00:00.25;2;0\n";
     assert_eq!(track(&recording(text), "1").times, [1.0, 62.5, 3600.25]);

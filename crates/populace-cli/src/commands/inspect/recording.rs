@@ -32,7 +32,9 @@ pub(super) fn as_json(recording: &Recording) -> Value {
         "told": facts(source, Origin::Settings),
         "median_speed_m_s": summary.median_speed_m_s,
         "p95_speed_m_s": summary.p95_speed_m_s,
+        "max_speed_m_s": summary.max_speed_m_s,
         "extent_m": summary.extent_m.map(|corner| corner.map(as_typed)),
+        "elevations_m": summary.elevations_m.map(|range| range.map(as_typed)),
         "origin_m": recording.origin_m,
         "heights_m": heights(&recording.agents).map(|heights| heights.map(as_typed)),
         "gaps": {"agents": summary.gaps.agents, "longest_s": summary.gaps.longest_s},
@@ -51,8 +53,9 @@ pub(super) fn as_text(recording: &Recording) -> String {
         times(recording, &summary),
         reading(recording),
         format!(
-            "speeds of {:.2} m/s in the median, {:.2} m/s at the 95th percentile",
-            summary.median_speed_m_s, summary.p95_speed_m_s
+            "speeds of {:.2} m/s in the median, {:.2} m/s at the 95th percentile, {:.2} m/s at \
+             most",
+            summary.median_speed_m_s, summary.p95_speed_m_s, summary.max_speed_m_s
         ),
         extent(recording, &summary),
         match summary.gaps.agents {
@@ -99,7 +102,10 @@ fn times(recording: &Recording, summary: &Summary) -> String {
 
 fn extent(recording: &Recording, summary: &Summary) -> String {
     let [[left, bottom], [right, top]] = summary.extent_m;
-    let text = format!("x from {left:.2} to {right:.2} m, y from {bottom:.2} to {top:.2} m");
+    let mut text = format!("x from {left:.2} to {right:.2} m, y from {bottom:.2} to {top:.2} m");
+    if let Some([low, high]) = summary.elevations_m {
+        text += &format!(", elevations from {low:.2} to {high:.2} m");
+    }
     match recording.origin_m {
         [0.0, 0.0] => text,
         [x, y] => format!("{text}, relative to {x:.2}, {y:.2} m"),
