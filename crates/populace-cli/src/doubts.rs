@@ -79,8 +79,8 @@ fn shape(recording: &Recording) -> Option<String> {
     rings.find_map(|ring| {
         let [x, y] = crossing(ring)?;
         Some(format!(
-            "an outline of the walkable area crosses itself near {x:.2}, {y:.2} m; bring its points \
-             into the order in which they go round"
+            "an outline of the walkable area crosses itself near {x:.2}, {y:.2} m; bring its \
+             points into the order in which they go round"
         ))
     })
 }
@@ -124,8 +124,8 @@ fn elsewhere(recording: &Recording) -> Option<String> {
     let part = within as f64 / looked.max(1) as f64;
     (looked > 0 && part < WITHIN).then(|| {
         format!(
-            "{:.0} % of the positions are within the walkable area; check its origin, and its unit: \
-             areas of other files are in metres",
+            "{:.0} % of the positions are within the walkable area; check its origin, and its \
+             unit: areas of other files are in metres",
             100.0 * part
         )
     })
