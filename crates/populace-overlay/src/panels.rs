@@ -3,7 +3,7 @@
 use crate::canvas::{Area, Canvas};
 use crate::font::{CAP_HEIGHT, text_width};
 use crate::scale::Kind;
-use crate::ticks::ticks;
+use crate::ticks::{ends, ticks};
 use crate::{Anchor, Scale, TextStyle};
 
 /// Colour of plates in sRGB with alpha.
@@ -20,6 +20,9 @@ const BAR_WIDTH: f64 = 13.0;
 const BAR_SHARE: f64 = 0.2;
 const BAR_HEIGHT: f64 = 0.8;
 const TICK: f64 = 0.28;
+/// Space between two numbers under a bar, in sizes of text, and most steps between round ones.
+const GAP: f64 = 0.3;
+const TICKS: u32 = 4;
 const SWATCH: f64 = 0.85;
 /// Longest word of a legend in sizes of text.
 const WORD_MOST: f64 = 16.0;
@@ -60,8 +63,8 @@ impl Canvas<'_> {
         self.panel_text(&text, [x, y + wide[1]], Anchor::Start, TEXT);
     }
 
-    /// Draws a legend on a plate in a corner: a bar of colours with round numbers, or a swatch for
-    /// each word.
+    /// Draws a legend on a plate in a corner: a bar of colours with the numbers at its ends and
+    /// round ones between, as far as there is room, or a swatch for each word.
     pub fn legend(&mut self, legend: &Legend, corner: Corner) {
         match &legend.scale.kind {
             Kind::Number { low, high, .. } => self.bar(legend, [*low, *high], corner),
@@ -74,10 +77,13 @@ impl Canvas<'_> {
         let title = legend.heading();
         let title_rows = if title.is_empty() { 0.0 } else { LINE * size };
         let most = BAR_SHARE * f64::from(self.size()[0]);
-        let width = (BAR_WIDTH * size).min(most).max(text_width(&title, size)).round();
+        let ends = ends(low, high, TICKS);
+        let halves = [&ends[0], &ends[1]].map(|(_, word)| 0.5 * text_width(word, size));
+        // The numbers at the ends stand half beside the bar, and apart from each other.
+        let side = halves.into_iter().fold(0.8 * size, f64::max).ceil();
+        let least = text_width(&title, size).max(halves[0] + halves[1] + GAP * size);
+        let width = (BAR_WIDTH * size).min(most).max(least).round();
         let under = (TICK + 0.35 + CAP_HEIGHT) * size;
-        // Numbers at the ends stand half beside the bar.
-        let side = (0.8 * size).round();
         let wide = [width + 2.0 * side, title_rows + BAR_HEIGHT * size + under];
         let [left, top] = self.panel(wide, corner);
         self.panel_text(&title, [left + side, top + CAP_HEIGHT * size], Anchor::Start, TEXT);
@@ -86,25 +92,29 @@ impl Canvas<'_> {
             high: [left + side + width, (top + title_rows + BAR_HEIGHT * size).round()],
         };
         self.colors(&legend.scale, area, [low, high]);
-        let place =
-            |v: f64| area.low[0] + (0.5 * v - 0.5 * low) / (0.5 * high - 0.5 * low) * (width - 1.0);
-        let thick = (size / 12.0).round().max(1.0);
-        let mut free_from = f64::NEG_INFINITY;
-        for (value, word) in ticks(low, high, 4) {
-            let x = place(value).round();
-            let tick = Area {
-                low: [x, area.high[1]],
-                high: [x + thick, area.high[1] + (TICK * size).round()],
-            };
-            let half = 0.5 * text_width(&word, size);
-            if x - half < free_from {
+        let place = |v: f64| {
+            let part = (0.5 * v - 0.5 * low) / (0.5 * high - 0.5 * low);
+            (area.low[0] + part * (width - 1.0)).round()
+        };
+        let mut taken: Vec<[f64; 2]> = Vec::new();
+        for (value, word) in ends.into_iter().chain(ticks(low, high, TICKS)) {
+            let (x, half) = (place(value), 0.5 * text_width(&word, size));
+            let [from, to] = [x - half, x + half];
+            if taken.iter().any(|[a, b]| from < b + GAP * size && a - GAP * size < to) {
                 continue;
             }
-            free_from = x + half + 0.3 * size;
-            self.plate(tick, 0.0, 0.0, QUIET_TEXT);
-            let at = [x + 0.5 * thick, area.high[1] + under];
-            self.panel_text(&word, at, Anchor::Middle, QUIET_TEXT);
+            taken.push([from, to]);
+            self.number(&word, x, [area.high[1], area.high[1] + under]);
         }
+    }
+
+    /// Draws a tick from a height down, and a number under it on a base line.
+    fn number(&mut self, word: &str, x: f64, [from, base]: [f64; 2]) {
+        let size = self.text_size();
+        let thick = (size / 12.0).round().max(1.0);
+        let tick = Area { low: [x, from], high: [x + thick, from + (TICK * size).round()] };
+        self.plate(tick, 0.0, 0.0, QUIET_TEXT);
+        self.panel_text(word, [x + 0.5 * thick, base], Anchor::Middle, QUIET_TEXT);
     }
 
     /// Paints the colours of a scale from left to right.

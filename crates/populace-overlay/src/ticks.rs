@@ -3,9 +3,34 @@
 /// Returns from two to `most` + 1 round numbers between two, equally spaced by 1, 2 or 5 times a power
 /// of ten, with the digits after the point that they need.
 pub(crate) fn ticks(low: f64, high: f64, most: u32) -> Vec<(f64, String)> {
+    let Some((step, decimals)) = step(low, high, most) else {
+        return vec![(low, written(low, 0))];
+    };
+    let first = (low / step - 1e-6).ceil();
+    (0..=most + 1)
+        .map(|i| (first + f64::from(i)) * step)
+        .take_while(|v| *v <= high + 1e-6 * step)
+        .map(|v| (v, written(v, decimals)))
+        .collect()
+}
+
+/// Returns two numbers with as many digits after the point as the round ones between them, and one
+/// more where they need it.
+pub(crate) fn ends(low: f64, high: f64, most: u32) -> [(f64, String); 2] {
+    let decimals = step(low, high, most).map_or(0, |(_, decimals)| decimals);
+    [low, high].map(|v| {
+        let units = v * (0..decimals).fold(1.0, |unit, _| 10.0 * unit);
+        let fits = (units - units.round()).abs() < 1e-6;
+        (v, written(v, if fits { decimals } else { decimals + 1 }))
+    })
+}
+
+/// Returns the step between round numbers from one to another, at most `most` of them, and the
+/// digits after the point that they need; `None` if there is none.
+fn step(low: f64, high: f64, most: u32) -> Option<(f64, usize)> {
     let rough = (high / f64::from(most) - low / f64::from(most)).abs();
     if !(rough.is_finite() && rough > 0.0) {
-        return vec![(low, written(low, 0))];
+        return None;
     }
     let mut exponent = floor_log(rough);
     let unit = 10_f64.powi(exponent);
@@ -18,14 +43,7 @@ pub(crate) fn ticks(low: f64, high: f64, most: u32) -> Vec<(f64, String)> {
     if step == 10.0 {
         (step, exponent) = (1.0, exponent + 1);
     }
-    let step = step * 10_f64.powi(exponent);
-    let first = (low / step - 1e-6).ceil();
-    let decimals = usize::try_from(-exponent).unwrap_or(0);
-    (0..=most + 1)
-        .map(|i| (first + f64::from(i)) * step)
-        .take_while(|v| *v <= high + 1e-6 * step)
-        .map(|v| (v, written(v, decimals)))
-        .collect()
+    Some((step * 10_f64.powi(exponent), usize::try_from(-exponent).unwrap_or(0)))
 }
 
 /// Returns the exponent of the greatest power of ten that is not over a positive number.
@@ -72,6 +90,20 @@ mod tests {
         assert_eq!(words(-1.0, 1.0), ["−1.0", "−0.5", "0.0", "0.5", "1.0"]);
         assert_eq!(words(0.0, 0.0004), ["0.0000", "0.0001", "0.0002", "0.0003", "0.0004"]);
         assert_eq!(words(0.0, 4e9), ["0", "1e9", "2e9", "3e9", "4e9"]);
+    }
+
+    #[test]
+    fn ends_have_the_digits_of_ticks_or_one_more() {
+        for (low, high, wanted) in [
+            (0.0, 2.0, ["0.0", "2.0"]),
+            (0.0, 1.83, ["0.0", "1.83"]),
+            (-3.0, 7.25, ["−3", "7.2"]),
+            (0.0, 5.0, ["0", "5"]),
+            (0.0, 3e7, ["0", "3e7"]),
+            (f64::MIN, f64::MAX, ["−1.8e308", "1.8e308"]),
+        ] {
+            assert_eq!(ends(low, high, 4).map(|(_, word)| word), wanted);
+        }
     }
 
     #[test]

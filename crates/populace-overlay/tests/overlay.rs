@@ -175,6 +175,29 @@ fn legend_shows_the_colours_of_its_scale() {
     }
 }
 
+/// Ticks stand under both ends of a bar, also where its numbers are not round.
+#[test]
+fn bars_of_legends_have_ticks_at_both_ends() {
+    for (low, high) in [(0.0, 2.0), (0.0, 1.83), (-3.0, 7.0), (0.123, 0.987), (5e9, 5e9 + 1.0)] {
+        let scale = Scale::number(low, high);
+        let legend = legend(scale.clone(), &[]);
+        let rgba = drawn([640, 360], |canvas| canvas.legend(&legend, Corner::TopLeft));
+        for (end, value) in [("low", low), ("high", high)] {
+            let color = scale.color(value).srgb();
+            let near = |at: &[u32; 2]| {
+                let found = pixel(&rgba, 640, *at);
+                (0..3).all(|i| found[i].abs_diff(color[i]) <= 3)
+            };
+            let bar = changed(&rgba, 640).into_iter().filter(near);
+            // The lowest pixel of its first or last column.
+            let key = |at: &[u32; 2]| (if end == "low" { 640 - at[0] } else { at[0] }, at[1]);
+            let [x, y] = bar.max_by_key(key).expect("a bar");
+            let under = pixel(&rgba, 640, [x, y + 1]);
+            assert!(under[0] > 150, "{low} to {high}: {under:?} under the {end} end");
+        }
+    }
+}
+
 #[test]
 fn panels_lie_in_their_corners_at_any_size() {
     for size in [[640, 360], [1920, 1080]] {
