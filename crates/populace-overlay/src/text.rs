@@ -23,6 +23,11 @@ impl TextStyle {
     pub fn new(size_px: f64) -> Self {
         Self { size_px, color: [255; 4], halo: true }
     }
+
+    /// Returns how far the dark edge reaches from the strokes, in pixels.
+    fn halo_px(&self) -> f64 {
+        if self.halo { 1.2 + 1.1 * stroke_px(self.size_px) } else { 0.0 }
+    }
 }
 
 /// The place of a point in its line of text.
@@ -52,18 +57,19 @@ impl Canvas<'_> {
         if !(begin[0].is_finite() && begin[1].is_finite() && style.size_px > 0.0) {
             return;
         }
-        let halo = if style.halo { 1.2 + 1.1 * stroke_px(style.size_px) } else { 0.0 };
-        self.strokes(&strokes(text, style.size_px, begin), style.color, (HALO, halo));
+        let strokes = strokes(text, style.size_px, begin);
+        self.strokes(&strokes, style.color, (HALO, style.halo_px()));
     }
 
-    /// Draws labels in the order given, without those that would overlap one drawn before or that
-    /// are not wholly in the picture. Returns the indices of those drawn.
+    /// Draws labels in the order given, without those that would overlap one drawn before or that,
+    /// with their dark edges, are not wholly in the picture. Returns the indices of those drawn.
     pub fn labels(&mut self, labels: &[Label], style: &TextStyle) -> Vec<usize> {
         let size = self.size().map(f64::from);
         let mut taken: Vec<(usize, Area)> = Vec::new();
         for (index, label) in labels.iter().enumerate() {
             let area = label_area(label, style.size_px);
-            let inside = (0..2).all(|i| area.low[i] >= 0.0 && area.high[i] <= size[i]);
+            let edge = style.halo_px().ceil();
+            let inside = (0..2).all(|i| area.low[i] >= edge && area.high[i] <= size[i] - edge);
             if inside && !taken.iter().any(|(_, other)| other.overlaps(&area)) {
                 taken.push((index, area));
             }

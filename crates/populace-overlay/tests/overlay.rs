@@ -107,6 +107,28 @@ fn labels_do_not_overlap() {
     assert_eq!(all, few, "the labels left out leave no trace");
 }
 
+/// Soft dark edges of text are a part of it.
+#[test]
+fn labels_near_the_edge_are_whole_or_left_out() {
+    let style = TextStyle::new(16.0);
+    let shown = |at: [f64; 2]| {
+        let (mut shown, labels) = (Vec::new(), [Label { at, text: "107".to_owned() }]);
+        let rgba = drawn([160, 100], |canvas| shown = canvas.labels(&labels, &style));
+        (changed(&rgba, 160).len(), !shown.is_empty())
+    };
+    let (whole, _) = shown([80.0, 50.0]);
+    let mut left_out = 0;
+    for off in 0..40 {
+        let off = f64::from(off);
+        for at in [[off, 50.0], [160.0 - off, 50.0], [80.0, off], [80.0, 100.0 - off]] {
+            let (pixels, is_shown) = shown(at);
+            assert_eq!(pixels, if is_shown { whole } else { 0 }, "at {at:?}");
+            left_out += usize::from(!is_shown);
+        }
+    }
+    assert!((30..100).contains(&left_out), "{left_out} of 160 are left out");
+}
+
 #[test]
 fn trails_fade_and_change_colour() {
     let points = vec![[10.0, 10.5], [50.0, 10.5], [90.0, 10.5]];
