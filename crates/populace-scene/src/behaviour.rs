@@ -58,13 +58,14 @@ pub struct Behaviours {
 
 impl Behaviours {
     /// Brings the people and vehicles of a plan into a crowd. `people` has a list for each crowd of
-    /// the plan, with as many people as the crowd counts. `gaits` are those of all their
-    /// characters.
+    /// the plan, with as many people as the crowd counts. `gaits` are those of all characters that
+    /// stroll or fight; who stands or watches needs none.
     ///
     /// # Errors
     ///
-    /// Lists of other lengths, names that nothing in the plan has, footways without length, and
-    /// errors of the crowd, such as one without room for all people and vehicles.
+    /// Lists of other lengths, names that nothing in the plan has, footways without length,
+    /// somebody who has to walk and has no gaits, and errors of the crowd, such as one without room
+    /// for all people and vehicles.
     pub fn new(
         crowd: &mut Crowd,
         plan: &ScenePlan,

@@ -18,6 +18,11 @@ struct Live {
 
 /// Brings a scene with the built-in man and woman as everybody.
 fn live(plan: &ScenePlan) -> Result<Live, Error> {
+    live_with_gaits(plan, true)
+}
+
+/// Brings a scene with the built-in man and woman as everybody, with or without gaits.
+fn live_with_gaits(plan: &ScenePlan, has_gaits: bool) -> Result<Live, Error> {
     let builder = Crowd::builder().device(Device::native()).capacity(1000).slots_per_member(8);
     let mut crowd = builder.build()?;
     let looks = [populace_cast::Look::man(), populace_cast::Look::woman()];
@@ -25,7 +30,8 @@ fn live(plan: &ScenePlan) -> Result<Live, Error> {
         .iter()
         .map(|look| crowd.add_character(populace_cast::person(look).unwrap()).unwrap())
         .collect();
-    let gaits = GaitSpace::of_all(&mut crowd, &characters).into_iter().map(Result::unwrap);
+    let walking = if has_gaits { &characters[..] } else { &[] };
+    let gaits = GaitSpace::of_all(&mut crowd, walking).into_iter().map(Result::unwrap);
     let gaits = gaits.collect();
     let person = |nth: usize| Person {
         character: characters[nth % characters.len()],
@@ -91,6 +97,47 @@ fn fewer_people_than_fill_a_row_stand_around_its_middle() {
         xs.sort_by(f32::total_cmp);
         let apart = xs.iter().zip(&asides).map(|(x, wanted)| (x - wanted).abs());
         assert!(xs.len() == asides.len() && apart.fold(0.0, f32::max) < 1e-5, "{xs:?}");
+    }
+}
+
+/// Both casts have the same characters.
+#[test]
+fn each_cast_plays_the_clips_that_it_names() {
+    let cast = |name: &str, clips: &str| {
+        format!(
+            "[[cast]]\nname = \"{name}\"\nfrom = [\"@man\"]\nclips = {{ {clips} }}\n[[crowd]]\n\
+             cast = \"{name}\"\ncount = 1\ndoes.spectate = {{}}\n[[seat]]\nat = [0, 0.5, 0]\n\
+             facing_deg = 0\n"
+        )
+    };
+    let casts = [cast("a", ""), cast("b", "sit = \"Talk\""), cast("c", "")].concat();
+    let live = live(&ScenePlan::parse(&format!("schema = 1\n{casts}")).unwrap()).unwrap();
+    let played = live.behaviours.people().map(|member| {
+        let member = live.crowd.member(member).unwrap();
+        let clips = live.crowd.character(member.character()).unwrap().clips();
+        let playing = member.active_clips()[0].clip;
+        clips.iter().find(|(id, _)| *id == playing).unwrap().1.name().to_owned()
+    });
+    assert_eq!(played.collect::<Vec<_>>(), ["Sit", "Talk", "Sit"]);
+}
+
+/// Only who walks needs gaits.
+#[test]
+fn who_sits_or_stands_needs_no_gaits() {
+    let scene = |does: &str| {
+        let text = format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+             count = 1\ndoes.{does} = {{}}\n[[seat]]\nat = [0, 0.5, 0]\nfacing_deg = 0\n\
+             [[footway]]\nname = \"f\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n"
+        );
+        live_with_gaits(&ScenePlan::parse(&text).unwrap(), false)
+    };
+    for does in ["stand", "spectate"] {
+        scene(does).unwrap().run(2.0);
+    }
+    for does in ["stroll", "fight"] {
+        let error = scene(does).err().unwrap();
+        assert_eq!(error, Error::Locomotion(populace_locomotion::Error::NoGaits), "{does}");
     }
 }
 

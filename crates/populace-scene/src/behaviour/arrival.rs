@@ -261,17 +261,20 @@ impl Arrival<'_> {
         Ok(who)
     }
 
-    /// Returns the index of the body of a character, and looks at the character if it is new.
+    /// Returns the index of the body of a character with the clips of the cast, and looks at the
+    /// character if it is new.
     fn body(
         &self,
         world: &mut World,
         crowd: &mut Crowd,
         character: CharacterId,
     ) -> Result<usize, Error> {
-        if let Some(body) = world.bodies.iter().position(|body| body.character == character) {
+        let names = &self.cast.clips;
+        let known = world.bodies.iter().position(|body| body.is_of(character, names));
+        if let Some(body) = known {
             return Ok(body);
         }
-        world.bodies.push(Body::new(crowd, character, &|key| self.cast.clips.get(key).cloned())?);
+        world.bodies.push(Body::new(crowd, character, names)?);
         Ok(world.bodies.len() - 1)
     }
 

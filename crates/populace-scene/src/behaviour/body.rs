@@ -1,5 +1,6 @@
 //! A character as behaviours see it: clips by their use, masks, and its ragdoll.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use populace::model::{Role, RoleMap, Side};
@@ -79,6 +80,8 @@ pub(crate) struct UsedClip {
 #[derive(Clone, Debug)]
 pub(crate) struct Body {
     pub(crate) character: CharacterId,
+    /// The names of clips that were given, by the keys of their uses.
+    names: BTreeMap<String, String>,
     clips: [Option<UsedClip>; USES.len()],
     /// The spine and all above it.
     pub(crate) upper: Option<MaskId>,
@@ -97,18 +100,18 @@ pub(crate) struct Body {
 }
 
 impl Body {
-    /// Finds what a character of a crowd brings. `name` gives the name of a clip by the key of its
-    /// use, where it differs from that of the built-in people.
+    /// Finds what a character of a crowd brings. `names` has the names of clips by the keys of
+    /// their uses, where they differ from those of the built-in people.
     pub(crate) fn new(
         crowd: &mut Crowd,
         character: CharacterId,
-        name: &dyn Fn(&str) -> Option<String>,
+        names: &BTreeMap<String, String>,
     ) -> Result<Self, Error> {
         let asset = Arc::clone(crowd.character(character)?.asset());
         let mut clips = [None; USES.len()];
         for (clip, (_, key, usual)) in clips.iter_mut().zip(USES) {
-            let named = name(key);
-            let found = crowd.clip(character, named.as_deref().unwrap_or(usual));
+            let named = names.get(key);
+            let found = crowd.clip(character, named.map_or(usual, String::as_str));
             // A clip that is named must be there; the usual ones may be missing.
             let id = if named.is_some() { Some(found?) } else { found.ok() };
             *clip = match id {
@@ -136,6 +139,7 @@ impl Body {
         let chest = joint(Role::Chest).or_else(|| joint(Role::Spine));
         Ok(Self {
             character,
+            names: names.clone(),
             clips,
             upper,
             left_arm,
@@ -148,6 +152,12 @@ impl Body {
             can_look: joint(Role::Head).is_some(),
             height_m: asset.height_m(),
         })
+    }
+
+    /// Returns true for the body of a character whose clips have these names, by the keys of their
+    /// uses.
+    pub(crate) fn is_of(&self, character: CharacterId, names: &BTreeMap<String, String>) -> bool {
+        self.character == character && self.names == *names
     }
 
     /// Returns the clip for a use, if the character has one.
