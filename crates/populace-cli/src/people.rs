@@ -35,30 +35,30 @@ pub(crate) fn eyes(crowd: &mut Crowd, member: MemberId) -> Result<Option<Vec3>, 
     }
 }
 
-/// Returns the gaits of each role. A humanoid without clips that walk gets those of the built-in
-/// people.
-pub(crate) fn gaits(crowd: &mut Crowd, roles: &[CrowdRole]) -> Result<Vec<GaitSpace>, Failure> {
+/// Returns the gaits of each role, or why it cannot walk. A humanoid without clips that walk gets
+/// those of the built-in people.
+pub(crate) fn gaits(
+    crowd: &mut Crowd,
+    roles: &[CrowdRole],
+) -> Result<Vec<Result<GaitSpace, anyhow::Error>>, Failure> {
     let ids: Vec<_> = roles.iter().map(|role| role.id).collect();
     let own = GaitSpace::of_all(crowd, &ids);
     let or_built_in = |(role, own): (&CrowdRole, Result<GaitSpace, _>)| {
         if let Ok(gaits) = own {
-            return Ok(gaits);
+            return Ok(Ok(gaits));
         }
         for clip in &built_in::clips("people")? {
             // Clips that do not fit the body add nothing.
             let _ = crowd.character_mut(role.id)?.add_clip(clip);
         }
-        let cannot = |error: populace_locomotion::Error| {
-            let name = &role.character.name;
-            Failure::Input(match error {
-                populace_locomotion::Error::NoGaitClips { .. } => anyhow::anyhow!(
-                    "\"{name}\" has no clips to walk with: one in which both feet stand, and one \
-                     that walks or runs forwards; add some with --clips FILE"
-                ),
-                error => anyhow::anyhow!("\"{name}\" cannot walk: {error}"),
-            })
-        };
-        GaitSpace::of(crowd, role.id).map_err(cannot)
+        let name = &role.character.name;
+        Ok(GaitSpace::of(crowd, role.id).map_err(|error| match error {
+            populace_locomotion::Error::NoGaitClips { .. } => anyhow::anyhow!(
+                "\"{name}\" has no clips to walk with: one in which both feet stand, and one \
+                 that walks or runs forwards; add some with --clips FILE"
+            ),
+            error => anyhow::anyhow!("\"{name}\" cannot walk: {error}"),
+        }))
     };
     roles.iter().zip(own).map(or_built_in).collect()
 }

@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use populace::character::Image;
 use populace::{Crowd, MemberId};
+use populace_locomotion::GaitSpace;
 use populace_render::{Camera, Ground, Scene};
 use populace_scene::{Motions, Replay};
 use populace_trajectory::Recording;
@@ -179,7 +180,8 @@ impl ReplayJob<'_> {
         if are_drawn {
             check_hidden(roles, &args.hide)?;
         }
-        let gaits = crate::people::gaits(crowd, roles)?;
+        let gaits = crate::people::gaits(crowd, roles)?.into_iter().collect::<Result<_, _>>();
+        let gaits: Vec<GaitSpace> = gaits.map_err(Failure::Input)?;
         let floor = populace::Ground::plane(place::floor_m(&recording), [0.0; 2]);
         crowd.set_ground(&floor.map_err(populace::Error::from)?)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };

@@ -9,7 +9,7 @@ use populace::character::{Character, Region};
 use populace::{Crowd, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_render::Camera;
-use populace_scene::plan::CastPlan;
+use populace_scene::plan::{BehaviourPlan, CastPlan, ScenePlan};
 use populace_scene::{Behaviours, Counts, Person, Stage};
 
 use super::SceneSource;
@@ -24,6 +24,8 @@ use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
 
 /// Half the width of a person in metres, for framing.
 const HALF_M: f32 = 0.4;
+/// Number of characters that an error names, at most.
+const NAMED: usize = 3;
 
 /// A scene in a crowd.
 pub(super) struct LiveScene {
@@ -69,13 +71,10 @@ impl LiveScene {
         };
         let stage = Stage::new(crowd, plan, &props, &prepare)?;
         let things = things(crowd)?;
-        let mut all_gaits: Vec<GaitSpace> = Vec::new();
-        for roles in casts.values() {
-            all_gaits.extend(gaits(crowd, roles)?);
-        }
+        let gaits = walks(crowd, plan, &casts)?;
         let players = players(source, &casts);
         let people: Vec<Vec<Person>> = players.iter().map(|of| of.people(&casts)).collect();
-        let behaviours = Behaviours::new(crowd, plan, &stage, &people, all_gaits)?;
+        let behaviours = Behaviours::new(crowd, plan, &stage, &people, gaits)?;
         let people: Vec<MemberId> = behaviours.people().collect();
         dress(crowd, &players, &casts, &people)?;
         let mut eyes_m = Vec::new();
@@ -167,6 +166,44 @@ fn casts(
         casts.insert(cast.name.clone(), loaded.roles);
     }
     Ok((casts, files))
+}
+
+/// Returns the gaits of all who have some. Who has to walk and cannot is refused.
+fn walks(crowd: &mut Crowd, plan: &ScenePlan, casts: &Casts) -> Result<Vec<GaitSpace>, Failure> {
+    let mut all = Vec::new();
+    for (cast, roles) in casts {
+        let mut refused: Vec<(&str, anyhow::Error)> = Vec::new();
+        for (nth, gaits) in gaits(crowd, roles)?.into_iter().enumerate() {
+            match (gaits, walk_of(plan, cast, nth)) {
+                (Ok(gaits), _) => all.push(gaits),
+                (Err(reason), Some(does)) => refused.push((does, reason)),
+                (Err(_), None) => {}
+            }
+        }
+        if let [(does, _), ..] = refused[..] {
+            let more = refused.len().saturating_sub(NAMED);
+            let more =
+                if more > 0 { format!("; {more} more cannot either") } else { String::new() };
+            let reasons = refused.iter().take(NAMED).map(|(_, reason)| reason.to_string());
+            let reasons = reasons.collect::<Vec<_>>().join("; ");
+            return Err(Failure::Input(anyhow::anyhow!(
+                "the cast \"{cast}\" has people who cannot walk, and a [[crowd]] of it does \
+                 `{does}`: {reasons}{more}"
+            )));
+        }
+    }
+    Ok(all)
+}
+
+/// Returns how a character of a cast has to walk, by its number; `None` if it does not.
+fn walk_of(plan: &ScenePlan, cast: &str, nth: usize) -> Option<&'static str> {
+    // Members are the characters of their cast in turn.
+    let mut of = plan.crowds.iter().filter(|crowd| crowd.cast == cast && nth < crowd.count);
+    of.find_map(|crowd| match crowd.does {
+        BehaviourPlan::Stroll(_) => Some("stroll"),
+        BehaviourPlan::Fight(_) => Some("fight"),
+        _ => None,
+    })
 }
 
 /// Chooses who plays the members of each crowd of the plan: the characters of its cast in turn.

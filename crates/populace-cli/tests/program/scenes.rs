@@ -113,6 +113,28 @@ fn a_written_scene_draws_the_same_picture() {
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap(), "two different pictures");
 }
 
+/// A post has no legs, and "Bend" is its only clip.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn who_stands_needs_no_walk() {
+    let text = "[output]\nsize = [32, 32]\n[[cast]]\nname = \"posts\"\nfrom = [\"post.gltf\"]\n\
+                [[crowd]]\ncast = \"posts\"\ncount = 2\ndoes.stand = { clip = \"Bend\" }\n";
+    draw(&Folder::new(), text, &["--device", "native"]);
+}
+
+#[test]
+fn who_must_walk_and_cannot_is_named_with_the_cast() {
+    let folder = Folder::new();
+    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+    let text = "schema = 1\n[[footway]]\nname = \"f\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n\
+                [[cast]]\nname = \"posts\"\nfrom = [\"@man\", \"post.gltf\"]\n\
+                [[crowd]]\ncast = \"posts\"\ncount = 2\ndoes.stand = { clip = \"Bend\" }\n\
+                [[crowd]]\ncast = \"posts\"\ncount = 2\ndoes.stroll = {}\n";
+    std::fs::write(&scene, text).expect("a file");
+    let wanted = ["scene.toml", "the cast \"posts\"", "a [[crowd]] of it does `stroll`: \"post\""];
+    refused(&["render", &scene, "--out", &out, "--device", "native"], 1, &wanted);
+}
+
 /// The cast of a written scene is the one that was given, wherever the file lies.
 #[test]
 fn a_written_scene_has_the_cast_that_was_given() {
