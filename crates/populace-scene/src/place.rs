@@ -20,6 +20,8 @@ use populace::character::{
 use populace::model::{JointIndex, JointSource, Skeleton, Trs};
 use populace_trajectory::{Polygon, Recording};
 
+pub(crate) use plan::is_inside;
+
 use area::Cells;
 use doors::Outline;
 use gates::Edges;

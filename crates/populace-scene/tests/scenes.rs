@@ -1,7 +1,7 @@
 //! The scenes that come as files: the stand and the battle.
 #![allow(clippy::unwrap_used, reason = "a scene that cannot be made fails the test")]
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use populace::{Crowd, Device, MemberId};
@@ -152,6 +152,33 @@ fn footways_without_length_are_refused() {
         plan.footways[0].points = points;
         let error = live(&plan).err().unwrap();
         assert_eq!(error, Error::FootwayWithoutLength { name: "path".into() });
+    }
+}
+
+/// Nobody begins within a wall, where it would stay, and nobody walks through it.
+#[test]
+fn people_keep_out_of_closed_walls() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\
+                [[footway]]\nname = \"path\"\npoints = [[0, 0], [20, 0]]\nwidth_m = 4\n\
+                [[prop]]\nkind = \"planter\"\nat = [10, 0, 0]\n[[wall]]\nclosed = true\n\
+                points = [[9.35, -0.3], [10.65, -0.3], [10.65, 0.3], [9.35, 0.3]]\n\
+                [[crowd]]\ncast = \"a\"\ncount = 60\ndoes.stroll = {}\n";
+    for seed in 0..4 {
+        let plan = ScenePlan { seed, ..ScenePlan::parse(text).unwrap() };
+        let mut live = live(&plan).unwrap();
+        let (mut before, mut past) = (BTreeSet::new(), BTreeSet::new());
+        for step in 0..20 {
+            for (who, member) in live.behaviours.people().enumerate() {
+                let [x, _, z] = live.crowd.member(member).unwrap().placement().position();
+                let is_within = (9.4..10.6).contains(&x) && z.abs() < 0.25;
+                assert!(!is_within, "seed {seed}, {step} s: {who} is at {x}, {z}");
+                before.extend((x < 9.0).then_some(who));
+                past.extend((x > 11.0).then_some(who));
+            }
+            live.run(1.0);
+        }
+        let passed = before.intersection(&past).count();
+        assert!(passed > 20, "seed {seed}: {passed} people come past the planter");
     }
 }
 

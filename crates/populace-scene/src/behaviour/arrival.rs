@@ -9,6 +9,7 @@ use populace_random::Rng;
 use super::body::{Body, Use};
 use super::falls::direction;
 use super::person::{Doing, Kind, Person};
+use super::settling::Settling;
 use super::world::{Stand, WHOLE, World};
 use super::{armies, driving, settled, traffic};
 use crate::Error;
@@ -108,7 +109,8 @@ impl Arrival<'_> {
                 }
             }
         }
-        settled::settle(world, crowd, (&own, habits, self.stage.ground()), &on_foot)
+        let settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
+        settled::settle(world, crowd, (settling, habits), &on_foot)
     }
 
     /// Brings people who sit on the seats of the stage, in their order. Those without a seat stay

@@ -1,6 +1,6 @@
 //! The beginning of a scene: people who stroll are in the middle of what they do.
 
-use populace::{Crowd, Ground};
+use populace::Crowd;
 
 use super::footways::Place;
 use super::settling::Settling;
@@ -39,10 +39,9 @@ enum Activity {
 pub(crate) fn settle(
     world: &mut World,
     crowd: &mut Crowd,
-    (footways, habits, ground): (&[usize], &StrollPlan, &Ground),
+    (mut settling, habits): (Settling<'_>, &StrollPlan),
     people: &[usize],
 ) -> Result<(), Error> {
-    let mut settling = Settling::new(footways, ground);
     crossings::hold(world, crowd)?;
     let (mut walk, mut talk) = (Vec::new(), Vec::new());
     for who in people.iter().copied() {

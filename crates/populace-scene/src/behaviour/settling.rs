@@ -1,14 +1,17 @@
 //! Places for people who begin in the middle of what they do.
 
 use std::collections::HashMap;
+use std::f32::consts::TAU;
 
 use glam::Vec2;
 use populace::{Crowd, Ground, Placement};
 use populace_locomotion::Lead;
 
-use super::footways::Place;
+use super::footways::{Footway, Place};
 use super::world::World;
 use crate::Error;
+use crate::place::is_inside;
+use crate::plan::WallPlan;
 
 /// Tries to find a free place.
 const TRIES: usize = 24;
@@ -20,12 +23,16 @@ pub(crate) struct Settling<'a> {
     /// The footways on which they stroll.
     pub(crate) footways: &'a [usize],
     ground: &'a Ground,
+    /// Closed walls.
+    walls: Vec<Vec<[f64; 2]>>,
     taken: HashMap<[i32; 2], Vec<Vec2>>,
 }
 
 impl<'a> Settling<'a> {
-    pub(crate) fn new(footways: &'a [usize], ground: &'a Ground) -> Self {
-        Self { footways, ground, taken: HashMap::new() }
+    pub(crate) fn new(footways: &'a [usize], ground: &'a Ground, walls: &[WallPlan]) -> Self {
+        let points = |wall: &WallPlan| wall.points.iter().map(|at| at.map(f64::from)).collect();
+        let walls = walls.iter().filter(|wall| wall.closed).map(points).collect();
+        Self { footways, ground, walls, taken: HashMap::new() }
     }
 
     /// Returns the first free place from a part of all on that is beside one of the footways, and
@@ -50,8 +57,9 @@ impl<'a> Settling<'a> {
         turned.into_iter().find_map(beside)
     }
 
-    /// Finds a place on one of the footways, `edge_m` from its edge and `apart_m` from others.
-    /// Returns the footway, the point, and the direction of the footway there.
+    /// Finds a place on one of the footways, `edge_m` from its edge and from walls that stand on
+    /// it, and `apart_m` from others. Returns the footway, the point, and the direction of the
+    /// footway there.
     pub(crate) fn place(
         &self,
         world: &mut World,
@@ -71,7 +79,7 @@ impl<'a> Settling<'a> {
                 }
                 let aside_m = aside * (strip.half_m - edge_m).max(0.0);
                 let (at, line) = strip.at(Place { along_m, aside_m });
-                if self.is_free(at, apart_m) {
+                if self.is_free(at, apart_m) && self.is_open(strip, at, edge_m) {
                     return Some((footway, at, line));
                 }
                 break;
@@ -88,6 +96,18 @@ impl<'a> Settling<'a> {
             .filter_map(|cell| self.taken.get(&cell))
             .flatten()
             .all(|other| other.distance_squared(at) > apart_m * apart_m)
+    }
+
+    /// Returns true if no closed wall shuts a point, and those at a distance around it, off from
+    /// the beginning of a footway.
+    fn is_open(&self, strip: &Footway, at: Vec2, around_m: f32) -> bool {
+        let (begin, _) = strip.at(Place { along_m: 0.0, aside_m: 0.0 });
+        let around = |nth: u8| at + around_m * Vec2::from_angle(TAU * f32::from(nth) / 8.0);
+        self.walls.iter().all(|wall| {
+            let is_in = |at: Vec2| is_inside(wall, at.to_array().map(f64::from));
+            let is_enclosed = is_in(begin);
+            is_in(at) == is_enclosed && (0..8).all(|nth| is_in(around(nth)) == is_enclosed)
+        })
     }
 
     /// Puts somebody who is on foot to a point, with a heading and a speed ahead in metres per

@@ -13,7 +13,7 @@ pub(super) fn turn(a: Point, b: Point, c: Point) -> f64 {
 
 /// Returns true if a point is inside of a ring: a line from it crosses the ring an odd number of
 /// times.
-pub(super) fn is_inside(ring: &[Point], at: Point) -> bool {
+pub(crate) fn is_inside(ring: &[Point], at: Point) -> bool {
     let next = ring.iter().cycle().skip(1);
     let crosses = |(a, b): &(&Point, &Point)| {
         (a[1] > at[1]) != (b[1] > at[1])
