@@ -59,8 +59,12 @@ impl ReadArgs {
             Error::Unknown { .. } => Failure::Input(anyhow::anyhow!("{error}; {OTHER_INPUTS}")),
             error => error.into(),
         })?;
-        let doubts = doubts(&recording).into_iter();
-        let doubts = doubts.map(|text| Warning { text, rows: 0, first: None });
+        // All commands see the place that can be drawn.
+        let (place, left_out) = populace_scene::PlaceModel::buildable(&recording.place);
+        recording.place = place;
+        let left_out = left_out.iter().map(ToString::to_string);
+        let doubts =
+            left_out.chain(doubts(&recording)).map(|text| Warning { text, rows: 0, first: None });
         recording.warnings.extend(doubts);
         match recording.warnings.first() {
             Some(warning) if self.strict => {

@@ -18,7 +18,7 @@ use populace::character::{
     vertex_reach_m,
 };
 use populace::model::{JointIndex, JointSource, Skeleton, Trs};
-use populace_trajectory::{Polygon, Recording};
+use populace_trajectory::{Place, Polygon, Recording};
 
 pub(crate) use plan::is_inside;
 
@@ -121,6 +121,10 @@ struct Area {
 }
 
 impl Area {
+    fn of(polygon: &Polygon) -> Self {
+        Self { outline: polygon.outline.clone(), holes: polygon.holes.clone() }
+    }
+
     fn holds(&self, at: Point) -> bool {
         plan::is_inside(&self.outline, at) && !self.holes.iter().any(|h| plan::is_inside(h, at))
     }
@@ -130,17 +134,12 @@ impl PlaceModel {
     /// Builds the place of a recording. Settings beyond their ranges count as the nearest value.
     #[must_use]
     pub fn new(recording: &Recording, settings: &PlaceSettings) -> Self {
-        let mut model = Self::default();
-        let mut obstacles = Vec::new();
-        for polygon in &recording.place.obstacles {
-            obstacles.extend(model.area(polygon, ["an obstacle", "a hole of an obstacle"]));
-        }
-        let changes = &recording.place.changes;
+        let (place, warnings) = Self::buildable(&recording.place);
+        let mut model = Self { parts: Vec::new(), warnings };
+        let obstacles: Vec<Area> = place.obstacles.iter().map(Area::of).collect();
+        let changes = &place.changes;
         for (index, change) in changes.iter().enumerate() {
-            let mut areas = Vec::new();
-            for polygon in &change.walkable {
-                areas.extend(model.area(polygon, ["an outline", "a hole"]));
-            }
+            let areas: Vec<Area> = change.walkable.iter().map(Area::of).collect();
             if areas.is_empty() {
                 continue;
             }
@@ -152,39 +151,61 @@ impl PlaceModel {
                     from_secs: change.from_secs,
                     character: Arc::new(character),
                 }),
-                Err(reason) => model.warn(PlaceWarning::Refused { reason }),
+                Err(reason) => warn(&mut model.warnings, PlaceWarning::Refused { reason }),
             }
         }
         model
     }
 
-    fn warn(&mut self, warning: PlaceWarning) {
-        if !self.warnings.contains(&warning) {
-            self.warnings.push(warning);
+    /// Returns what of a place can be built, and why other rings are left out: those with a
+    /// coordinate that is not finite or beyond 100 km, and those of less than 0.001 square metres.
+    /// A polygon goes with its outline. Sources and targets stay as they are.
+    #[must_use]
+    pub fn buildable(place: &Place) -> (Place, Vec<PlaceWarning>) {
+        let (mut place, mut warnings) = (place.clone(), Vec::new());
+        keep(&mut place.obstacles, ["an obstacle", "a hole of an obstacle"], &mut warnings);
+        for change in &mut place.changes {
+            keep(&mut change.walkable, ["an outline", "a hole"], &mut warnings);
         }
+        (place, warnings)
     }
+}
 
-    /// Returns a polygon's rings that can be built.
-    fn area(&mut self, polygon: &Polygon, [outline, hole]: [&'static str; 2]) -> Option<Area> {
-        let outline = self.ring(&polygon.outline, outline)?;
-        let holes = polygon.holes.iter().filter_map(|ring| self.ring(ring, hole)).collect();
-        Some(Area { outline, holes })
+/// Keeps the rings of polygons that can be built.
+fn keep(
+    polygons: &mut Vec<Polygon>,
+    [outline, hole]: [&'static str; 2],
+    warnings: &mut Vec<PlaceWarning>,
+) {
+    polygons.retain_mut(|polygon| {
+        let stays = is_sound(&mut polygon.outline, outline, warnings);
+        if stays {
+            polygon.holes.retain_mut(|ring| is_sound(ring, hole, warnings));
+        }
+        stays
+    });
+}
+
+/// Returns true for a ring that can be built. Removes points that repeat the one before.
+fn is_sound(ring: &mut Ring, what: &'static str, warnings: &mut Vec<PlaceWarning>) -> bool {
+    if !ring.iter().flatten().all(|v| v.abs() <= LARGEST_M) {
+        warn(warnings, PlaceWarning::FarRing { what });
+        return false;
     }
+    ring.dedup();
+    let cells = Cells::new([&*ring]);
+    let triangles = cells.triangles(|at| plan::is_inside(ring, at));
+    let is_empty = triangles.iter().map(|t| plan::area(t)).sum::<f64>() < LEAST_M2;
+    if is_empty {
+        warn(warnings, PlaceWarning::EmptyRing { what });
+    }
+    !is_empty
+}
 
-    fn ring(&mut self, ring: &[Point], what: &'static str) -> Option<Ring> {
-        if !ring.iter().flatten().all(|v| v.abs() <= LARGEST_M) {
-            self.warn(PlaceWarning::FarRing { what });
-            return None;
-        }
-        let mut ring = ring.to_vec();
-        ring.dedup();
-        let cells = Cells::new([&ring]);
-        let triangles = cells.triangles(|at| plan::is_inside(&ring, at));
-        if triangles.iter().map(|t| plan::area(t)).sum::<f64>() < LEAST_M2 {
-            self.warn(PlaceWarning::EmptyRing { what });
-            return None;
-        }
-        Some(ring)
+/// Adds a warning that is not there yet.
+fn warn(warnings: &mut Vec<PlaceWarning>, warning: PlaceWarning) {
+    if !warnings.contains(&warning) {
+        warnings.push(warning);
     }
 }
 

@@ -271,6 +271,30 @@ fn doubts_are_warnings_of_render_and_inspect() {
     assert!(stderr.contains("warning: 0 % of the positions"), "{stderr}");
 }
 
+/// An area that `render` cannot draw counts for nobody.
+#[test]
+fn areas_without_an_inside_are_left_out_of_inspect() {
+    let folder = Folder::new();
+    let file = write(&folder, "walk.txt", &rows());
+    let square = "((-9 -9, 12 -9, 12 9, -9 9), (1 1, 2 2, 3 3))";
+    let text = format!("MULTIPOLYGON ({square}, ((0 0, 5 0, 9 0)), ((0 0, 1000000 0, 0 1000000)))");
+    let areas = write(&folder, "areas.wkt", &text);
+    let inspect = ["inspect", &file, "--geometry", &areas];
+    let d = json_of(&[&inspect[..], &["--json"]].concat());
+    let place = &d["trajectory"]["place"];
+    let found = ["areas", "holes", "walkable_m2"].map(|key| place[key].as_f64());
+    assert_eq!(found, [1.0, 0.0, 378.0].map(Some));
+    assert_eq!(
+        d["trajectory"]["warnings"],
+        json!([
+            "a hole of the place was left out: it has no area",
+            "an outline of the place was left out: it has no area",
+            "an outline of the place was left out: it has points beyond 100 km; check the unit"
+        ])
+    );
+    refused(&[&inspect[..], &["--strict"]].concat(), 1, &["walk.txt", "it has no area"]);
+}
+
 /// A picture of a time within a gap or after the file's end shows nobody, and the program says so.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]
