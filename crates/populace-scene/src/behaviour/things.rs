@@ -7,7 +7,7 @@ use super::body::Use;
 use super::world::{UPPER, World};
 use crate::Error;
 use crate::plan::MaskPlan;
-use crate::stage::PARCEL;
+use crate::stage::{Bearer, PARCEL};
 
 impl Arrival<'_> {
     /// Gives a person the things that its cast holds and wears.
@@ -24,11 +24,13 @@ impl Arrival<'_> {
             let things = self.stage.things(kind);
             let Some(nth) = who.checked_rem(things.len()) else { continue };
             let grips = &world.body(who).grips;
-            let place = match kind.as_str() {
-                "helmet" => grips.helmet,
-                "shield" => grips.left,
-                PARCEL if self.plays_carry(world, crowd, who)? => grips.parcel.or(grips.right),
-                _ => grips.right,
+            let place = match Bearer::of(kind) {
+                Bearer::Head => grips.helmet,
+                Bearer::LeftHand => grips.left,
+                Bearer::RightHand if kind == PARCEL && self.plays_carry(world, crowd, who)? => {
+                    grips.parcel.or(grips.right)
+                }
+                Bearer::RightHand => grips.right,
             };
             let Some((joint, offset)) = place else { continue };
             let owner = world.member(who);

@@ -11,6 +11,7 @@ use crate::plan::{
     BehaviourPlan, CastPlan, CrowdPlan, FightPlan, GazePlan, LayerPlan, ScenePlan, SpectatePlan,
     StandPlan, StrollPlan,
 };
+use crate::stage::Bearer;
 
 pub(super) fn check(plan: &ScenePlan) -> Option<Fault> {
     first_of("cast", &plan.casts, |cast| check_cast(plan, cast))
@@ -37,7 +38,7 @@ fn check_cast(plan: &ScenePlan, cast: &CastPlan) -> Option<Fault> {
         let (first, second) = in_one_place(&cast.holds)?;
         let rule = format!(
             "at most one thing for the head and each hand: the {} has \"{first}\" and \"{second}\"",
-            place_of(first)
+            Bearer::of(first).name()
         );
         Some(Fault::of("holds", rule))
     };
@@ -51,18 +52,9 @@ fn check_cast(plan: &ScenePlan, cast: &CastPlan) -> Option<Fault> {
 /// Returns the first two things that are held or worn in one place.
 fn in_one_place(things: &[String]) -> Option<(&str, &str)> {
     things.iter().enumerate().find_map(|(nth, second)| {
-        let first = things[..nth].iter().find(|first| place_of(first) == place_of(second))?;
+        let first = things[..nth].iter().find(|first| Bearer::of(first) == Bearer::of(second))?;
         Some((first.as_str(), second.as_str()))
     })
-}
-
-/// Returns where a thing is held or worn.
-fn place_of(thing: &str) -> &'static str {
-    match thing {
-        "helmet" => "head",
-        "shield" => "left hand",
-        _ => "right hand",
-    }
 }
 
 fn check_crowd(plan: &ScenePlan, crowd: &CrowdPlan) -> Option<Fault> {
