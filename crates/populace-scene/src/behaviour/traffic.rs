@@ -1,9 +1,4 @@
 //! Vehicles: they follow each other in lanes, stop for people and lights, park and set off.
-//!
-//! The acceleration is that of the intelligent driver model (M. Treiber, A. Hennecke and D. Helbing,
-//! "Congested traffic states in empirical observations and microscopic simulations", Physical
-//! Review E 62 (2000), 1805-1824).
-#![expect(clippy::disallowed_methods, reason = "roots of the host alone; no device computes them")]
 
 use std::f32::consts::FRAC_PI_2;
 
@@ -14,13 +9,11 @@ use crate::Error;
 use crate::plan::{BayPlan, LanePlan};
 use crate::stage::VehicleModel;
 
-/// Gain and comfortable loss of speed, in metres per second squared.
-const GAIN: f32 = 1.6;
+mod following;
+
+/// Comfortable loss of speed, in metres per second squared.
 const LOSS: f32 = 2.4;
-/// Highest loss of speed, in metres per second squared.
-const HARDEST: f32 = 7.0;
-/// Time between two vehicles in seconds, and distance at rest in metres.
-const HEADWAY_SECS: f32 = 1.3;
+/// Distance between two vehicles at rest, in metres.
 const JAM_M: f32 = 1.6;
 /// Distance ahead of a bay in which a vehicle changes over to it, and past it in which it is back
 /// in its lane, in metres.
@@ -29,9 +22,6 @@ const SWERVE_M: f32 = 9.0;
 const SWERVE_M_PER_SEC: f32 = 3.2;
 /// Free lengths of the lane behind and ahead of a vehicle that sets off, in metres.
 const MERGE_M: [f32; 2] = [16.0, 7.0];
-/// Nothing ahead.
-const FREE_M: f32 = 1e4;
-
 /// The activity of a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drive {
@@ -330,52 +320,6 @@ impl Traffic {
         });
     }
 
-    fn acceleration(&self, place: usize, stops: &[Stop]) -> f32 {
-        let index = self.order[place];
-        let vehicle = &self.vehicles[index];
-        let lane = &self.lanes[vehicle.lane];
-        let half = 0.5 * self.models[vehicle.model].length_m;
-        let mut speed = lane.speed * vehicle.pace;
-        let mut ahead = self.leader(place).unwrap_or((FREE_M, lane.speed));
-        match vehicle.drive {
-            Drive::Parks { bay } => {
-                let left = self.bays[bay].along_m - vehicle.along_m;
-                // Slow from where the brakes must begin, and slower to the end of the bay.
-                let slow = SWERVE_M_PER_SEC.powi(2) + 2.0 * LOSS * (left - SWERVE_M).max(0.0);
-                speed = speed.min(slow.sqrt()).min((2.0 * left.max(0.0)).sqrt().max(0.3));
-            }
-            Drive::SetsOff { .. } => speed = speed.min(SWERVE_M_PER_SEC),
-            _ => {}
-        }
-        for stop in stops.iter().filter(|stop| stop.lane == vehicle.lane) {
-            let gap = stop.along_m - (vehicle.along_m + half);
-            let needed = vehicle.speed.powi(2) / (2.0 * LOSS);
-            let is_passed = gap < -0.5 || stop.is_polite && gap < needed;
-            if !is_passed && gap + JAM_M < ahead.0 {
-                // It stops at the line itself, not a distance before it.
-                ahead = (gap + JAM_M, 0.0);
-            }
-        }
-        intelligent_driver(vehicle.speed, speed, ahead)
-    }
-
-    /// Returns the distance to the vehicle ahead and its speed.
-    fn leader(&self, place: usize) -> Option<(f32, f32)> {
-        let vehicle = &self.vehicles[self.order[place]];
-        let same = |index: &&usize| self.vehicles[**index].lane == vehicle.lane;
-        let next = self.order.get(place + 1).filter(same);
-        let (next, laps) = match next {
-            Some(next) => (*next, 0.0),
-            None => (*self.order.iter().find(same)?, self.lanes[vehicle.lane].length_m),
-        };
-        if next == self.order[place] {
-            return None;
-        }
-        let other = &self.vehicles[next];
-        let [own, its] = [vehicle, other].map(|of| 0.5 * self.models[of.model].length_m);
-        Some((other.along_m + laps - vehicle.along_m - own - its, other.speed))
-    }
-
     /// Sends a vehicle that stands back to the road if there is room. Returns true if it set off.
     pub(crate) fn set_off(&mut self, vehicle: usize) -> bool {
         let Vehicle { lane, along_m, drive: Drive::Stands { bay, .. }, .. } =
@@ -439,16 +383,4 @@ impl Traffic {
 fn eased(part: f32) -> (f32, f32) {
     let part = part.clamp(0.0, 1.0);
     (part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part))
-}
-
-/// Returns the acceleration of a vehicle behind another.
-fn intelligent_driver(speed: f32, wanted: f32, (gap_m, leader): (f32, f32)) -> f32 {
-    let closing = speed * (speed - leader) / (2.0 * (GAIN * LOSS).sqrt());
-    let distance = JAM_M + (speed * HEADWAY_SECS + closing).max(0.0);
-    let free = if speed <= wanted {
-        GAIN * (1.0 - (speed / wanted).powi(4))
-    } else {
-        -LOSS * (1.0 - wanted / speed)
-    };
-    (free - GAIN * (distance / gap_m.max(0.1)).powi(2)).max(-HARDEST)
 }
