@@ -84,6 +84,8 @@ pub(crate) struct Posing<'a> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     pub(crate) joints: Joints<'a>,
     pub(crate) playing: &'a [Playing],
+    /// Whether layer 0 plays one slot.
+    pub(crate) plays_alone: bool,
     pub(crate) inertialization: Inertialization<'a>,
     /// Layers that the member uses.
     pub(crate) layers: &'a [Layer],
@@ -103,6 +105,7 @@ impl<'a> Play<'a> {
             inputs,
             joints,
             playing: self.playing(),
+            plays_alone: self.plays_alone,
             inertialization: self.inertialization,
             layers: self.layers,
             control: control_of(inputs.tables, member),
@@ -143,13 +146,15 @@ impl Posing<'_> {
         let (joints, tables) = (&self.joints, self.joints.tables);
         let mut sum =
             Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
+        let alone = layer == 0 && self.plays_alone;
         for playing in self.playing {
             if playing.weight <= 0.0 || playing.layer != layer {
                 continue;
             }
             let bound = &tables.bound_clips().as_slice()[playing.bound_clip as usize];
             let sample = sample_joint::<R>(joints, bound, &playing.rows, rest);
-            let (weight, local) = (R::splat(playing.weight), &mut sum.local);
+            let part = if alone { 1.0 } else { playing.weight };
+            let (weight, local) = (R::splat(part), &mut sum.local);
             sum.at_rest &= sample.at_rest;
             let (value, k) = if additive {
                 let first = tables.clips().as_slice()[bound.rows as usize].row_first;
@@ -159,13 +164,14 @@ impl Posing<'_> {
                 let turned = quotient(&sample.normalized(rest), &start, quat::identity());
                 (change(&turned), weight)
             } else {
-                let k = unit_of(sample.local.r, rest.r) * weight;
+                let r = sample.local.r;
+                let k = if alone { quat::side(r, rest.r) } else { unit_of(r, rest.r) * weight };
                 (sample.local, k)
             };
             local.t = each3(|i| local.t[i] + value.t[i] * weight);
             local.r = quat::add(local.r, quat::scale(value.r, k));
             local.s = each3(|i| local.s[i] + value.s[i] * weight);
-            sum.total += playing.weight;
+            sum.total += part;
         }
         sum
     }

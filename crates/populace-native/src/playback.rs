@@ -1,6 +1,6 @@
 //! Slots of a member that play now, and those that inertialize. Twin of `kernels/playback.cl`.
 
-use populace_device::layout::{Layer, Slot, SlotSample};
+use populace_device::layout::{LEAST_TOTAL, Layer, Slot, SlotSample};
 use populace_device::{MAX_SLOTS, Tables};
 
 use crate::cache::fetch_lines;
@@ -26,6 +26,13 @@ impl Playing {
     }
 }
 
+/// Returns whether layer 0 plays one slot. Its weight does not matter, since the layer is divided by
+/// it.
+pub(crate) fn plays_alone(playing: &[Playing]) -> bool {
+    let mut beneath = playing.iter().filter(|slot| slot.weight > 0.0 && slot.layer == 0);
+    beneath.next().is_some_and(|slot| slot.weight > LEAST_TOTAL) && beneath.next().is_none()
+}
+
 /// Slots to search for those that inertialize at a tick.
 #[derive(Clone, Copy)]
 pub(crate) struct Inertialization<'a> {
@@ -48,6 +55,7 @@ pub(crate) struct Play<'a> {
     /// Seconds after the start of each clip; NaN for live clips.
     secs: [f32; MAX_SLOTS],
     count: usize,
+    pub(crate) plays_alone: bool,
     pub(crate) inertialization: Inertialization<'a>,
     /// Layers that the member uses.
     pub(crate) layers: &'a [Layer],
@@ -69,7 +77,14 @@ impl<'a> Play<'a> {
             }
         }
         let inertialization = inertialization_of(tables, member, frame.tick);
-        Self { playing, secs, count, inertialization, layers: member_layers(tables, member) }
+        Self {
+            playing,
+            secs,
+            count,
+            plays_alone: plays_alone(&playing[..count]),
+            inertialization,
+            layers: member_layers(tables, member),
+        }
     }
 
     /// Asks for the rows that the slots mix.

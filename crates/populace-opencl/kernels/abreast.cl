@@ -12,7 +12,9 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
                          const ClipTables *tables, __global const float *row_times,
                          __global const uint *buckets, Playing *playing)
 {
-    Playback playback = { playing, 0, inertialization_of(slots, slot_count, tick), false };
+    Playback playback = {
+        playing, 0, inertialization_of(slots, slot_count, tick), false, NONE, 0.0f
+    };
     for (uint s = 0; s < slot_count; s++) {
         Playing slot = play(slots[s], machines, tick, tables, row_times, buckets);
         if (slot.at.weight <= 0.0f) continue;
@@ -22,6 +24,11 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         slot.from = row_start(tables, slot.at.row0);
         slot.to = row_start(tables, slot.at.row1);
         playback.has_floats = playback.has_floats || tables->clips[clip.rows].has_floats;
+        if (slot.layer == 0) {
+            const bool alone = playback.total == 0.0f && slot.at.weight > LEAST_TOTAL;
+            playback.alone = alone ? playback.count : NONE;
+            playback.total += slot.at.weight;
+        }
         playing[playback.count++] = slot;
     }
     return playback;
@@ -45,10 +52,10 @@ typedef struct {
 INLINE void fetch_lines(__global const void *from, uint words)
 {
 #if defined(CALLS) && __has_builtin(__builtin_prefetch)
-    for (uint word = 0; word < words; word += 16)
-        __builtin_prefetch((__global const uint *)from + word, 0, 2);
+    __global const uint *word = from, *last = word + words - 1;
+    for (; word < last; word += 16) __builtin_prefetch(word, 0, 2);
     // Words that do not begin a line reach into one line more.
-    if (words > 0) __builtin_prefetch((__global const uint *)from + words - 1, 0, 2);
+    if (words > 0) __builtin_prefetch(last, 0, 2);
 #endif
 }
 
@@ -113,12 +120,6 @@ INLINE void fetch_constraints(const Company *all, const ConstraintTables *tables
 // Sums over the slots of layer 0, and then poses: each component of LANES joints of each member.
 typedef Real Posed[COMPONENTS][LANES];
 
-// Returns whether a component is one of those that are left out.
-INLINE bool is_still(uint still, uint component)
-{
-    return (component < 3 && still & REST_TRANSLATION) || (component >= 7 && still & REST_SCALE);
-}
-
 // Returns the local transforms of neighbouring joints of a member, or after transposition of a joint
 // of all members.
 INLINE Local local_of(const Posed posed, uint at)
@@ -129,23 +130,29 @@ INLINE Local local_of(const Posed posed, uint at)
     return trs;
 }
 
+INLINE void put_rotation(Posed posed, uint lane, Quat r)
+{
+    posed[3][lane] = r.x;
+    posed[4][lane] = r.y;
+    posed[5][lane] = r.z;
+    posed[6][lane] = r.w;
+}
+
+// Stores translations or scales of a lane.
+INLINE void put_vector(Posed posed, uint lane, uint property, Vec3 v)
+{
+    const uint first = property == TRANSLATION ? 0 : 7;
+    posed[first][lane] = v.x;
+    posed[first + 1][lane] = v.y;
+    posed[first + 2][lane] = v.z;
+}
+
 // Stores the local transforms of a lane, except properties that are left out.
 INLINE void put_local(Posed posed, uint lane, Local trs, uint still)
 {
-    if (!(still & REST_TRANSLATION)) {
-        posed[0][lane] = trs.t.x;
-        posed[1][lane] = trs.t.y;
-        posed[2][lane] = trs.t.z;
-    }
-    posed[3][lane] = trs.r.x;
-    posed[4][lane] = trs.r.y;
-    posed[5][lane] = trs.r.z;
-    posed[6][lane] = trs.r.w;
-    if (!(still & REST_SCALE)) {
-        posed[7][lane] = trs.s.x;
-        posed[8][lane] = trs.s.y;
-        posed[9][lane] = trs.s.z;
-    }
+    if (!(still & REST_TRANSLATION)) put_vector(posed, lane, TRANSLATION, trs.t);
+    put_rotation(posed, lane, trs.r);
+    if (!(still & REST_SCALE)) put_vector(posed, lane, SCALE, trs.s);
 }
 
 // Inputs of the members' poses.
@@ -175,10 +182,10 @@ APART bool show_any_layer(const Company *all, const Posing *posing, uint lane, u
     return show_layer_of(all, posing, lane, l, first, false, rest, shown);
 }
 
-// Lays a layer over the poses of members that have it, in two passes. `terms` tell what is at rest in
-// each pose, before and after.
+// Lays a layer over the poses of members that have it, in two passes. `at_rest` tells what is at
+// rest in each pose, before and after.
 INLINE void lay_over_all(const Company *all, const Posing *posing, uint l, uint first, Local rest,
-                         Terms *terms, Posed posed)
+                         uint *at_rest, Posed posed)
 {
     Shown shown[LANES];
     bool shows[LANES];
@@ -190,15 +197,15 @@ INLINE void lay_over_all(const Company *all, const Posing *posing, uint l, uint 
     }
     for (uint lane = 0; lane < all->count; lane++) {
         if (!shows[lane]) continue;
-        const uint kept = kept_beneath(shown[lane], terms[lane].at_rest);
+        const uint kept = kept_beneath(shown[lane], at_rest[lane]);
         put_local(posed, lane, laid_over(local_of(posed, lane), shown[lane], kept, rest), kept);
-        terms[lane].at_rest &= kept;
+        at_rest[lane] &= kept;
     }
 }
 
-// Applies what comes after the slots of layer 0, step by step to all members. `terms` tell what is at
-// rest in each pose, before and after.
-APART void change_poses(const Company *all, const Posing *posing, uint first, Terms *terms,
+// Applies what comes after the slots of layer 0, step by step to all members. `at_rest` tells what
+// is at rest in each pose, before and after.
+APART void change_poses(const Company *all, const Posing *posing, uint first, uint *at_rest,
                         Posed posed)
 {
     const Local rest = rest_of(posing->clips, all->body, first), stored = rest;
@@ -210,89 +217,133 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, Te
         inertialize(posing->clips, all->plays[lane].inertialization, 0, false, first, &stored,
                     &pose);
         put_local(posed, lane, pose, 0);
-        terms[lane].at_rest = 0;
+        at_rest[lane] = 0;
     }
-    for (uint l = 1; l < layer_count; l++) lay_over_all(all, posing, l, first, rest, terms, posed);
+    for (uint l = 1; l < layer_count; l++)
+        lay_over_all(all, posing, l, first, rest, at_rest, posed);
     for (uint lane = 0; lane < all->count; lane++) {
         if (!posing->changes[lane].adjusts) continue;
         Local pose = local_of(posed, lane);
         adjust(posing->adjustments, posing->adjustments.controls + all->controls[lane], first,
                &pose);
         put_local(posed, lane, pose, 0);
-        terms[lane].at_rest = 0;
+        at_rest[lane] = 0;
     }
 }
 
-// Sums the slots of layer 0 of a member, for LANES joints or for a whole block.
-INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
-                       bool no_floats, uint spans, Posed *posed, Terms *terms)
+// Poses a block of joints of a member whose layer 0 plays one slot. Nothing is weighted or divided:
+// this gives the same bits as a sum of one term of weight 1, and its mean. Zeros among ranges are
+// positive, as sums are that begin with 0.
+INLINE void pose_alone(const Company *all, const Posing *posing, uint lane, uint first,
+                       bool no_floats, uint spans, Posed *posed, uint *at_rest)
 {
     const ClipTables *tables = posing->clips;
     const Playback playback = all->plays[lane];
+    BlockSlot slot = block_slot(playing_at(playback, playback.alone), first, no_floats);
+    Stored rest = stored_at(tables, all->body.rest_first, POSE_PLANES, first);
+    const uint flags = slot.columns.block.flags;
+    for (uint span = 0; span < spans; span++) {
+        put_rotation(posed[span], lane, rotation_alone(tables, slot, rest));
+        if (!(flags & REST_TRANSLATION))
+            put_vector(posed[span], lane, TRANSLATION, vector_alone(tables, slot, TRANSLATION));
+        if (!(flags & REST_SCALE))
+            put_vector(posed[span], lane, SCALE, vector_alone(tables, slot, SCALE));
+        slot = next_span(slot);
+        rest += LANES;
+    }
+    *at_rest = flags & (REST_TRANSLATION | REST_SCALE);
+}
+
+// Sums the slots of layer 0 of a member, for LANES joints or for a whole block. The pose of one slot
+// is complete.
+INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
+                       bool no_floats, uint spans, Posed *posed, uint *at_rest)
+{
+    const ClipTables *tables = posing->clips;
+    const Playback playback = all->plays[lane];
+    if (playback.alone != NONE) {
+        pose_alone(all, posing, lane, first, no_floats, spans, posed, at_rest);
+        return;
+    }
     if (spans == 1) {
         const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, false);
-        put_local(posed[0], lane, sums.first, sums.terms.at_rest);
-        *terms = sums.terms;
+        put_local(posed[0], lane, sums.first, sums.at_rest);
+        *at_rest = sums.at_rest;
         return;
     }
 #if SPANS > 1
     const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, true);
-    put_local(posed[0], lane, sums.first, sums.terms.at_rest);
-    put_local(posed[1], lane, sums.second, sums.terms.at_rest);
-    *terms = sums.terms;
+    put_local(posed[0], lane, sums.first, sums.at_rest);
+    put_local(posed[1], lane, sums.second, sums.at_rest);
+    *at_rest = sums.at_rest;
 #endif
 }
 
 // Does the same for a member with a clip that stores floats; see show_any_layer().
 APART void sum_any_member(const Company *all, const Posing *posing, uint lane, uint first,
-                          uint spans, Posed *posed, Terms *terms)
+                          uint spans, Posed *posed, uint *at_rest)
 {
-    sum_member(all, posing, lane, first, false, spans, posed, terms);
+    sum_member(all, posing, lane, first, false, spans, posed, at_rest);
 }
 
-INLINE uint at_rest_in_all(const Company *all, const Terms *terms)
+INLINE uint at_rest_in_all(const Company *all, const uint *at_rest)
 {
     uint still = REST_TRANSLATION | REST_SCALE;
-    for (uint lane = 0; lane < all->count; lane++) still &= terms[lane].at_rest;
+    for (uint lane = 0; lane < all->count; lane++) still &= at_rest[lane];
     return still;
 }
 
 // Sums the slots of layer 0 of all members, for a block of joints.
 INLINE void sum_block(const Company *all, const Posing *posing, uint first, uint spans,
-                      Posed *posed, Terms *terms)
+                      Posed *posed, uint *at_rest)
 {
     for (uint lane = 0; lane < all->count; lane++) {
         if (all->plays[lane].has_floats)
-            sum_any_member(all, posing, lane, first, spans, posed, &terms[lane]);
-        else sum_member(all, posing, lane, first, true, spans, posed, &terms[lane]);
+            sum_any_member(all, posing, lane, first, spans, posed, &at_rest[lane]);
+        else sum_member(all, posing, lane, first, true, spans, posed, &at_rest[lane]);
+    }
+}
+
+// Turns components into lanes of members.
+INLINE void turn_components(const Company *all, Posed posed, uint first, uint end)
+{
+#pragma unroll
+    for (uint c = first; c < end; c++) {
+        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
+        transpose(posed[c]);
     }
 }
 
 // Turns the sums of LANES joints into local transforms in lanes of members, except properties that
 // are at rest in all of them, which it returns. If `planes` is not 0, it receives the transforms of
 // the first member, as ten planes of the body's padded joints.
-INLINE uint pose_span(const Company *all, const Posing *posing, uint first, const Terms *sums,
+INLINE uint pose_span(const Company *all, const Posing *posing, uint first, const uint *sums,
                       Posed posed, __global float *planes)
 {
     const Local rest = rest_of(posing->clips, all->body, first);
-    // Changes of poses change the terms, and the block's other span begins with those of the sums.
-    Terms terms[LANES];
-    for (uint lane = 0; lane < all->count; lane++) terms[lane] = sums[lane];
-    const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, terms);
+    // Changes of poses change what is at rest. The block's other span begins with that of the sums.
+    uint at_rest[LANES];
+    for (uint lane = 0; lane < all->count; lane++) at_rest[lane] = sums[lane];
+    const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, at_rest);
     for (uint lane = 0; lane < all->count; lane++) {
-        const Sum sum = { local_of(posed, lane), terms[lane] };
+        if (all->plays[lane].alone != NONE) {
+            // Other members may move what is at rest in this one.
+            const uint missing = at_rest[lane] & ~left_out;
+            if (missing & REST_TRANSLATION) put_vector(posed, lane, TRANSLATION, rest.t);
+            if (missing & REST_SCALE) put_vector(posed, lane, SCALE, rest.s);
+            continue;
+        }
+        const Sum sum = { local_of(posed, lane), { all->plays[lane].total, at_rest[lane] } };
         // Each branch stores on its own, so that the other keeps no registers.
-        if (terms[lane].total > LEAST_TOTAL) put_local(posed, lane, mean_of(sum, rest), left_out);
+        if (sum.terms.total > LEAST_TOTAL) put_local(posed, lane, mean_of(sum, rest), left_out);
         else put_local(posed, lane, rest, left_out);
     }
-    if (posing->any_changes) change_poses(all, posing, first, terms, posed);
+    if (posing->any_changes) change_poses(all, posing, first, at_rest, posed);
     if (planes) store_trs(local_of(posed, 0), planes + first, all->body.padded_count);
-    const uint still = at_rest_in_all(all, terms);
-    for (uint c = 0; c < COMPONENTS; c++) {
-        if (is_still(still, c)) continue;
-        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
-        transpose(posed[c]);
-    }
+    const uint still = at_rest_in_all(all, at_rest);
+    if (!(still & REST_TRANSLATION)) turn_components(all, posed, 0, 3);
+    turn_components(all, posed, 3, 7);
+    if (!(still & REST_SCALE)) turn_components(all, posed, 7, COMPONENTS);
     return still;
 }
 
@@ -332,7 +383,7 @@ INLINE Posing posing_of(const Company *all, const ClipTables *tables, Adjustment
 INLINE bool are_led(const Company *all) { return all->controls[0] != NONE; }
 
 // Computes the local transforms of LANES joints, and without programs their model transforms.
-INLINE void place_span(const Company *all, const Posing *posing, uint first, const Terms *sums,
+INLINE void place_span(const Company *all, const Posing *posing, uint first, const uint *sums,
                        Posed posed, Hierarchy joints, __global float *planes)
 {
     const uint still = pose_span(all, posing, first, sums, posed, planes);
@@ -351,7 +402,7 @@ INLINE void place_block(const Company *all, const Posing *posing, uint first, Hi
                         __global float *planes)
 {
     Posed posed[SPANS];
-    Terms sums[LANES];
+    uint sums[LANES];
     // The second half of the last block may have no joints.
     const uint spans = first + LANES < all->body.joint_count ? SPANS : 1;
     sum_block(all, posing, first, spans, posed, sums);

@@ -40,6 +40,21 @@ INLINE Local mean_or_rest(Sum sum, float least, Local rest)
     return sum.terms.total > least ? mean_of(sum, rest) : rest;
 }
 
+// Returns whether layer 0 plays one slot. Its weight does not matter, since the layer is divided by
+// it.
+INLINE bool plays_alone(Playback playback)
+{
+    uint count = 0;
+    float weight = 0.0f;
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.at.weight <= 0.0f || playing.layer != 0) continue;
+        count++;
+        weight = playing.at.weight;
+    }
+    return count == 1 && weight > LEAST_TOTAL;
+}
+
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
 // the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
 // store none.
@@ -47,16 +62,17 @@ INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer, bo
                      uint joint, bool no_floats, Local rest)
 {
     Sum sum = no_sum();
+    const bool alone = layer == 0 && !additive && plays_alone(playback);
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
-        const float weight = playing.at.weight;
+        const float weight = alone ? 1.0f : playing.at.weight;
         const Sample sample =
             sample_joint(tables, playing.bound_clip, joint, rows_in(playing), no_floats, rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
-            k = unit_of(trs.r, rest.r) * weight;
+            k = alone ? quat_side(trs.r, rest.r) : unit_of(trs.r, rest.r) * weight;
         } else {
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
@@ -104,9 +120,10 @@ INLINE BlockSlot next_span(BlockSlot slot)
 }
 
 // Sums of a layer's slots for one or two spans of LANES joints. `second` is unused if there is one.
+// `at_rest` is that of Terms.
 typedef struct {
     Local first, second;
-    Terms terms;
+    uint at_rest;
 } SpanSums;
 
 INLINE void add_quat(Quat q, Real k, Quat *sum) { *sum = quat_add(*sum, quat_scale(q, k)); }
@@ -148,6 +165,31 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
         add_any_quat(quat_of(tables, slot), rest, slot.weight, first);
         if (two_spans) add_any_quat(quat_of(tables, next), rest + LANES, slot.weight, second);
     }
+}
+
+// Returns the rotation of a layer's only slot, which may lie in either hemisphere.
+INLINE Quat any_rotation_alone(Quat q, Stored rest)
+{
+    const Quat fallback = stored_quat(rest, 0);
+    const Quat sum = quat_add(no_sum().trs.r, quat_hemisphere(q, fallback));
+    return quat_normalize_or(sum, fallback);
+}
+
+// Returns the rotation of a layer's only slot. Rotations near the rest are not 0.
+INLINE Quat rotation_alone(const ClipTables *tables, BlockSlot slot, Stored rest)
+{
+    if (slot.columns.block.rotation_first == NONE)
+        return any_rotation_alone(stored_quat(slot.range, 0), rest);
+    const Quat q = quat_of(tables, slot);
+    if (slot.columns.block.flags & NEAR_REST) return quat_scale(q, inverse_sqrt(quat_dot(q, q)));
+    return any_rotation_alone(q, rest);
+}
+
+// Returns the translation or scale of a layer's only slot.
+INLINE Vec3 vector_alone(const ClipTables *tables, BlockSlot slot, uint property)
+{
+    const int plane = property == TRANSLATION ? 5 : 9;
+    return sample_vector(tables, slot.columns, property, slot.rows, slot.range, plane);
 }
 
 // Adds weight times translation or scale of a slot. Each branch adds on its own: numbers that
@@ -195,22 +237,30 @@ INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint laye
 {
     const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
     const Sum none = no_sum();
-    SpanSums sums = { none.trs, none.trs, none.terms };
+    SpanSums sums = { none.trs, none.trs, none.terms.at_rest };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
         add_rotation(tables, slot, rest, two_spans, &sums.first.r, &sums.second.r);
-        sums.terms.total += slot.weight;
-        sums.terms.at_rest &= slot.columns.block.flags;
+        sums.at_rest &= slot.columns.block.flags;
     }
-    if (!(sums.terms.at_rest & REST_TRANSLATION))
+    if (!(sums.at_rest & REST_TRANSLATION))
         sum_property(tables, playback, layer, TRANSLATION, joint, rest, no_floats, two_spans,
                      &sums.first.t, &sums.second.t);
-    if (!(sums.terms.at_rest & REST_SCALE))
+    if (!(sums.at_rest & REST_SCALE))
         sum_property(tables, playback, layer, SCALE, joint, rest, no_floats, two_spans,
                      &sums.first.s, &sums.second.s);
     return sums;
+}
+
+// Returns the total weight of a layer's slots.
+INLINE float total_of(Playback playback, uint layer)
+{
+    float total = 0.0f;
+    for (uint s = 0; s < playback.count; s++)
+        if (playing_at(playback, s).layer == layer) total += playing_at(playback, s).at.weight;
+    return total;
 }
 
 // Returns the sum over a layer's slots. In additive layers all properties are summed together.
@@ -219,7 +269,7 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bo
 {
     if (additive) return sum_slots(tables, playback, layer, additive, joint, no_floats, rest);
     const SpanSums sums = sum_spans(tables, playback, layer, body, joint, no_floats, false);
-    const Sum sum = { sums.first, sums.terms };
+    const Sum sum = { sums.first, { total_of(playback, layer), sums.at_rest } };
     return sum;
 }
 

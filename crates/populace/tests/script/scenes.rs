@@ -33,18 +33,18 @@ pub(crate) struct Scene {
 }
 
 pub(crate) const ALL: [Scene; 12] = [
-    Scene { name: "clips", start: clips, hash: 0x9192_5bfe_a628_6396 },
-    Scene { name: "layers", start: layers, hash: 0x71da_0e23_5e44_927f },
-    Scene { name: "inertialization", start: inertialization, hash: 0xd496_64c9_9b18_4b71 },
-    Scene { name: "retargeting", start: retargeting, hash: 0x4354_5d35_7183_8653 },
+    Scene { name: "clips", start: clips, hash: 0x93e6_dc6f_7b48_0931 },
+    Scene { name: "layers", start: layers, hash: 0xd3c0_b3ee_166d_b69d },
+    Scene { name: "inertialization", start: inertialization, hash: 0xeca9_b0aa_3719_8dd6 },
+    Scene { name: "retargeting", start: retargeting, hash: 0x0633_628f_c695_efcc },
     Scene { name: "blend spaces", start: blend_spaces, hash: 0xa6d3_5b41_1040_04b2 },
-    Scene { name: "state machines", start: state_machines, hash: 0x74dd_3216_cae6_ed7c },
+    Scene { name: "state machines", start: state_machines, hash: 0x9f75_b42a_b21a_fc4e },
     Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },
-    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x2926_ed44_292e_c784 },
-    Scene { name: "feet", start: feet, hash: 0xb6c3_915b_268b_3f66 },
-    Scene { name: "overrides and proportions", start: overrides, hash: 0x9015_fd06_33cf_a485 },
-    Scene { name: "attachments and root motion", start: attachments, hash: 0x49e1_6790_a2e8_b34f },
-    Scene { name: "user stages", start: user_stages, hash: 0x37ec_47c3_a030_579c },
+    Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x9b93_f4f5_f83c_0cf9 },
+    Scene { name: "feet", start: feet, hash: 0x4c23_a3ec_36d0_4eba },
+    Scene { name: "overrides and proportions", start: overrides, hash: 0xdc81_67b5_5b47_e824 },
+    Scene { name: "attachments and root motion", start: attachments, hash: 0xc4ad_a411_8508_8982 },
+    Scene { name: "user stages", start: user_stages, hash: 0xd463_6b0f_d6dd_e337 },
 ];
 
 fn clips(crowd: &mut Crowd, cast: &Cast) -> Result<Run, Error> {

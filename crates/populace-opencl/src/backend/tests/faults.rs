@@ -299,13 +299,20 @@ faults! {
             "shown.terms.at_rest & at_rest;" => "shown.terms.at_rest;";
     }
     check_additive_layers {
-        additions_do_not_move: "terms[lane].at_rest &= kept;" => "";
+        additions_do_not_move: "at_rest[lane] &= kept;" => "";
     }
     check_small_totals {
-        small_totals_are_mixed: "terms[lane].total > LEAST_TOTAL" => "terms[lane].total > 0.5f";
+        small_totals_are_mixed: "sum.terms.total > LEAST_TOTAL" => "sum.terms.total > 0.5f";
+        lone_slots_need_no_weight: "slot.at.weight > LEAST_TOTAL" => "slot.at.weight > 0.0f";
     }
     check_far_rotations {
         far_rotations_count_as_near: "slot.columns.block.flags & NEAR_REST" => "true";
+    }
+    check_sampling_between_keys {
+        lone_scales_are_translations: "vector_alone(tables, slot, SCALE)" =>
+            "vector_alone(tables, slot, TRANSLATION)";
+        lone_slots_do_not_move: "*at_rest = flags & (REST_TRANSLATION | REST_SCALE);" =>
+            "*at_rest = REST_TRANSLATION | REST_SCALE;";
     }
     check_blends {
         full_groups_write_one_palette: "to[lane] + first, true" => "to[0] + first, true";
@@ -322,12 +329,12 @@ faults! {
     check_inertialization {
         inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
         inertialized_poses_stay_at_rest:
-            "put_local(posed, lane, pose, 0);\n        terms[lane].at_rest = 0;\n    }\n    for" =>
+            "put_local(posed, lane, pose, 0);\n        at_rest[lane] = 0;\n    }\n    for" =>
             "put_local(posed, lane, pose, 0);\n    }\n    for";
     }
     check_overrides {
         overrides_stay_at_rest:
-            "put_local(posed, lane, pose, 0);\n        terms[lane].at_rest = 0;\n    }\n}" =>
+            "put_local(posed, lane, pose, 0);\n        at_rest[lane] = 0;\n    }\n}" =>
             "put_local(posed, lane, pose, 0);\n    }\n}";
     }
     check_live_clips {
