@@ -1,5 +1,6 @@
 //! Rows of a file, collected in any order, checked and sorted.
 
+mod degrees;
 mod finish;
 mod heights;
 

@@ -40,6 +40,7 @@ impl Rows {
         let unit = self.unit(found.unit.unless_set(told_unit(path, settings)?), per_sec, &order);
         let metres = unit.value.in_metres();
         self.warn_if_slow(found.clock, metres, per_sec, &order);
+        self.warn_if_degrees(unit, &order);
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
         self.heights_in_metres(rounded(metres));

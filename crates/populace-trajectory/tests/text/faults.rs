@@ -248,3 +248,24 @@ fn impossible_units_are_refused() {
         assert!(refusal.expect_err("a refusal").to_string().contains("--unit N"));
     }
 }
+
+#[test]
+fn longitudes_and_latitudes_without_a_name_are_doubted() {
+    let walk = |ids: &[&str], at: [f64; 2], step: f64| {
+        let rows = ids.iter().zip(0..).flat_map(|(id, nth)| {
+            let y = at[1] + 10.0 * step * f64::from(nth);
+            (0..20).map(move |t| format!("{id},{t},{:.7},{y:.7}\n", at[0] + step * f64::from(t)))
+        });
+        let file = format!("id,t,x,y\n{}", rows.collect::<String>());
+        warnings(&file, &ReadSettings::default()).1
+    };
+    for ids in [&["a"][..], &["a", "b", "c"]] {
+        let texts = walk(ids, [11.5, 48.1], 0.000_013);
+        assert!(texts.len() == 1 && texts[0].contains("latitudes"), "{ids:?} {texts:?}");
+    }
+    // People who walk, and one who stands and sways.
+    assert_eq!(walk(&["a", "b"], [11.5, 48.1], 1.3), [""; 0]);
+    assert_eq!(walk(&["a"], [11.5, 48.1], 0.000_5), [""; 0]);
+    assert_eq!(walk(&["a"], [11.5, 48.1], 0.0), [""; 0]);
+    assert_eq!(walk(&["a"], [0.5, 0.1], 0.000_013), [""; 0]);
+}
