@@ -79,6 +79,8 @@ pub(crate) struct Rows {
     elevation_unit: Option<Unit>,
     headings: Vec<f32>,
     views: Vec<f32>,
+    /// True if the unit of headings is told only by their size.
+    guesses_headings: bool,
     numbers: Vec<(String, Vec<f32>)>,
     words: Vec<Words>,
     /// Agents, times and positions of footsteps.
@@ -252,6 +254,11 @@ impl Rows {
     }
 
     /// Takes all headings to be in degrees rather than radians.
+    /// Reports headings as assumed: nothing but their size tells their unit.
+    pub(crate) fn guess_headings(&mut self) {
+        self.guesses_headings = true;
+    }
+
     pub(crate) fn headings_from_degrees(&mut self) {
         self.headings.iter_mut().for_each(|angle| *angle = angle.to_radians());
     }

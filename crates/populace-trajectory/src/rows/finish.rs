@@ -86,6 +86,7 @@ impl Rows {
 
     /// Returns the source of headings. Warns if those of the file are asked for and it has none.
     fn heading(&mut self, has: bool, asked: Option<HeadingSource>) -> Fact<HeadingSource> {
+            _ if has && self.guesses_headings => Fact::assumed(HeadingSource::Data),
         match asked {
             _ if has => Fact::of_file(HeadingSource::Data),
             Some(HeadingSource::Data) => {

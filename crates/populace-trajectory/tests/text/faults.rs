@@ -198,7 +198,7 @@ fn headings_that_the_file_lacks_are_warned_of() {
     assert_eq!(recording.source.heading, Fact::assumed(HeadingSource::Motion));
     assert_eq!(texts.len(), 1, "{texts:?}");
     assert!(texts[0].contains("no headings") && texts[0].contains("--heading data"), "{texts:?}");
-    let (recording, texts) = warnings("id,t,x,y,yaw\n1,0,0,0,1\n1,1,1,0,1\n", &settings);
+    let (recording, texts) = warnings("id,t,x,y,yaw_rad\n1,0,0,0,1\n1,1,1,0,1\n", &settings);
     assert_eq!(recording.source.heading, Fact::of_file(HeadingSource::Data));
     assert_eq!(texts, [""; 0]);
 }
