@@ -250,6 +250,23 @@ fn impossible_units_are_refused() {
 }
 
 #[test]
+fn missing_elevations_are_those_between_the_rows_of_the_same_person() {
+    let file = "id,t,x,y,z\na,0,0,0,\na,1,1,0,3\na,2,2,0,\na,4,4,0,nan\na,5,5,0,7\na,6,6,0,\n\
+                b,0,0,5,1\nb,1,1,5,1\nc,0,0,9,\n";
+    let (recording, texts) = warnings(file, &ReadSettings::default());
+    assert_eq!(track(&recording, "a").elevations, [3.0, 3.0, 4.0, 6.0, 7.0, 7.0]);
+    assert_eq!(track(&recording, "b").elevations, [1.0, 1.0]);
+    assert_eq!(track(&recording, "c").elevations, [1.0]);
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(texts[0].contains("4 rows have no elevation"), "{texts:?}");
+    assert!(texts[1].contains("1 person has no elevation"), "{texts:?}");
+    // A file whose column of elevations is empty has none.
+    let (recording, texts) = warnings("id,t,x,y,z\na,0,0,0,\na,1,1,0,\n", &ReadSettings::default());
+    assert_eq!(recording.summary().elevations_m, None);
+    assert_eq!(texts, [""; 0]);
+}
+
+#[test]
 fn longitudes_and_latitudes_without_a_name_are_doubted() {
     let walk = |ids: &[&str], at: [f64; 2], step: f64| {
         let rows = ids.iter().zip(0..).flat_map(|(id, nth)| {
