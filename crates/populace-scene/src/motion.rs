@@ -163,9 +163,9 @@ impl Span {
         cutoff_hz: f64,
     ) -> Self {
         let times = &track.times[rows.clone()];
-        // Somebody with one row is there for the usual time between rows.
-        let length_secs = if times.len() == 1 { interval_secs } else { 0.0 };
-        let [from, until] = [times[0], times[times.len() - 1] + length_secs];
+        // Somebody with one row is there around it, for the usual time between rows.
+        let around_secs = if times.len() == 1 { 0.5 * interval_secs } else { 0.0 };
+        let [from, until] = [times[0] - around_secs, times[times.len() - 1] + around_secs];
         let (count, step_secs) = steps(from, until, step_secs);
         let even = |values: &[f64]| at_even_times(times, values, from, step_secs, count);
         let [x, y] = [0, 1].map(|axis| {
@@ -400,9 +400,9 @@ mod tests {
         let rows = "id,t,x,y\n1,0,0,0\n1,0.5,1,0\n1,1,2,0\n1,1.5,2,0\n2,0.5,7,5\n";
         let motions = Motions::new(&recording(rows));
         let one = &motions.agents[1];
-        assert_eq!(one.secs().collect::<Vec<_>>(), [[0.5, 1.0]]);
-        assert_eq!([0.5, 0.9].map(|at| one.at(at).map(|at| at.position)), [Some([7.0, 5.0]); 2]);
-        assert!(one.at(0.4).is_none() && one.at(1.1).is_none());
+        assert_eq!(one.secs().collect::<Vec<_>>(), [[0.25, 0.75]]);
+        assert_eq!([0.3, 0.7].map(|at| one.at(at).map(|at| at.position)), [Some([7.0, 5.0]); 2]);
+        assert!(one.at(0.2).is_none() && one.at(0.8).is_none());
     }
 
     #[test]
