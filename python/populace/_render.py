@@ -5,16 +5,18 @@ from __future__ import annotations
 import base64
 import json
 import os
+import re
 import shutil
 import subprocess
 import weakref
 from dataclasses import dataclass, field
+from fractions import Fraction
 from pathlib import Path
 from tempfile import TemporaryDirectory, mkdtemp
 from typing import Any, Optional, Union
 
 from populace._program import Error, program
-from populace._table import Rate, well_known_text, write_rows
+from populace._table import LINES_BEFORE_ROWS, Rate, well_known_text, write_rows
 
 _TAGS = {
     ".mp4": '<video controls loop src="data:video/mp4;base64,{}"></video>',
@@ -57,8 +59,8 @@ def render(
     """Draws the people of a trajectory as a film.
 
     :param frame: a ``TrajectoryData`` of PedPy, or a data frame with columns ``id``, ``frame`` or
-        ``t`` (seconds), ``x`` and ``y`` (metres). Further columns are kept; those of geometries
-        are not.
+        ``t`` (seconds, lengths of time, or dates), ``x`` and ``y`` (metres). Further columns are
+        kept; those of geometries are not.
     :param fps: frames per second of the film. Numbers in a column ``frame`` count at this rate
         too, unless the data is a ``TrajectoryData``, which knows its own, or ``data_fps`` says it.
     :param area: the walkable area in metres: WKT, a geometry of shapely, or a ``WalkableArea``.
@@ -66,7 +68,9 @@ def render(
         the picture, is a temporary file that is removed together with the result.
     :param options: flags of ``populace render``, with ``_`` for ``-``: ``size="640x360"`` is
         ``--size 640x360``. ``True`` sets a flag without a value, ``False`` and ``None`` set none,
-        and lists repeat a flag for each value.
+        and lists repeat a flag for each value. ``size=(640, 360)`` and ``frames=range(5)`` work
+        too.
+    :raises ValueError: for data or options that cannot be written down for the program.
     :raises ProgramNotFound: if the program is missing.
     :raises Error: if it fails, with its messages.
     """
@@ -86,6 +90,7 @@ def render(
 def _run(frame: Any, fps: Rate, area: Any, options: dict[str, Any]) -> Rendering:
     """Writes the data, runs the program on them, and removes them."""
     command = [str(program()), "render"]
+    _check_rate(fps)
     with TemporaryDirectory(prefix="populace-") as inputs:
         rows = Path(inputs, "data.csv")
         write_rows(frame, fps, rows)
@@ -97,11 +102,36 @@ def _run(frame: Any, fps: Rate, area: Any, options: dict[str, Any]) -> Rendering
         run = subprocess.run(
             command, capture_output=True, encoding="utf-8", errors="replace", check=False
         )
+    messages = _of_frame(run.stderr, inputs)
     if run.returncode != 0:
-        raise Error(run.stderr.strip() or f"{command[0]} failed", run.returncode)
+        raise Error(messages.strip() or f"{command[0]} failed", run.returncode)
     measures = json.loads(run.stdout)
     path = Path(measures["out"]) if "out" in measures else None
-    return Rendering(path, measures, run.stderr)
+    return Rendering(path, measures, messages)
+
+
+def _check_rate(fps: Rate) -> None:
+    try:
+        is_rate = Fraction(str(fps)) > 0
+    except (ValueError, ZeroDivisionError):
+        is_rate = False
+    if not is_rate:
+        raise ValueError(
+            f'fps is a number above 0, or a fraction as text such as "30000/1001", not {fps!r}'
+        )
+
+
+def _of_frame(messages: str, inputs: str) -> str:
+    """Returns messages about the temporary files as messages about the data frame and the area."""
+    messages = messages.replace(str(Path(inputs, "area.wkt")), "the walkable area")
+    messages = messages.replace(str(Path(inputs, "data.csv")), "the data frame")
+
+    def row(match: re.Match[str]) -> str:
+        nth = int(match[2]) - 1 - LINES_BEFORE_ROWS
+        return match[0] if nth < 0 else f"{match[1]}row {nth}"
+
+    # Errors name the file before the line; warnings have the line in brackets.
+    return re.sub(r"(the data frame, |\(|the first in )line (\d+)", row, messages)
 
 
 def flags(options: dict[str, Any]) -> list[str]:
@@ -109,6 +139,10 @@ def flags(options: dict[str, Any]) -> list[str]:
     arguments = []
     for name, value in options.items():
         flag = "--" + name.replace("_", "-")
+        if name == "size" and isinstance(value, (list, tuple)):
+            value = "x".join(map(str, value))
+        if isinstance(value, range):
+            value = _first_to_last(name, value)
         if value is True:
             arguments.append(flag)
         elif isinstance(value, (list, tuple)):
@@ -116,6 +150,12 @@ def flags(options: dict[str, Any]) -> list[str]:
         elif value is not None and value is not False:
             arguments.append(f"{flag}={_argument(value)}")
     return arguments
+
+
+def _first_to_last(name: str, numbers: range) -> str:
+    if len(numbers) == 0 or numbers.step != 1:
+        raise ValueError(f"{name} is a range with a step of 1 that is not empty, not {numbers!r}")
+    return f"{numbers[0]}..{numbers[-1]}"
 
 
 def _argument(value: Any) -> str:

@@ -1,6 +1,7 @@
 """Tests of render: what the program is given, and what comes back."""
 
 import base64
+import datetime
 import gc
 import os
 import tempfile
@@ -64,6 +65,44 @@ class WhatTheProgramIsGiven(unittest.TestCase):
         columns = {"id": [1, 2, 3, 4], "frame": [0, 1, 2], "x": [0] * 4, "y": [0] * 4}
         with self.assertRaisesRegex(ValueError, "id: 4, frame: 3, x: 4, y: 4"):
             populace.render(columns)
+
+    def test_columns_of_one_name_are_refused(self):
+        columns = mock.Mock(spec=["columns"], columns=["id", "x", "x"])
+        with self.assertRaisesRegex(ValueError, "several columns are named x; rename"):
+            populace.render(columns)
+
+    def test_names_of_an_index_are_columns(self):
+        frame = Frame(x=[1, 2])
+        levels = {"id": ["a", "b"], "x": [3, 4]}
+        frame.index = mock.Mock(names=["id", None, "x"], get_level_values=levels.get)
+        rows = self.rows(frame).splitlines()[1:]
+        self.assertEqual(rows, ['"id","x"', '"a",1', '"b",2'])
+
+    def test_dates_and_lengths_of_time_are_seconds(self):
+        first, step = datetime.datetime(2024, 5, 1, 12), datetime.timedelta(milliseconds=250)
+        for times in ([first + step, first, None], [step, 0 * step, None]):
+            rows = self.rows({"t": times, "born": [first] * 3}).splitlines()[2:]
+            born = '"2024-05-01 12:00:00"'
+            self.assertEqual(rows, [f"0.25,{born}", f"0.0,{born}", f'"",{born}'])
+
+    def test_messages_name_rows_of_the_frame(self):
+        said = "rows were left out (line 8); $2, line 3: no; $(dirname $2)/area.wkt, line 3"
+        write_program(self.folder, f"#!/bin/sh\necho \"{said}\" >&2\nexit 1\n")
+        wanted = "left out .row 5.; the data frame, row 0: no; the walkable area, line 3"
+        with self.assertRaisesRegex(populace.Error, wanted):
+            populace.render(two_walkers(), area=SQUARE)
+
+    def test_rates_that_are_none_are_refused(self):
+        for rate in (None, "fast", 0, -1, "1/0"):
+            with self.assertRaisesRegex(ValueError, "fps is a number above 0"):
+                populace.render(two_walkers(), fps=rate)
+
+    def test_sizes_and_ranges_are_one_value(self):
+        options = {"size": (640, 360), "frames": range(2, 5)}
+        self.assertEqual(flags(options), ["--size=640x360", "--frames=2..4"])
+        for frames in (range(0), range(0, 5, 2)):
+            with self.assertRaisesRegex(ValueError, "step of 1"):
+                flags({"frames": frames})
 
     def test_options_are_flags(self):
         options = {"skip_existing": True, "json": False, "seed": None, "cast": ["a", Path("b")]}

@@ -182,8 +182,6 @@ impl ReplayJob<'_> {
         }
         let gaits = crate::people::gaits(crowd, roles)?.into_iter().collect::<Result<_, _>>();
         let gaits: Vec<GaitSpace> = gaits.map_err(Failure::Input)?;
-        let floor = populace::Ground::plane(place::floor_m(&recording), [0.0; 2]);
-        crowd.set_ground(&floor.map_err(populace::Error::from)?)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, roles, &settings);
         let metered = Metered::new(capacity(&motions));
@@ -191,6 +189,8 @@ impl ReplayJob<'_> {
         let subject = Agents::new(&recording, motions.clone(), heights.clone());
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
+        let floor = populace::Ground::plane(replay.floor_m(), [0.0; 2]);
+        crowd.set_ground(&floor.map_err(populace::Error::from)?)?;
         let bodies = (people, heights);
         let overlays = Overlays::new(self.overlay, &recording, replay.motions(), roles, bodies)?;
         message!(

@@ -20,6 +20,8 @@ const HEAD_BYTES: u64 = 4096;
 const OTHER_INPUTS: &str = "characters are glTF files (.glb, .gltf, .vrm), and scenes end in .toml";
 /// Words behind a fact that an option said.
 const TOLD: &str = " (as told)";
+/// Words behind headings whose angles have no unit.
+const GUESSED_ANGLES: &str = " (radians or degrees by their size)";
 
 /// Options for reading trajectory files.
 #[derive(Args, Clone, Debug, Default, PartialEq)]
@@ -180,7 +182,11 @@ pub(crate) fn reading(recording: &Recording) -> String {
         source.unit.value,
         origin(source.unit),
         source.heading.value,
-        if source.heading.origin == Origin::Settings { TOLD } else { "" },
+        match source.heading {
+            Fact { origin: Origin::Settings, .. } => TOLD,
+            Fact { value: HeadingSource::Data, origin: Origin::Assumed } => GUESSED_ANGLES,
+            _ => "",
+        },
     )
 }
 

@@ -98,7 +98,9 @@ impl Motions {
             }
             let track = recording.track(agent);
             let spans = spans(track.times, rows_per_sec);
-            let span = |rows: std::ops::Range<usize>| Span::new(&track, rows, step_secs, cutoff_hz);
+            let span = |rows: std::ops::Range<usize>| {
+                Span::new(&track, rows, [step_secs, 1.0 / rows_per_sec], cutoff_hz)
+            };
             let spans = spans.into_iter().map(span).collect();
             Motion { spans, steps: track.steps.to_vec() }
         };
@@ -157,11 +159,13 @@ impl Span {
     fn new(
         track: &Track<'_>,
         rows: std::ops::Range<usize>,
-        step_secs: f64,
+        [step_secs, interval_secs]: [f64; 2],
         cutoff_hz: f64,
     ) -> Self {
         let times = &track.times[rows.clone()];
-        let [from, until] = [times[0], times[times.len() - 1]];
+        // Somebody with one row is there around it, for the usual time between rows.
+        let around_secs = if times.len() == 1 { 0.5 * interval_secs } else { 0.0 };
+        let [from, until] = [times[0] - around_secs, times[times.len() - 1] + around_secs];
         let (count, step_secs) = steps(from, until, step_secs);
         let even = |values: &[f64]| at_even_times(times, values, from, step_secs, count);
         let [x, y] = [0, 1].map(|axis| {
@@ -389,6 +393,16 @@ mod tests {
         assert!(secs > 1.0);
         assert_eq!(motions.agents[0].at(secs), motions.agents[0].at(1.0));
         assert!(motions.agents[0].at(1.0).is_some() && motions.agents[0].at(1.01).is_none());
+    }
+
+    #[test]
+    fn agents_with_one_row_are_there_for_the_time_between_rows() {
+        let rows = "id,t,x,y\n1,0,0,0\n1,0.5,1,0\n1,1,2,0\n1,1.5,2,0\n2,0.5,7,5\n";
+        let motions = Motions::new(&recording(rows));
+        let one = &motions.agents[1];
+        assert_eq!(one.secs().collect::<Vec<_>>(), [[0.25, 0.75]]);
+        assert_eq!([0.3, 0.7].map(|at| one.at(at).map(|at| at.position)), [Some([7.0, 5.0]); 2]);
+        assert!(one.at(0.2).is_none() && one.at(0.8).is_none());
     }
 
     #[test]

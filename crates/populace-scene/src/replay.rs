@@ -1,5 +1,7 @@
 //! People who follow the trajectories of a recording.
 
+mod floor;
+
 use std::f32::consts::FRAC_PI_2;
 
 use populace::MemberLook;
@@ -40,9 +42,9 @@ pub struct Person {
 /// Distances of people from the data in metres.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PositionError {
-    /// The largest distance from the filtered data, in all frames so far.
+    /// The largest distance from the filtered data, in all frames so far. Heights count.
     pub max_m: f32,
-    /// The largest distance from the rows at their own times.
+    /// The largest distance from the rows at their own times. Heights count.
     pub max_raw_m: f32,
 }
 
@@ -62,6 +64,10 @@ pub struct Replay {
     moments: Vec<Moment>,
     /// The opacities that their members have.
     opacities: Vec<f32>,
+    /// The weights at which their feet are planted, in steps.
+    planted: Vec<u8>,
+    /// The elevation of the floor on which feet are planted, in metres.
+    floor_m: f32,
     /// The times in seconds at which agents come, in order, and how many of them are past.
     arrivals: Vec<(f64, usize)>,
     arrived: usize,
@@ -113,6 +119,8 @@ impl Replay {
             agents: Vec::new(),
             moments: Vec::new(),
             opacities: Vec::new(),
+            planted: Vec::new(),
+            floor_m: floor::floor_m(recording),
             arrivals,
             arrived: 0,
             present: vec![false; agents],
@@ -137,6 +145,8 @@ impl Replay {
     pub fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
         self.secs += f64::from(secs);
         self.leave(crowd)?;
+        // Before the walkers set strides, which hold while feet are planted.
+        self.plant(crowd)?;
         self.leads.clear();
         let people = self.agents.iter().zip(&self.moments).zip(self.walkers.members());
         for ((agent, moment), member) in people {
@@ -149,14 +159,10 @@ impl Replay {
         }
         self.walkers.follow(crowd, &self.leads, secs)?;
         self.appear(crowd)?;
+        self.plant(crowd)?;
         self.gaze(crowd, secs)?;
         self.fade(crowd)?;
-        for (agent, at) in self.agents.iter().zip(self.walkers.positions()) {
-            let filtered = self.motions.agents[*agent].filtered_at(self.secs);
-            let off = filtered.map_or(0.0, |[x, y]| (at[0] - x).hypot(at[1] + y));
-            self.error.max_m = self.error.max_m.max(off);
-        }
-        Ok(())
+        self.measure(crowd)
     }
 
     /// The time in seconds, as the recording counts it.
@@ -189,6 +195,10 @@ impl Replay {
     pub fn opacity(&self, agent: usize) -> f32 {
         let Some(motion) = self.motions.agents.get(agent) else { return 0.0 };
         let Some([from, until]) = motion.secs_around(self.secs) else { return 0.0 };
+        // Somebody who is gone before having faded in would hardly be seen.
+        if until - from < FADE_SECS {
+            return 1.0;
+        }
         // Nobody comes when the recording begins, or leaves when it ends.
         let [first, last] = self.all_secs;
         let since = if from > first { self.secs - from + FADE_SECS / 8.0 } else { FADE_SECS };
@@ -198,10 +208,31 @@ impl Replay {
         part
     }
 
+    /// The elevation at which most rows of people are, in metres: that of the level ground which
+    /// the crowd needs ([`Crowd::set_ground`]). Feet are planted on it. Feet of people who are more
+    /// than 2 centimetres above or below are planted with less weight, and from 10 centimetres on
+    /// they follow their clips, at the height of their person.
+    #[must_use]
+    pub fn floor_m(&self) -> f32 {
+        self.floor_m
+    }
+
     /// Returns the distances of people from the data.
     #[must_use]
     pub fn position_error(&self) -> PositionError {
         self.error
+    }
+
+    /// Measures how far people are from the filtered data.
+    fn measure(&mut self, crowd: &Crowd) -> Result<(), Error> {
+        let people = self.agents.iter().zip(&self.moments).zip(self.walkers.members());
+        for ((agent, moment), member) in people {
+            let Some([x, y]) = self.motions.agents[*agent].filtered_at(self.secs) else { continue };
+            let at = crowd.member(*member)?.placement().position();
+            let off = distance([at[0] - x, at[2] + y, at[1] - moment.elevation_m]);
+            self.error.max_m = self.error.max_m.max(off);
+        }
+        Ok(())
     }
 
     /// Finds where agents are, and takes people from the crowd whose agents have left.
@@ -219,6 +250,7 @@ impl Replay {
             self.agents.swap_remove(index);
             self.moments.swap_remove(index);
             self.opacities.swap_remove(index);
+            self.planted.swap_remove(index);
             self.present[agent] = false;
             self.gazes.forget(agent);
         }
@@ -251,8 +283,24 @@ impl Replay {
             self.agents.push(agent);
             self.moments.push(moment);
             self.opacities.push(f32::NAN);
+            self.planted.push(floor::STEPS);
             self.present[agent] = true;
             self.eyes_m[agent] = person.scale * self.eye_m(crowd, person.character)?;
+        }
+        Ok(())
+    }
+
+    /// Plants the feet of people who are on the floor, and frees those of others: one plane is the
+    /// ground of all, and legs would reach for it.
+    fn plant(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+        let people = self.moments.iter().zip(self.walkers.members());
+        for ((moment, member), planted) in people.zip(&mut self.planted) {
+            let weight = floor::weight(moment.elevation_m - self.floor_m);
+            if *planted != weight {
+                *planted = weight;
+                let part = f32::from(weight) / f32::from(floor::STEPS);
+                crowd.member_mut(*member)?.plant_feet(part)?;
+            }
         }
         Ok(())
     }
@@ -318,11 +366,16 @@ fn max_raw_m(recording: &Recording, motions: &Motions) -> f32 {
     let mut most = 0.0_f32;
     for (agent, motion) in recording.agents.iter().zip(motions.agents.iter()) {
         let track = recording.track(agent);
-        for (secs, raw) in track.times.iter().zip(track.positions) {
-            let off =
-                motion.at(*secs).map(|at| (at.position[0] - raw[0]).hypot(at.position[1] - raw[1]));
-            most = most.max(off.unwrap_or(0.0));
+        for (row, (secs, raw)) in track.times.iter().zip(track.positions).enumerate() {
+            let Some(at) = motion.at(*secs) else { continue };
+            let [x, y] = at.position;
+            let elevation_m = track.elevations.get(row).copied().unwrap_or(at.elevation_m);
+            most = most.max(distance([x - raw[0], y - raw[1], at.elevation_m - elevation_m]));
         }
     }
     most
+}
+
+fn distance([x, y, z]: [f32; 3]) -> f32 {
+    x.hypot(y).hypot(z)
 }

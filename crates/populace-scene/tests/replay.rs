@@ -224,3 +224,84 @@ fn there_is_one_person_for_each_agent() {
     let wrong = Replay::new(&data, Motions::new(&data), &[], Vec::new(), 0.0);
     assert!(matches!(wrong, Err(Error::UnequalLengths { people: 0, agents: 1 })), "{wrong:?}");
 }
+
+/// Returns a recording of people who go along x at 1 m/s, each at an elevation by the time.
+fn at_elevations(elevations: &[fn(f64) -> f64]) -> Recording {
+    let mut text = "id,t,x,y,z\n".to_owned();
+    for (id, elevation) in elevations.iter().enumerate() {
+        for tenth in 0..=80 {
+            let secs = f64::from(tenth) / 10.0;
+            writeln!(text, "{id},{secs},{secs},{},{}", 2 * id, elevation(secs)).unwrap();
+        }
+    }
+    parse(Path::new("floors.csv"), text.into_bytes(), &ReadSettings::default()).unwrap()
+}
+
+/// Returns the lowest joint of a member, in metres of the world.
+fn lowest_joint_m(crowd: &mut Crowd, member: populace::MemberId) -> f32 {
+    let mut view = crowd.member_mut(member).unwrap();
+    let world_from_model = view.placement().world_from_model();
+    let joints = view.model_from_joints().unwrap();
+    let heights = joints.iter().map(|joint| world_from_model.transform_point(joint.origin())[1]);
+    heights.fold(f32::INFINITY, f32::min)
+}
+
+#[test]
+fn people_stand_at_their_own_elevation_with_feet_that_hold() {
+    // Two floors, a slope, a floor with one wrong row, and a floor below.
+    let data = at_elevations(&[
+        |_| 0.0,
+        |_| 3.0,
+        |secs| 0.1 * secs,
+        |secs| if secs == 4.0 { -1.0 } else { 0.0 },
+        |_| -0.5,
+    ]);
+    let (mut crowd, mut replay) = stage(&data);
+    assert!(replay.floor_m() == 0.0, "{}", replay.floor_m());
+    let plane = populace::Ground::plane(replay.floor_m(), [0.0; 2]).unwrap();
+    crowd.set_ground(&plane).unwrap();
+    let mut meters = vec![SkateMeter::new(); 5];
+    let mut lowest = vec![f32::INFINITY; 5];
+    step(&mut crowd, &mut replay, 0.0);
+    for _ in 0..190 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        let present: Vec<_> = replay.present().collect();
+        for (agent, member) in present {
+            meters[agent].sample(&mut crowd, member, FRAME_SECS).unwrap();
+            let own = crowd.member(member).unwrap().placement().position()[1];
+            lowest[agent] = lowest[agent].min(lowest_joint_m(&mut crowd, member) - own);
+        }
+    }
+    for (agent, (meter, lowest)) in meters.iter().zip(&lowest).enumerate() {
+        let skate = meter.skate().unwrap();
+        assert!(skate.mean_m_per_sec < 0.03, "{agent}: {skate:?}");
+        // Those who sink to a floor below have their feet there.
+        assert!(lowest.abs() < 0.05, "{agent}: {lowest} m");
+    }
+}
+
+#[test]
+fn elevations_count_as_distances_from_the_data() {
+    let error = |elevation: fn(f64) -> f64| stage(&at_elevations(&[elevation])).1.position_error();
+    let level = error(|_| 3.0);
+    assert!(level.max_raw_m < 0.01, "{level:?}");
+    let wrong = error(|secs| if secs == 4.0 { -1.0 } else { 0.0 });
+    assert!((0.5..1.0).contains(&wrong.max_raw_m), "{wrong:?}");
+}
+
+#[test]
+fn people_with_one_row_are_seen() {
+    let data =
+        recording(&[(1, 0, 100, [0.0; 2], [1.0, 0.0]), (2, 50, 50, [0.0, 3.0], [0.0; 2])], 0.0);
+    let (mut crowd, mut replay) = stage(&data);
+    step(&mut crowd, &mut replay, 0.0);
+    let mut seen = 0;
+    for _ in 0..98 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        for (_, member) in replay.present().filter(|(agent, _)| *agent == 1) {
+            assert!(crowd.member(member).unwrap().look().opacity() == 1.0);
+            seen += 1;
+        }
+    }
+    assert!((1..=2).contains(&seen), "{seen} frames");
+}

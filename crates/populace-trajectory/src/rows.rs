@@ -1,5 +1,7 @@
 //! Rows of a file, collected in any order, checked and sorted.
 
+mod degrees;
+mod elevations;
 mod finish;
 mod heights;
 
@@ -73,10 +75,13 @@ pub(crate) struct Rows {
     owners: Vec<u32>,
     clocks: Vec<f64>,
     positions: Vec<[f64; 2]>,
+    /// NaN where a row has none.
     elevations: Vec<f32>,
     /// The unit of elevations, if it is not that of positions.
     elevation_unit: Option<Unit>,
     headings: Vec<f32>,
+    /// True if the unit of headings is told only by their size.
+    guesses_headings: bool,
     views: Vec<f32>,
     numbers: Vec<(String, Vec<f32>)>,
     words: Vec<Words>,
@@ -192,7 +197,7 @@ impl Rows {
 
     /// Sets the elevation of the last row, in the unit of the file.
     pub(crate) fn set_elevation(&mut self, elevation: f64) {
-        self.set(elevation, |rows| &mut rows.elevations, 0.0);
+        self.set(elevation, |rows| &mut rows.elevations, f32::NAN);
     }
 
     /// Sets the elevation of the last row, and the unit of all elevations unless it is that of
@@ -248,6 +253,11 @@ impl Rows {
             column.indices.push(index);
         }
         words
+    }
+
+    /// Reports headings as assumed: nothing but their size tells their unit.
+    pub(crate) fn guess_headings(&mut self) {
+        self.guesses_headings = true;
     }
 
     /// Takes all headings to be in degrees rather than radians.

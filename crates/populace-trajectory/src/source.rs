@@ -228,6 +228,7 @@ pub struct Source {
     pub unit: Fact<Unit>,
     /// Rows of each agent in a second.
     pub fps: Fact<f64>,
-    /// The source of headings.
+    /// The source of headings. Headings from the data are assumed if nothing but the size of their
+    /// angles tells whether those are radians or degrees.
     pub heading: Fact<HeadingSource>,
 }

@@ -90,6 +90,10 @@ impl Table {
 
     /// Ends the table: decides the unit of angles.
     pub(crate) fn finish(self, rows: &mut Rows) {
+        // An angle of 0 is the same in any unit.
+        if self.largest[0] > 0.0 {
+            rows.guess_headings();
+        }
         let [headings, views] = self.largest.map(|largest| largest > TAU + 0.01);
         if headings {
             rows.headings_from_degrees();

@@ -11,10 +11,19 @@ use crate::report::message;
 /// Thickness of the floor in metres. The ground around lies lower by it.
 pub(super) const SLAB_M: f32 = 0.15;
 
-/// Returns the height of the floor in metres: the least elevation of a person.
+/// Returns the height of the floor in metres: the least elevation of an agent. One row between two
+/// higher ones is no floor.
 pub(super) fn floor_m(recording: &Recording) -> f32 {
-    let tracks = recording.agents.iter().map(|agent| recording.track(agent));
-    tracks.flat_map(|track| track.elevations).copied().reduce(f32::min).unwrap_or(0.0)
+    let tracks = recording.agents.iter().map(|agent| recording.track(agent).elevations);
+    tracks.filter_map(least).reduce(f32::min).unwrap_or(0.0)
+}
+
+/// Returns the least of the greatest of each two neighbouring elevations; none if there are none.
+fn least(elevations: &[f32]) -> Option<f32> {
+    match elevations {
+        [only] => Some(*only),
+        _ => elevations.windows(2).map(|pair| pair[0].max(pair[1])).reduce(f32::min),
+    }
 }
 
 /// The place, which may change.

@@ -40,6 +40,7 @@ impl Rows {
         let unit = self.unit(found.unit.unless_set(told_unit(path, settings)?), per_sec, &order);
         let metres = unit.value.in_metres();
         self.warn_if_slow(found.clock, metres, per_sec, &order);
+        self.warn_if_degrees(unit, &order);
         let origin_m = origin(self.positions[order[0]].map(|v| v * metres));
         let takes_headings = settings.heading != Some(HeadingSource::Motion);
         self.heights_in_metres(rounded(metres));
@@ -48,6 +49,7 @@ impl Rows {
         let count = self.clocks.len();
         let columns = self.columns(&order, count);
         let steps = self.steps_of_agents(metres, origin_m);
+        let elevations = self.elevations_in_metres(&order, metres);
         self.agents.retain(|agent| !agent.rows.is_empty());
         let recording = Recording {
             source: Source { format: found.format.0, version: found.format.1, unit, fps, heading },
@@ -62,9 +64,7 @@ impl Rows {
             positions: (order.iter())
                 .map(|&row| relative(self.positions[row].map(|v| v * metres), origin_m))
                 .collect(),
-            elevations: (in_order(&self.elevations, &order, count, 0.0).into_iter())
-                .map(|v| v * rounded(self.elevation_unit.map_or(metres, Unit::in_metres)))
-                .collect(),
+            elevations,
             headings: if has_headings {
                 in_order(&self.headings, &order, count, f32::NAN)
             } else {
@@ -86,6 +86,7 @@ impl Rows {
     /// Returns the source of headings. Warns if those of the file are asked for and it has none.
     fn heading(&mut self, has: bool, asked: Option<HeadingSource>) -> Fact<HeadingSource> {
         match asked {
+            _ if has && self.guesses_headings => Fact::assumed(HeadingSource::Data),
             _ if has => Fact::of_file(HeadingSource::Data),
             Some(HeadingSource::Data) => {
                 self.warnings.whole(
@@ -309,7 +310,7 @@ fn told_unit(path: &Path, settings: &ReadSettings) -> Result<Option<Unit>, Error
 }
 
 /// Returns values in an order, with a value for rows that have none; none at all if no row has one.
-fn in_order<T: Copy>(values: &[T], order: &[usize], count: usize, none: T) -> Vec<T> {
+pub(super) fn in_order<T: Copy>(values: &[T], order: &[usize], count: usize, none: T) -> Vec<T> {
     debug_assert!(values.len() <= count);
     if values.is_empty() {
         return Vec::new();
@@ -331,7 +332,7 @@ fn relative(at: [f64; 2], origin_m: [f64; 2]) -> [f32; 2] {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
-fn rounded(value: f64) -> f32 {
+pub(super) fn rounded(value: f64) -> f32 {
     value as f32
 }
 

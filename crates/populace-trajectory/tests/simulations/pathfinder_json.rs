@@ -12,7 +12,7 @@ pub(super) fn small() -> String {
     "1.0": {"name": "Ann", "isActive": true, "position": {"x": 2, "y": 2, "z": 3},
       "velocity": {"x": 1, "y": 0, "z": 0, "magnitude": 1}, "location": "stairs \"B\""}
   },
-  "3": {"1.0": {"position": {"x": "7.5", "y": 8}, "terrainType": "level"}}
+  "3": {"1.0": {"position": {"x": "7.5", "y": 8, "z": 0}, "terrainType": "level"}}
 }"#
     .to_owned()
 }
@@ -38,8 +38,8 @@ fn faults_are_warnings_with_their_entry() {
         small().replace("\"x\": 2,", "").replace("\"1.0\": {\"position\"", "\"x\": {\"position\"");
     let text = text.replace(
         "\"3\": {",
-        "\"2\": {\"0\": {\"position\": {\"x\": 1, \"y\": 1}}, \
-                             \"1\": {\"position\": {\"x\": 1, \"y\": 1}}}, \"3\": {",
+        "\"2\": {\"0\": {\"position\": {\"x\": 1, \"y\": 1, \"z\": 0}}, \
+                             \"1\": {\"position\": {\"x\": 1, \"y\": 1, \"z\": 0}}}, \"3\": {",
     );
     let recording = read(text);
     let expected =

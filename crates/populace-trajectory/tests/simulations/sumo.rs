@@ -13,7 +13,7 @@ pub(super) fn small() -> String {
     </timestep>
     <timestep time="0.50">
         <vehicle id="1" x="12.5" y="5" angle="90.00" type="bus" speed="5.00" lane="e_0">
-            <person id="a &amp; b" x="12" y="5" angle="90.00" speed="5.00"/>
+            <person id="a &amp; b" x="12" y="5" z="0.5" angle="90.00" speed="5.00"/>
         </vehicle>
         <person id="1" x="1.5" y="2.6" z="0.5" angle="270.00" speed="1.2" edge="8"/>
     </timestep>

@@ -198,7 +198,7 @@ fn headings_that_the_file_lacks_are_warned_of() {
     assert_eq!(recording.source.heading, Fact::assumed(HeadingSource::Motion));
     assert_eq!(texts.len(), 1, "{texts:?}");
     assert!(texts[0].contains("no headings") && texts[0].contains("--heading data"), "{texts:?}");
-    let (recording, texts) = warnings("id,t,x,y,yaw\n1,0,0,0,1\n1,1,1,0,1\n", &settings);
+    let (recording, texts) = warnings("id,t,x,y,yaw_rad\n1,0,0,0,1\n1,1,1,0,1\n", &settings);
     assert_eq!(recording.source.heading, Fact::of_file(HeadingSource::Data));
     assert_eq!(texts, [""; 0]);
 }
@@ -247,4 +247,42 @@ fn impossible_units_are_refused() {
         let refusal = parse("file".as_ref(), PIXELS.into(), &in_unit(Unit::OfMetres(metres)));
         assert!(refusal.expect_err("a refusal").to_string().contains("--unit N"));
     }
+}
+
+#[test]
+fn missing_elevations_are_those_between_the_rows_of_the_same_person() {
+    let file = "id,t,x,y,z\na,0,0,0,\na,1,1,0,3\na,2,2,0,\na,4,4,0,nan\na,5,5,0,7\na,6,6,0,\n\
+                b,0,0,5,1\nb,1,1,5,1\nc,0,0,9,\n";
+    let (recording, texts) = warnings(file, &ReadSettings::default());
+    assert_eq!(track(&recording, "a").elevations, [3.0, 3.0, 4.0, 6.0, 7.0, 7.0]);
+    assert_eq!(track(&recording, "b").elevations, [1.0, 1.0]);
+    assert_eq!(track(&recording, "c").elevations, [1.0]);
+    assert_eq!(texts.len(), 2, "{texts:?}");
+    assert!(texts[0].contains("4 rows have no elevation"), "{texts:?}");
+    assert!(texts[1].contains("1 person has no elevation"), "{texts:?}");
+    // A file whose column of elevations is empty has none.
+    let (recording, texts) = warnings("id,t,x,y,z\na,0,0,0,\na,1,1,0,\n", &ReadSettings::default());
+    assert_eq!(recording.summary().elevations_m, None);
+    assert_eq!(texts, [""; 0]);
+}
+
+#[test]
+fn longitudes_and_latitudes_without_a_name_are_doubted() {
+    let walk = |ids: &[&str], at: [f64; 2], step: f64| {
+        let rows = ids.iter().zip(0..).flat_map(|(id, nth)| {
+            let y = at[1] + 10.0 * step * f64::from(nth);
+            (0..20).map(move |t| format!("{id},{t},{:.7},{y:.7}\n", at[0] + step * f64::from(t)))
+        });
+        let file = format!("id,t,x,y\n{}", rows.collect::<String>());
+        warnings(&file, &ReadSettings::default()).1
+    };
+    for ids in [&["a"][..], &["a", "b", "c"]] {
+        let texts = walk(ids, [11.5, 48.1], 0.000_013);
+        assert!(texts.len() == 1 && texts[0].contains("latitudes"), "{ids:?} {texts:?}");
+    }
+    // People who walk, and one who stands and sways.
+    assert_eq!(walk(&["a", "b"], [11.5, 48.1], 1.3), [""; 0]);
+    assert_eq!(walk(&["a"], [11.5, 48.1], 0.000_5), [""; 0]);
+    assert_eq!(walk(&["a"], [11.5, 48.1], 0.0), [""; 0]);
+    assert_eq!(walk(&["a"], [0.5, 0.1], 0.000_013), [""; 0]);
 }

@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use populace_trajectory::{Fact, Format, Kind, Origin, Unit, Values};
+use populace_trajectory::{Fact, Format, HeadingSource, Kind, Origin, Unit, Values};
 
 use super::fixtures::{CSV, SUMO, error, recording, track};
 use super::formats::words;
@@ -88,6 +88,20 @@ fn the_size_of_angles_tells_their_unit() {
     };
     assert_eq!(track(&of(["0.5", "6.2"]), "1").headings, [0.5, 6.2]);
     assert_eq!(track(&of(["0", "90"]), "1").headings, [0.0, FRAC_PI_2]);
+}
+
+#[test]
+fn headings_whose_unit_only_their_size_tells_are_assumed() {
+    for (name, value, heading) in [
+        ("yaw", "3", Fact::assumed(HeadingSource::Data)),
+        ("yaw", "170", Fact::assumed(HeadingSource::Data)),
+        ("yaw", "0", Fact::of_file(HeadingSource::Data)),
+        ("yaw_deg", "3", Fact::of_file(HeadingSource::Data)),
+        ("yaw_rad", "3", Fact::of_file(HeadingSource::Data)),
+    ] {
+        let recording = recording(format!("id,t,x,y,{name}\n1,0,0,0,{value}\n"));
+        assert_eq!(recording.source.heading, heading, "{name} {value}");
+    }
 }
 
 #[test]

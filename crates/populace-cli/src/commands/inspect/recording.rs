@@ -1,7 +1,7 @@
 //! The contents of a trajectory file.
 
 use populace_trajectory::{
-    Agent, Column, Origin, Place, Polygon, Recording, Source, Summary, Values,
+    Agent, Column, HeadingSource, Origin, Place, Polygon, Recording, Source, Summary, Values,
 };
 use serde_json::{Value, json};
 
@@ -79,7 +79,8 @@ pub(super) fn as_text(recording: &Recording) -> String {
 
 /// Returns the names of the facts with an origin. Headings from motion are no assumption.
 fn facts(source: &Source, origin: Origin) -> Vec<&'static str> {
-    let heading = source.heading.origin == origin && origin != Origin::Assumed;
+    let is_motion = source.heading.value == HeadingSource::Motion;
+    let heading = source.heading.origin == origin && !(is_motion && origin == Origin::Assumed);
     let facts = [
         ("unit", source.unit.origin == origin),
         ("fps", source.fps.origin == origin),
