@@ -1,5 +1,6 @@
 //! Scene files: plans of scenes as TOML.
 
+mod doubts;
 mod fault;
 mod limits;
 mod people;

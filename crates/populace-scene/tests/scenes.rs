@@ -182,6 +182,20 @@ fn people_keep_out_of_closed_walls() {
     }
 }
 
+/// Those who find no free place begin within each other, but not within a wall.
+#[test]
+fn nobody_of_too_many_begins_within_a_closed_wall() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\
+                [[footway]]\nname = \"path\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n\
+                [[wall]]\npoints = [[3, -0.5], [6, -0.5], [6, 0.5], [3, 0.5]]\nclosed = true\n\
+                [[crowd]]\ncast = \"a\"\ncount = 300\ndoes.stroll = {}\n";
+    let live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    for member in live.behaviours.people() {
+        let [x, _, z] = live.crowd.member(member).unwrap().placement().position();
+        assert!(!(3.0..6.0).contains(&x) || z.abs() > 0.5, "{x}, {z}");
+    }
+}
+
 /// Vehicles queue before people who stand in their lane, also those that begin there.
 #[test]
 fn vehicles_stop_for_people_who_stand_in_their_lane() {
