@@ -188,7 +188,8 @@ impl ReplayJob<'_> {
         let people = people::cast(&recording, roles, &settings);
         let metered = Metered::new(capacity(&motions));
         let heights = people::body_heights(&people, roles);
-        let subject = Agents::new(&recording, motions.clone(), heights.clone());
+        let walls_m = self.overlay.walls_m();
+        let subject = Agents::new(&recording, motions.clone(), heights.clone(), walls_m);
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
         let bodies = (people, heights);
