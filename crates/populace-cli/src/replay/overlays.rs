@@ -1,5 +1,7 @@
 //! A legend, trails, ids and a clock over pictures of trajectories, and people in the legend's colours.
 
+mod corner;
+
 use populace::character::Image;
 use populace::{CharacterId, Crowd, MemberLook};
 use populace_overlay::{Canvas, Corner, Label, Legend, Scale, TextStyle, Trail};
@@ -40,6 +42,8 @@ enum Quantity {
 struct Colours {
     quantity: Quantity,
     legend: Legend,
+    /// The corner of the legend.
+    corner: Corner,
 }
 
 /// Drawings over pictures, and the colours of people.
@@ -104,6 +108,28 @@ impl Overlays {
         Ok(())
     }
 
+    /// Puts the legend to the corner in which it covers the fewest people of some pictures of a
+    /// size, at times in seconds of the recording with a camera each.
+    pub(super) fn place_legend(
+        &mut self,
+        size: [u32; 2],
+        views: Vec<(f64, Camera)>,
+        motions: &Motions,
+    ) {
+        let Some(colours) = &mut self.colours else { return };
+        let seen = |(secs, camera): (f64, Camera)| {
+            let all = motions.agents.iter().zip(&self.heights);
+            let people = all.filter_map(|(motion, height_m)| {
+                let Moment { position: [x, y], elevation_m, .. } = motion.at(secs)?;
+                Some(([x, elevation_m, -y], *height_m))
+            });
+            (camera, people.collect())
+        };
+        let pictures: Vec<_> = views.into_iter().map(seen).collect();
+        let has_clock = self.clock_from_secs.is_some();
+        colours.corner = corner::free(&colours.legend, size, &pictures, has_clock);
+    }
+
     /// Returns true if drawings need the depths of pixels.
     pub(super) fn needs_depths(&self) -> bool {
         self.trail_secs.is_some()
@@ -129,7 +155,7 @@ impl Overlays {
             canvas.labels(&self.labels(camera, size, recording, replay), &style);
         }
         if let Some(colours) = &self.colours {
-            canvas.legend(&colours.legend, Corner::TopRight);
+            canvas.legend(&colours.legend, colours.corner);
         }
         if let Some(from_secs) = self.clock_from_secs {
             canvas.clock(replay.secs() - from_secs, Corner::TopLeft);
@@ -256,11 +282,11 @@ fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colou
         "speed" => {
             let [_, most] = range(speeds(recording, motions));
             let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), &[]);
-            Ok(Colours { quantity: Quantity::Speed, legend })
+            Ok(Colours { quantity: Quantity::Speed, legend, corner: Corner::TopRight })
         }
         "density" => {
             let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), &[]);
-            Ok(Colours { quantity: Quantity::Density, legend })
+            Ok(Colours { quantity: Quantity::Density, legend, corner: Corner::TopRight })
         }
         _ => {
             let found = recording.columns.iter().position(|column| column.name == name);
@@ -275,7 +301,7 @@ fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colou
                 Values::Words { words, .. } => (Scale::words(words.len()), words.clone()),
             };
             let legend = legend(name, "", scale, &words);
-            Ok(Colours { quantity: Quantity::Column(index), legend })
+            Ok(Colours { quantity: Quantity::Column(index), legend, corner: Corner::TopRight })
         }
     }
 }
