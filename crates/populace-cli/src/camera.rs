@@ -108,7 +108,10 @@ impl Cameras {
         let mode = match view {
             View::Crowd => Mode::Fixed(framed),
             View::Close => Self::close(subject, framed, aspect),
-            View::Top => Mode::Fixed(fit(&bounds, Vec3::Y, Vec3::NEG_Z, TOP_FOV_RAD, aspect)),
+            View::Top => {
+                bounds.extend(subject.place().into_iter().map(Vec3::from));
+                Mode::Fixed(fit(&bounds, Vec3::Y, Vec3::NEG_Z, TOP_FOV_RAD, aspect))
+            }
             View::Iso => {
                 let back = elevated(TAU / 8.0, ISO_ELEVATION_RAD);
                 Mode::Fixed(fit(&bounds, back, Vec3::Y, ISO_FOV_RAD, aspect))

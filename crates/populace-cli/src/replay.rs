@@ -41,6 +41,8 @@ use place::{Place, SLAB_M};
 
 /// Clips that a member plays at the same time: idle, walk and run.
 const SLOTS: usize = 4;
+/// Most pictures of a film in which people are looked for under the legend.
+const LEGEND_PICTURES: f64 = 100.0;
 
 /// A job of drawing the people of a trajectory file.
 pub(crate) struct ReplayJob<'a> {
@@ -86,6 +88,7 @@ impl ReplayJob<'_> {
         let roles = loaded.roles;
         let [width, height] = args.size();
         action.set_aspect(width as f32 / height as f32)?;
+        action.place_legend([width, height], (!self.is_film()).then_some(frames))?;
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
@@ -186,7 +189,8 @@ impl ReplayJob<'_> {
         let people = people::cast(&recording, roles, &settings);
         let metered = Metered::new(capacity(&motions));
         let heights = people::body_heights(&people, roles);
-        let subject = Agents::new(&recording, motions.clone(), heights.clone());
+        let walls_m = self.overlay.walls_m();
+        let subject = Agents::new(&recording, motions.clone(), heights.clone(), walls_m);
         let from_secs = recording.secs()[0];
         let replay = Replay::new(&recording, motions, &people, gaits, from_secs)?;
         let floor = populace::Ground::plane(replay.floor_m(), [0.0; 2]);
@@ -300,6 +304,24 @@ impl ReplayAction {
         self.metered.find(crowd, &self.replay)?;
         crowd.update(secs)?;
         self.metered.sample(crowd, secs)
+    }
+
+    /// Puts the legend where it covers the fewest people in pictures of a size: in a still, or in a
+    /// film of the whole recording, so that it is in one place in all parts of a film.
+    fn place_legend(&mut self, size: [u32; 2], still: Option<Frames>) -> Result<(), Failure> {
+        let [from, until] = self.recording.secs();
+        let views = match still {
+            Some(frames) => vec![frames.rate.secs(frames.last) + frames.late_secs],
+            None => {
+                let step_secs = ((until - from) / LEGEND_PICTURES).max(1.0);
+                let times = (0_u32..).map(|nth| f64::from(nth) * step_secs);
+                times.take_while(|secs| *secs <= until - from).collect()
+            }
+        };
+        let views = views.into_iter().map(|secs| Ok((from + secs, self.camera(secs)?)));
+        let views = views.collect::<Result<Vec<_>, Failure>>()?;
+        self.overlays.place_legend(size, views, self.replay.motions());
+        Ok(())
     }
 
     /// Returns the ids of the file by the values that stand for them in `.id.png`.

@@ -184,8 +184,11 @@ impl SceneSource<'_> {
         })
     }
 
-    /// Brings the plan into a crowd. What is wrong in it is named with the scene file.
+    /// Brings the plan into a crowd. What is wrong or doubtful in it is named with the scene file.
     fn live(&self, crowd: &mut Crowd) -> Result<(LiveScene, LoadedRoles), Failure> {
+        for doubt in self.plan.doubts() {
+            message!("warning: {}{doubt}", self.prefix());
+        }
         let (live, loaded) = LiveScene::new(crowd, self).map_err(|failure| match failure {
             Failure::Input(reason) | Failure::Usage(reason) if self.cast.is_empty() => {
                 self.named(format!("{reason:#}"))
@@ -198,8 +201,12 @@ impl SceneSource<'_> {
 
     /// Returns an error about the scene file, if there is one.
     fn named(&self, reason: String) -> Failure {
-        let file = self.file.map_or_else(String::new, |file| format!("{}: ", file.display()));
-        Failure::Input(anyhow::anyhow!("{file}{reason}"))
+        Failure::Input(anyhow::anyhow!("{}{reason}", self.prefix()))
+    }
+
+    /// Returns the scene file's name before a message, if there is one.
+    fn prefix(&self) -> String {
+        self.file.map_or_else(String::new, |file| format!("{}: ", file.display()))
     }
 
     /// The members that the crowd has room for, and the slots of each.

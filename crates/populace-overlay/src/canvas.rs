@@ -37,7 +37,7 @@ impl<'a> Canvas<'a> {
     /// 1080.
     #[must_use]
     pub fn text_size(&self) -> f64 {
-        (6.0 + f64::from(self.size[1]) / 60.0).round()
+        text_size(self.size)
     }
 
     /// Paints strokes, first a soft dark edge of `halo.1` pixels around them.
@@ -89,6 +89,11 @@ impl<'a> Canvas<'a> {
             }
         }
     }
+}
+
+/// Returns the size of text in a picture of a size, in pixels.
+pub(crate) fn text_size([_, height]: [u32; 2]) -> f64 {
+    (6.0 + f64::from(height) / 60.0).round()
 }
 
 /// A rectangle in pixels.

@@ -1,6 +1,6 @@
 //! Panels in the corners of a picture: the clock and the legend.
 
-use crate::canvas::{Area, Canvas};
+use crate::canvas::{Area, Canvas, text_size};
 use crate::font::{CAP_HEIGHT, text_width};
 use crate::scale::Kind;
 use crate::ticks::{ends, ticks};
@@ -24,6 +24,9 @@ const TICK: f64 = 0.28;
 const GAP: f64 = 0.3;
 const TICKS: u32 = 4;
 const SWATCH: f64 = 0.85;
+const INDENT: f64 = SWATCH + 0.55;
+/// Width of the soft edge around a plate in sizes of text.
+const FADE: f64 = 0.35;
 /// Longest word of a legend in sizes of text.
 const WORD_MOST: f64 = 16.0;
 
@@ -74,19 +77,10 @@ impl Canvas<'_> {
 
     fn bar(&mut self, legend: &Legend, [low, high]: [f64; 2], corner: Corner) {
         let size = self.text_size();
-        let title = legend.heading();
-        let title_rows = if title.is_empty() { 0.0 } else { LINE * size };
-        let most = BAR_SHARE * f64::from(self.size()[0]);
-        let ends = ends(low, high, TICKS);
-        let halves = [&ends[0], &ends[1]].map(|(_, word)| 0.5 * text_width(word, size));
-        // The numbers at the ends stand half beside the bar, and apart from each other.
-        let side = halves.into_iter().fold(0.8 * size, f64::max).ceil();
-        let least = text_width(&title, size).max(halves[0] + halves[1] + GAP * size);
-        let width = (BAR_WIDTH * size).min(most).max(least).round();
-        let under = (TICK + 0.35 + CAP_HEIGHT) * size;
-        let wide = [width + 2.0 * side, title_rows + BAR_HEIGHT * size + under];
-        let [left, top] = self.panel(wide, corner);
-        self.panel_text(&title, [left + side, top + CAP_HEIGHT * size], Anchor::Start, TEXT);
+        let bar = Bar::new(legend, [low, high], self.size());
+        let Bar { side, width, title_rows, under, .. } = bar;
+        let [left, top] = self.panel(bar.wide, corner);
+        self.panel_text(&bar.title, [left + side, top + CAP_HEIGHT * size], Anchor::Start, TEXT);
         let area = Area {
             low: [left + side, (top + title_rows).round()],
             high: [left + side + width, (top + title_rows + BAR_HEIGHT * size).round()],
@@ -97,7 +91,7 @@ impl Canvas<'_> {
             (area.low[0] + part * (width - 1.0)).round()
         };
         let mut taken: Vec<[f64; 2]> = Vec::new();
-        for (value, word) in ends.into_iter().chain(ticks(low, high, TICKS)) {
+        for (value, word) in bar.ends.into_iter().chain(ticks(low, high, TICKS)) {
             let (x, half) = (place(value), 0.5 * text_width(&word, size));
             let [from, to] = [x - half, x + half];
             if taken.iter().any(|[a, b]| from < b + GAP * size && a - GAP * size < to) {
@@ -134,17 +128,10 @@ impl Canvas<'_> {
 
     fn swatches(&mut self, legend: &Legend, corner: Corner) {
         let size = self.text_size();
-        let entries = legend.entries(size);
-        let title = shortened(&legend.heading(), size);
-        let rows = entries.iter().map(|(word, _)| text_width(word, size));
-        let indent = (SWATCH + 0.55) * size;
-        let width = rows.map(|w| w + indent).fold(text_width(&title, size), f64::max);
-        let titles = if title.is_empty() { 0.0 } else { 1.0 };
-        let lines = entries.iter().fold(titles, |sum, _| sum + 1.0);
-        if lines == 0.0 {
+        let Some(Swatches { title, entries, wide }) = Swatches::new(legend, self.size()) else {
             return;
-        }
-        let wide = [width, ((lines - 1.0) * LINE + CAP_HEIGHT) * size];
+        };
+        let indent = INDENT * size;
         let [left, top] = self.panel(wide, corner);
         let mut base = top + CAP_HEIGHT * size;
         if !title.is_empty() {
@@ -167,23 +154,9 @@ impl Canvas<'_> {
     /// Paints a plate for contents of a size, in pixels, and returns their upper left corner.
     fn panel(&mut self, wide: [f64; 2], corner: Corner) -> [f64; 2] {
         let size = self.text_size();
-        let [width, height] = self.size().map(f64::from);
-        let edge = (MARGIN + PADDING) * size;
-        let (right, bottom) = match corner {
-            Corner::TopLeft => (false, false),
-            Corner::TopRight => (true, false),
-            Corner::BottomLeft => (false, true),
-            Corner::BottomRight => (true, true),
-        };
-        let x = if right { width - edge - wide[0] } else { edge }.round();
-        let y = if bottom { height - edge - wide[1] } else { edge }.round();
-        let around = PADDING * size;
-        let area = Area {
-            low: [x - around, y - around],
-            high: [x + wide[0] + around, y + wide[1] + around],
-        };
-        self.plate(area, 0.6 * size, 0.35 * size, PLATE);
-        [x, y]
+        let (at, area) = panel(wide, corner, self.size());
+        self.plate(area, 0.6 * size, FADE * size, PLATE);
+        at
     }
 
     fn panel_text(&mut self, text: &str, at: [f64; 2], anchor: Anchor, color: [u8; 4]) {
@@ -193,6 +166,19 @@ impl Canvas<'_> {
 }
 
 impl Legend {
+    /// Returns the rectangle that the legend covers in a corner of a picture of a size, both in
+    /// pixels: its upper left and its lower right corner. `None` if it draws nothing.
+    #[must_use]
+    pub fn bounds(&self, size: [u32; 2], corner: Corner) -> Option<[[f64; 2]; 2]> {
+        let wide = match &self.scale.kind {
+            Kind::Number { low, high, .. } => Bar::new(self, [*low, *high], size).wide,
+            Kind::Words { .. } => Swatches::new(self, size)?.wide,
+        };
+        let (_, Area { low, high }) = panel(wide, corner, size);
+        let fade = FADE * text_size(size);
+        Some([low.map(|v| v - fade), high.map(|v| v + fade)])
+    }
+
     fn heading(&self) -> String {
         match (self.title.is_empty(), self.unit.is_empty()) {
             (_, true) => self.title.clone(),
@@ -214,6 +200,81 @@ impl Legend {
             entries.push(("others".to_owned(), self.scale.color(f64::NAN).opaque()));
         }
         entries
+    }
+}
+
+/// Returns the upper left corner of contents of a size on a plate in a corner of a picture, and the
+/// plate, in pixels.
+fn panel(wide: [f64; 2], corner: Corner, picture: [u32; 2]) -> ([f64; 2], Area) {
+    let size = text_size(picture);
+    let [width, height] = picture.map(f64::from);
+    let edge = (MARGIN + PADDING) * size;
+    let (right, bottom) = match corner {
+        Corner::TopLeft => (false, false),
+        Corner::TopRight => (true, false),
+        Corner::BottomLeft => (false, true),
+        Corner::BottomRight => (true, true),
+    };
+    let x = if right { width - edge - wide[0] } else { edge }.round();
+    let y = if bottom { height - edge - wide[1] } else { edge }.round();
+    let around = PADDING * size;
+    let area =
+        Area { low: [x - around, y - around], high: [x + wide[0] + around, y + wide[1] + around] };
+    ([x, y], area)
+}
+
+/// The parts of a legend of numbers, in pixels.
+struct Bar {
+    title: String,
+    /// The numbers at both ends.
+    ends: [(f64, String); 2],
+    /// Space beside the bar, the bar's width, and what is above and below it.
+    side: f64,
+    width: f64,
+    title_rows: f64,
+    under: f64,
+    /// Width and height of all.
+    wide: [f64; 2],
+}
+
+impl Bar {
+    fn new(legend: &Legend, [low, high]: [f64; 2], picture: [u32; 2]) -> Self {
+        let size = text_size(picture);
+        let title = legend.heading();
+        let title_rows = if title.is_empty() { 0.0 } else { LINE * size };
+        let most = BAR_SHARE * f64::from(picture[0]);
+        let ends = ends(low, high, TICKS);
+        let halves = [&ends[0], &ends[1]].map(|(_, word)| 0.5 * text_width(word, size));
+        // The numbers at the ends stand half beside the bar, and apart from each other.
+        let side = halves.into_iter().fold(0.8 * size, f64::max).ceil();
+        let least = text_width(&title, size).max(halves[0] + halves[1] + GAP * size);
+        let width = (BAR_WIDTH * size).min(most).max(least).round();
+        let under = (TICK + 0.35 + CAP_HEIGHT) * size;
+        let wide = [width + 2.0 * side, title_rows + BAR_HEIGHT * size + under];
+        Self { title, ends, side, width, title_rows, under, wide }
+    }
+}
+
+/// The parts of a legend of words, in pixels.
+struct Swatches {
+    title: String,
+    entries: Vec<(String, [u8; 4])>,
+    /// Width and height of all.
+    wide: [f64; 2],
+}
+
+impl Swatches {
+    /// Returns nothing for a legend without a line.
+    fn new(legend: &Legend, picture: [u32; 2]) -> Option<Self> {
+        let size = text_size(picture);
+        let entries = legend.entries(size);
+        let title = shortened(&legend.heading(), size);
+        let rows = entries.iter().map(|(word, _)| text_width(word, size));
+        let width = rows.map(|w| w + INDENT * size).fold(text_width(&title, size), f64::max);
+        let titles = if title.is_empty() { 0.0 } else { 1.0 };
+        let lines = entries.iter().fold(titles, |sum, _| sum + 1.0);
+        let wide = [width, ((lines - 1.0) * LINE + CAP_HEIGHT) * size];
+        (lines > 0.0).then_some(Self { title, entries, wide })
     }
 }
 

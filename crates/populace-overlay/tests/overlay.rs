@@ -177,6 +177,28 @@ fn legends_leave_room_in_small_pictures() {
 }
 
 #[test]
+fn bounds_of_legends_are_those_of_what_is_drawn() {
+    let numbers = legend(Scale::number(0.0, 2.0), &[]);
+    let words = legend(Scale::words(2), &["in", "out"]);
+    let corners = [Corner::TopLeft, Corner::TopRight, Corner::BottomLeft, Corner::BottomRight];
+    for (legend, corner) in [&numbers, &words].into_iter().flat_map(|of| corners.map(|c| (of, c))) {
+        let size = [640, 360];
+        let rgba = drawn(size, |canvas| canvas.legend(legend, corner));
+        let [low, high] = legend.bounds(size, corner).expect("a legend");
+        let drawn = changed(&rgba, size[0]);
+        for axis in 0..2 {
+            let all = drawn.iter().map(|at| at[axis] as f64);
+            let [first, last] = [all.clone().fold(f64::MAX, f64::min), all.fold(0.0, f64::max)];
+            assert!((first - low[axis]).abs() < 3.0, "{corner:?}: {first} is not {}", low[axis]);
+            assert!((last - high[axis]).abs() < 3.0, "{corner:?}: {last} is not {}", high[axis]);
+        }
+    }
+    let (mut none, size) = (legend(Scale::words(0), &[]), [640, 360]);
+    (none.title, none.unit) = (String::new(), String::new());
+    assert_eq!(none.bounds(size, Corner::TopRight), None);
+}
+
+#[test]
 fn legend_shows_the_colours_of_its_scale() {
     let scale = Scale::number(0.0, 2.0);
     let legend = legend(scale.clone(), &[]);

@@ -9,6 +9,7 @@ mod falls;
 mod footways;
 mod grips;
 mod hands;
+mod in_lanes;
 mod leans;
 mod person;
 mod phones;
@@ -119,6 +120,7 @@ impl Behaviours {
             arrival.bring(&mut behaviours.world, crowd, people)?;
         }
         arrival::set_out(&mut behaviours.world)?;
+        in_lanes::hold(&mut behaviours.world, crowd)?;
         Ok(behaviours)
     }
 
@@ -135,6 +137,7 @@ impl Behaviours {
             return Ok(());
         }
         crossings::stops(world, &mut self.stops);
+        in_lanes::stops(world, crowd, &mut self.stops)?;
         world.traffic.advance(crowd, &self.stops, (world.now, secs))?;
         stroll::step(world, crowd)?;
         world.phones.step(crowd, (world.now, world.step_secs))?;

@@ -3,6 +3,7 @@
 //! Lengths are in metres, times in seconds, angles in degrees. Points on the ground are `[x, z]`,
 //! points in space `[x, y, z]`. A heading of 0 looks along +Z, one of 90 along +X.
 
+mod list;
 mod people;
 mod place;
 mod view;

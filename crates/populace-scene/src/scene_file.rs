@@ -1,5 +1,6 @@
 //! Scene files: plans of scenes as TOML.
 
+mod doubts;
 mod fault;
 mod limits;
 mod people;
@@ -140,11 +141,8 @@ fn of_another_type(message: &str) -> Option<String> {
         "a boolean" => "true or false".to_owned(),
         "a string" => "a text in quotes".to_owned(),
         "a sequence" => "a list".to_owned(),
-        _ => match expected.strip_prefix("an array of length ") {
-            Some(length) => format!("a list of {length} numbers"),
-            None if expected.starts_with("struct ") => "a table".to_owned(),
-            None => expected.to_owned(),
-        },
+        _ if expected.starts_with("struct ") => "a table".to_owned(),
+        _ => expected.to_owned(),
     };
     Some(format!("{expected}, not {seen}"))
 }

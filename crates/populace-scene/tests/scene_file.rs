@@ -172,3 +172,26 @@ fn names_that_resemble_none_come_with_all_that_there_are() {
     refused(&holds("helmet\", \"helmet"), 5, "the head has \"helmet\" and \"helmet\"");
     ScenePlan::parse(&holds("helmet\", \"shield\", \"spear")).unwrap();
 }
+
+#[test]
+fn footways_with_more_people_than_find_room_are_doubted() {
+    let text = |count: usize, vehicles: usize| {
+        format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[footway]]\n\
+             name = \"short\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n[[footway]]\n\
+             name = \"long\"\npoints = [[0, 9], [18, 9]]\nwidth_m = 30\n[[crowd]]\n\
+             cast = \"a\"\ncount = {count}\ndoes.stroll = {{}}\n[[lane]]\nname = \"l\"\n\
+             ends = [[0, 90], [900, 90]]\nvehicles = {vehicles}\n"
+        )
+    };
+    let doubts = |count, vehicles| ScenePlan::parse(&text(count, vehicles)).unwrap().doubts();
+    // A third is on the short one, of 27 square metres.
+    assert!(doubts(400, 0).is_empty() && doubts(500, 100).is_empty());
+    let found = doubts(450, 0);
+    let words = "the footway \"short\", 9.0 m long and 3.0 m wide, has 150 people, 6 on a square";
+    assert!(found.len() == 1 && found[0].starts_with(words), "{found:?}");
+    for members in [24, 300, 3000] {
+        let plan = street(StreetSettings { members, seed: 1 });
+        assert_eq!(plan.doubts(), [""; 0], "{members} people");
+    }
+}

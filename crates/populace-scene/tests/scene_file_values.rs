@@ -1,6 +1,10 @@
 //! Values of scene files: each number has a range, and what is out of it is named with its line.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
+
 use populace_scene::plan::ScenePlan;
+use toml::de::{DeTable, DeValue};
 use toml::{Table, Value};
 
 /// A file with each number that there is, on a line of its own where a test changes it.
@@ -67,6 +71,58 @@ fn lines_without_length_are_refused() {
         ("[[wall]]", "[]", "at least two points"),
     ] {
         refused(table, "points", value, words);
+    }
+}
+
+/// Returns the spans of the lists of numbers and of points within a value, with their keys.
+fn lists(value: &DeValue<'_>, key: &str, found: &mut Vec<(String, Range<usize>)>) {
+    match value {
+        DeValue::Table(table) => {
+            for (key, value) in table {
+                let is_list = value.get_ref().as_array().is_some_and(|all| {
+                    all.iter().all(|one| !one.get_ref().is_table() && !one.get_ref().is_str())
+                });
+                // Lists of any length.
+                if is_list && !["points", "size_m"].contains(&key.get_ref().as_ref()) {
+                    found.push((key.get_ref().to_string(), value.span()));
+                }
+                lists(value.get_ref(), key.get_ref(), found);
+            }
+        }
+        DeValue::Array(all) => {
+            for one in all {
+                if one.get_ref().is_array() {
+                    found.push((key.to_owned(), one.span()));
+                }
+                lists(one.get_ref(), key, found);
+            }
+        }
+        _ => {}
+    }
+}
+
+#[test]
+fn lists_of_another_length_are_refused() {
+    let root = DeTable::parse(FULL).expect("TOML");
+    let mut found = Vec::new();
+    lists(&DeValue::Table(root.into_inner()), "", &mut found);
+    let keys: BTreeSet<&str> = found.iter().map(|(key, _)| key.as_str()).collect();
+    let known = ["at", "ends", "from", "look_at", "points", "size", "spacing_m", "to", "top"];
+    assert_eq!(keys.into_iter().collect::<Vec<_>>(), known);
+    for (key, span) in found {
+        let list = &FULL[span.clone()];
+        let inside = &list[1..list.len() - 1];
+        // The last item once more, and all but the last.
+        let last = inside.rfind(if inside.ends_with(']') { ", [" } else { ", " }).expect("two");
+        for changed in [format!("[{inside}{}]", &inside[last..]), format!("[{}]", &inside[..last])]
+        {
+            let text = format!("{}{changed}{}", &FULL[..span.start], &FULL[span.end..]);
+            let error = ScenePlan::parse(&text).expect_err(&format!("{key} = {changed}"));
+            let line = FULL[..span.start].lines().count();
+            assert_eq!(error.line, line, "{key} = {changed}: {error}");
+            let begin = format!("`{key}` must be a list of ");
+            assert!(error.message.starts_with(&begin), "{key} = {changed}: {error}");
+        }
     }
 }
 

@@ -182,6 +182,51 @@ fn people_keep_out_of_closed_walls() {
     }
 }
 
+/// Those who find no free place begin within each other, but not within a wall.
+#[test]
+fn nobody_of_too_many_begins_within_a_closed_wall() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\
+                [[footway]]\nname = \"path\"\npoints = [[0, 0], [9, 0]]\nwidth_m = 3\n\
+                [[wall]]\npoints = [[3, -0.5], [6, -0.5], [6, 0.5], [3, 0.5]]\nclosed = true\n\
+                [[crowd]]\ncast = \"a\"\ncount = 300\ndoes.stroll = {}\n";
+    let live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    for member in live.behaviours.people() {
+        let [x, _, z] = live.crowd.member(member).unwrap().placement().position();
+        assert!(!(3.0..6.0).contains(&x) || z.abs() > 0.5, "{x}, {z}");
+    }
+}
+
+/// Vehicles queue before people who stand in their lane, also those that begin there.
+#[test]
+fn vehicles_stop_for_people_who_stand_in_their_lane() {
+    for at in [-38, 0, 3, 7] {
+        let text = format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+             count = 3\n[crowd.does.stand]\nat = [{at}, 0]\nfacing_deg = 90\nrow = 1\n\
+             spacing_m = 3\n[[lane]]\nname = \"l\"\nends = [[-40, 0], [40, 0]]\nvehicles = 4\n"
+        );
+        let mut live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
+        let xs = |live: &Live, members: &[MemberId]| {
+            let x = |member: &MemberId| live.crowd.member(*member).unwrap().placement();
+            members.iter().map(|member| x(member).position()[0]).collect::<Vec<f32>>()
+        };
+        let people: Vec<_> = live.behaviours.people().collect();
+        let vehicles: Vec<_> = live.behaviours.vehicles().collect();
+        for step in 0..100 {
+            let cars = xs(&live, &vehicles);
+            for person in xs(&live, &people).into_iter().filter(|x| *x >= -40.0) {
+                // The shortest vehicle is about 4 m long.
+                let nearest = cars.iter().map(|x| (x - person).abs()).fold(f32::MAX, f32::min);
+                assert!(nearest > 2.2, "{nearest} m from {person}, at {at}, {step}");
+            }
+            live.run(0.3);
+        }
+        let before = xs(&live, &vehicles);
+        live.run(1.0);
+        assert_eq!(before, xs(&live, &vehicles), "all wait");
+    }
+}
+
 #[test]
 fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
     let mut plan = ScenePlan::parse(include_str!("../../../scenes/battle.toml")).unwrap();

@@ -40,8 +40,8 @@ struct KeyFile {
 #[serde(deny_unknown_fields)]
 struct KeyTable {
     time: Spanned<f64>,
-    from: Spanned<[f64; 3]>,
-    to: Spanned<[f64; 3]>,
+    from: Spanned<Vec<f64>>,
+    to: Spanned<Vec<f64>>,
     fov: Option<Spanned<f64>>,
 }
 
@@ -72,11 +72,17 @@ impl Keys {
         };
         let file: KeyFile =
             toml::from_str(text).map_err(|e| at_line(e.span().unwrap_or_default(), e.message()))?;
+        let point = |of: &Spanned<Vec<f64>>, name: &str| {
+            let three = <[f64; 3]>::try_from(of.get_ref().as_slice()).ok();
+            let near = three.filter(|three| three.iter().all(|number| number.abs() <= 1e6));
+            let rule = format!("`{name}` must be three numbers of at most 1000000 metres");
+            near.ok_or_else(|| at_line(of.span(), &rule))
+        };
         let mut keys: Vec<Key> = Vec::new();
         for table in file.key.get_ref() {
             let table = table.get_ref();
             let fov_deg = table.fov.as_ref().map_or(DEFAULT_FOV_DEG, |fov| *fov.get_ref());
-            let [from, to] = [&table.from, &table.to].map(|point| *point.get_ref());
+            let [from, to] = [point(&table.from, "from")?, point(&table.to, "to")?];
             let key = Key { time: *table.time.get_ref(), from, to, fov_deg };
             let wrong = |span, message: &str| Err(at_line(span, message));
             if !(0.0..=1e6).contains(&key.time) {
@@ -87,13 +93,6 @@ impl Keys {
                     table.time.span(),
                     "`time` must be later than that of the key before",
                 );
-            }
-            for (point, name) in [(&table.from, "from"), (&table.to, "to")] {
-                if !point.get_ref().iter().all(|number| number.abs() <= 1e6) {
-                    let message =
-                        format!("`{name}` must be three numbers of at most 1000000 metres");
-                    return wrong(point.span(), &message);
-                }
             }
             if from == to {
                 return wrong(table.to.span(), "`to` must differ from `from`");
@@ -210,7 +209,8 @@ mod tests {
             ("time = 2\n", "time = -2\n", ["line 6", "`time`"]),
             ("fov = 30\n", "fow = 30\n", ["line 9", "fow"]),
             ("fov = 30\n", "fov = 0\n", ["line 9", "1 to 170"]),
-            ("from = [4, 2, 8]", "from = [4, 2]", ["line 7", "length"]),
+            ("from = [4, 2, 8]", "from = [4, 2]", ["line 7", "three"]),
+            ("from = [4, 2, 8]", "from = [4, 2, 8, 0]", ["line 7", "three"]),
             ("from = [4, 2, 8]", "from = [4, nan, 8]", ["line 7", "`from`"]),
             ("from = [4, 2, 8]", "from = [0, 1, 0]", ["line 8", "differ"]),
             ("[[key]]\ntime = 2\n", "[[key\ntime = 2\n", ["line 5", ""]),

@@ -41,6 +41,11 @@ pub(crate) trait Subject {
     /// Returns points that the picture of all people contains, such as feet and heads, in metres.
     fn bounds(&self) -> Vec<[f32; 3]>;
 
+    /// Returns points that the camera `top` shows besides, such as the corners of the place.
+    fn place(&self) -> Vec<[f32; 3]> {
+        Vec::new()
+    }
+
     /// Returns the elevation in radians from which the camera `crowd` looks at all people; `None`
     /// to look from the front.
     fn elevation_rad(&self) -> Option<f32> {

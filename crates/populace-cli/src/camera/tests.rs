@@ -62,6 +62,51 @@ fn air_is_as_clear_as_the_camera_is_far_away() {
     }
 }
 
+/// The same people on a place of 40 x 30 m.
+struct OnPlace;
+
+impl Subject for OnPlace {
+    fn place(&self) -> Vec<[f32; 3]> {
+        [[-20.0, -15.0], [20.0, -15.0], [20.0, 15.0], [-20.0, 15.0]]
+            .map(|[x, z]| [x, 0.6, z])
+            .to_vec()
+    }
+
+    fn bounds(&self) -> Vec<[f32; 3]> {
+        Two.bounds()
+    }
+
+    fn figure_m(&self) -> [f32; 2] {
+        Two.figure_m()
+    }
+
+    fn closest(&self) -> Option<u64> {
+        Two.closest()
+    }
+
+    fn pose(&self, id: u64, secs: f64) -> Option<Pose> {
+        Two.pose(id, secs)
+    }
+
+    fn describe_ids(&self) -> String {
+        Two.describe_ids()
+    }
+}
+
+#[test]
+fn the_camera_top_shows_the_place_and_the_people() {
+    let top = |subject: &dyn Subject| {
+        Cameras::new(&View::Top, subject, 1.5).unwrap().at(&|id, secs| Two.pose(id, secs), 0.0)
+    };
+    let camera = top(&OnPlace);
+    for point in OnPlace.place().into_iter().chain(Two.bounds()) {
+        let [x, y, _] = seen(&camera, point);
+        assert!(x.abs() < 1.0 && y.abs() < 1.0, "{point:?} is at {x}, {y}");
+    }
+    let [x, ..] = seen(&top(&Two), [20.0, 0.6, 15.0]);
+    assert!(x > 1.0, "without a place only people are shown");
+}
+
 #[test]
 fn everybody_is_in_the_picture() {
     for (view, secs) in [

@@ -12,7 +12,7 @@ pub(crate) enum View {
     Crowd,
     /// Shows one of the nearest people, and goes with it.
     Close,
-    /// Looks straight down; +X is to the right.
+    /// Looks straight down at all people and the place; +X is to the right.
     Top,
     /// Looks at a slant from far away.
     Iso,

@@ -6,7 +6,9 @@ use std::f32::consts::FRAC_PI_2;
 use populace_scene::{Moment, Motions};
 use populace_trajectory::Recording;
 
+use super::place::floor_m;
 use crate::camera::{Pose, Subject, figure};
+use crate::frames::single;
 use crate::people::EYES;
 
 /// Seconds between positions that the camera frames.
@@ -17,6 +19,8 @@ const LARGEST_M: f32 = 120.0;
 const SQUARE_M: f32 = 40.0;
 /// Height and half the width of a person in metres, for framing.
 const FIGURE_M: [f32; 2] = [1.8, 0.3];
+/// Coordinate in metres beyond which an outline is left out of the place.
+const FAR_M: f64 = 1e5;
 
 /// The agents of a recording.
 pub(super) struct Agents {
@@ -25,12 +29,21 @@ pub(super) struct Agents {
     /// Heights of bodies in metres.
     heights: Vec<f32>,
     from_secs: f64,
+    /// Corners of the walkable area, at the feet and the tops of its walls.
+    place: Vec<[f32; 3]>,
 }
 
 impl Agents {
-    pub(super) fn new(recording: &Recording, motions: Motions, heights: Vec<f32>) -> Self {
+    /// Returns the agents in a place whose walls have a height in metres.
+    pub(super) fn new(
+        recording: &Recording,
+        motions: Motions,
+        heights: Vec<f32>,
+        walls_m: f64,
+    ) -> Self {
         let ids = recording.agents.iter().map(|agent| agent.id.clone()).collect();
-        Self { motions, ids, heights, from_secs: recording.secs()[0] }
+        let place = corners(recording, single(walls_m));
+        Self { motions, ids, heights, from_secs: recording.secs()[0], place }
     }
 
     /// Returns where an agent is, or was last, or comes first.
@@ -58,6 +71,10 @@ impl Subject for Agents {
             })
         });
         busiest(ways.collect()).into_iter().flat_map(around).collect()
+    }
+
+    fn place(&self) -> Vec<[f32; 3]> {
+        self.place.clone()
     }
 
     fn elevation_rad(&self) -> Option<f32> {
@@ -95,6 +112,16 @@ impl Subject for Agents {
     }
 }
 
+/// Returns the corners of the outlines of the walkable areas of all times, at the floor and at a height
+/// above it. Outlines that no place is built of are left out.
+fn corners(recording: &Recording, walls_m: f32) -> Vec<[f32; 3]> {
+    let floor_m = floor_m(recording);
+    let areas = recording.place.changes.iter().flat_map(|change| &change.walkable);
+    let near = areas.filter(|area| area.outline.as_flattened().iter().all(|v| v.abs() <= FAR_M));
+    let corners = near.flat_map(|area| &area.outline).map(|at| at.map(single));
+    corners.flat_map(|[x, y]| [[x, floor_m, -y], [x, floor_m + walls_m, -y]]).collect()
+}
+
 /// Returns the moments in the busiest square of a place that is too large to see people in it; all of
 /// them elsewhere.
 fn busiest(moments: Vec<Moment>) -> Vec<Moment> {
@@ -117,6 +144,8 @@ fn busiest(moments: Vec<Moment>) -> Vec<Moment> {
 
 #[cfg(test)]
 mod tests {
+    use populace_trajectory::{PlaceChange, Polygon};
+
     use super::*;
 
     fn at(x: f32, y: f32) -> Moment {
@@ -129,6 +158,25 @@ mod tests {
             view_rad: None,
             stands: false,
         }
+    }
+
+    #[test]
+    fn the_place_has_the_corners_of_areas_and_walls() {
+        let text = "id,t,x,y,z\n1,0,0,0,2\n1,1,1,0,2\n";
+        let settings = populace_trajectory::ReadSettings::default();
+        let mut recording =
+            populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings).expect("rows");
+        assert_eq!(corners(&recording, 0.5), [[0.0; 3]; 0]);
+        let polygon = |outline: [[f64; 2]; 3]| Polygon { outline: outline.into(), holes: vec![] };
+        let walkable = vec![
+            polygon([[-3.0, 0.0], [9.0, 0.0], [9.0, 5.0]]),
+            polygon([[0.0, 0.0], [1e9, 0.0], [0.0, f64::NAN]]),
+        ];
+        recording.place.changes = vec![PlaceChange { from_secs: 0.0, walkable }];
+        let wanted = [[-3.0, 2.0, 0.0], [-3.0, 2.5, 0.0], [9.0, 2.0, 0.0], [9.0, 2.5, 0.0]];
+        let found = corners(&recording, 0.5);
+        assert_eq!((found.len(), &found[..4]), (6, &wanted[..]));
+        assert_eq!(found[5], [9.0, 2.5, -5.0]);
     }
 
     #[test]

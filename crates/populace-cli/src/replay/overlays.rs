@@ -1,10 +1,13 @@
 //! A legend, trails, ids and a clock over pictures of trajectories, and people in the legend's colours.
 
+mod corner;
+mod trails;
+
 use populace::character::Image;
 use populace::{CharacterId, Crowd, MemberLook};
-use populace_overlay::{Canvas, Corner, Label, Legend, Scale, TextStyle, Trail};
+use populace_overlay::{Canvas, Corner, Label, Legend, Scale, TextStyle};
 use populace_render::Camera;
-use populace_scene::{Moment, Motion, Motions, Person, Replay};
+use populace_scene::{Moment, Motions, Person, Replay};
 use populace_trajectory::{Column, Recording, Values};
 use populace_variety::Dye;
 
@@ -20,10 +23,7 @@ const DENSITY_M: f32 = 1.5;
 const OUTLIERS: f64 = 0.02;
 /// Numbers from which a scale is made, at most.
 const SAMPLES: usize = 20_000;
-/// Seconds between two points of a trail.
-const TRAIL_STEP_SECS: f64 = 0.1;
-/// Height of trails above the ground, and of labels above heads, in metres.
-const TRAIL_M: f32 = 0.02;
+/// Height of labels above heads, in metres.
 const LABEL_M: f32 = 0.12;
 
 /// The quantity that colours people.
@@ -32,14 +32,16 @@ enum Quantity {
     Speed,
     /// People per square metre.
     Density,
-    /// The column of this index.
-    Column(usize),
+    /// The column of this index, and the places of its words in the order of the legend.
+    Column(usize, Vec<u32>),
 }
 
 /// The colours of people by a quantity.
 struct Colours {
     quantity: Quantity,
     legend: Legend,
+    /// The corner of the legend.
+    corner: Corner,
 }
 
 /// Drawings over pictures, and the colours of people.
@@ -104,6 +106,28 @@ impl Overlays {
         Ok(())
     }
 
+    /// Puts the legend to the corner in which it covers the fewest people of some pictures of a
+    /// size, at times in seconds of the recording with a camera each.
+    pub(super) fn place_legend(
+        &mut self,
+        size: [u32; 2],
+        views: Vec<(f64, Camera)>,
+        motions: &Motions,
+    ) {
+        let Some(colours) = &mut self.colours else { return };
+        let seen = |(secs, camera): (f64, Camera)| {
+            let all = motions.agents.iter().zip(&self.heights);
+            let people = all.filter_map(|(motion, height_m)| {
+                let Moment { position: [x, y], elevation_m, .. } = motion.at(secs)?;
+                Some(([x, elevation_m, -y], *height_m))
+            });
+            (camera, people.collect())
+        };
+        let pictures: Vec<_> = views.into_iter().map(seen).collect();
+        let has_clock = self.clock_from_secs.is_some();
+        colours.corner = corner::free(&colours.legend, size, &pictures, has_clock);
+    }
+
     /// Returns true if drawings need the depths of pixels.
     pub(super) fn needs_depths(&self) -> bool {
         self.trail_secs.is_some()
@@ -122,49 +146,19 @@ impl Overlays {
         let failed = |error: populace_overlay::Error| Failure::Run(error.into());
         let mut canvas = Canvas::new(&mut picture.rgba, size).map_err(failed)?;
         if let Some(secs) = self.trail_secs {
-            canvas.trails(&self.trails(secs, camera, size, replay), depths_m);
+            canvas.trails(&self.trails(secs, camera, size, recording, replay), depths_m);
         }
         if self.ids {
             let style = TextStyle::new(0.8 * canvas.text_size());
             canvas.labels(&self.labels(camera, size, recording, replay), &style);
         }
         if let Some(colours) = &self.colours {
-            canvas.legend(&colours.legend, Corner::TopRight);
+            canvas.legend(&colours.legend, colours.corner);
         }
         if let Some(from_secs) = self.clock_from_secs {
             canvas.clock(replay.secs() - from_secs, Corner::TopLeft);
         }
         Ok(())
-    }
-
-    /// Returns the ways that people have come, who are nearest last.
-    fn trails(&self, secs: f64, camera: &Camera, size: [u32; 2], replay: &Replay) -> Vec<Trail> {
-        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
-        let width_px = f64::from(size[1] as f32) / 240.0;
-        let by_speed = self.colours.as_ref().filter(|of| matches!(of.quantity, Quantity::Speed));
-        let trail = |(agent, _): (usize, _)| {
-            let motion: &Motion = &replay.motions().agents[agent];
-            let (mut points, mut depths_m, mut colors) = (Vec::new(), Vec::new(), Vec::new());
-            for moment in way(motion, [replay.secs() - secs, replay.secs()]) {
-                let Some(moment) = moment else {
-                    depths_m.push(f64::NAN);
-                    points.push([f64::NAN; 2]);
-                    colors.extend(colors.last().copied());
-                    continue;
-                };
-                let [x, y] = moment.position;
-                let place = [x, moment.elevation_m + TRAIL_M, -y];
-                let at = camera.project(place, size);
-                depths_m.push(f64::from(camera.depth_m(place)));
-                points.push(at.map_or([f64::NAN; 2], |at| at.map(f64::from)));
-                let speed = f64::from(moment.velocity[0].hypot(moment.velocity[1]));
-                colors.extend(by_speed.map(|of| of.legend.scale.color(speed).srgb()));
-            }
-            Trail { points, colors, depths_m, opacity: 0.9, width_px }
-        };
-        let mut present: Vec<_> = replay.present().collect();
-        present.sort_unstable_by_key(|(agent, _)| *agent);
-        present.into_iter().map(trail).collect()
     }
 
     /// Returns the ids of people above their heads.
@@ -202,11 +196,33 @@ impl Colours {
                 let places = present.map(|agent| moment(agent).map_or([0.0; 3], place));
                 densities(&places.collect::<Vec<_>>())
             }
-            Quantity::Column(index) => {
-                let column = &recording.columns[*index];
-                present.map(|agent| value_at(recording, column, agent, replay.secs())).collect()
+            Quantity::Column(..) => {
+                let now = |agent| self.in_column(recording, (agent, replay.secs()));
+                present.map(|agent| now(agent).unwrap_or(f64::NAN)).collect()
             }
         }
+    }
+
+    /// Returns the quantity of an agent at a time in seconds, from its moment then; `None` for
+    /// density, which is that of all people of a time.
+    fn value_then(
+        &self,
+        recording: &Recording,
+        then: (usize, f64),
+        moment: &Moment,
+    ) -> Option<f64> {
+        match self.quantity {
+            Quantity::Speed => Some(speed(moment.velocity)),
+            Quantity::Density => None,
+            Quantity::Column(..) => self.in_column(recording, then),
+        }
+    }
+
+    /// Returns the value of an agent at a time in seconds in the column; of words, their place in
+    /// the legend. `None` for other quantities.
+    fn in_column(&self, recording: &Recording, (agent, secs): (usize, f64)) -> Option<f64> {
+        let Quantity::Column(index, places) = &self.quantity else { return None };
+        Some(value_at(recording, (&recording.columns[*index], places), agent, secs))
     }
 }
 
@@ -230,16 +246,21 @@ fn densities(places: &[[f32; 3]]) -> Vec<f64> {
     places.iter().map(density).collect()
 }
 
-/// Returns the value of a column in an agent's row at a time or before it; of words, their index.
-fn value_at(recording: &Recording, column: &Column, agent: usize, secs: f64) -> f64 {
+/// Returns the value of a column in an agent's row at a time or before it; of words, their place.
+fn value_at(
+    recording: &Recording,
+    (column, places): (&Column, &[u32]),
+    agent: usize,
+    secs: f64,
+) -> f64 {
     let agent = &recording.agents[agent];
     let times = recording.track(agent).times;
     let row = recording.rows(agent).start + times.partition_point(|at| *at <= secs).max(1) - 1;
     match &column.values {
         Values::Numbers(numbers) => numbers.get(row).map_or(f64::NAN, |value| f64::from(*value)),
         Values::Words { indices, .. } => {
-            let index = indices.get(row).filter(|index| **index != u32::MAX);
-            index.map_or(f64::NAN, |index| f64::from(*index))
+            let place = indices.get(row).and_then(|index| places.get(*index as usize));
+            place.map_or(f64::NAN, |place| f64::from(*place))
         }
     }
 }
@@ -256,28 +277,46 @@ fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colou
         "speed" => {
             let [_, most] = range(speeds(recording, motions));
             let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), &[]);
-            Ok(Colours { quantity: Quantity::Speed, legend })
+            Ok(Colours { quantity: Quantity::Speed, legend, corner: Corner::TopRight })
         }
         "density" => {
             let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), &[]);
-            Ok(Colours { quantity: Quantity::Density, legend })
+            Ok(Colours { quantity: Quantity::Density, legend, corner: Corner::TopRight })
         }
         _ => {
             let found = recording.columns.iter().position(|column| column.name == name);
             let Some(index) = found else { return Err(no_column(name, recording)) };
             let column = &recording.columns[index];
+            let mut places = Vec::new();
             let (scale, words) = match &column.values {
                 Values::Numbers(numbers) => {
                     let [low, high] =
                         range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
                     (Scale::number(low, high), Vec::new())
                 }
-                Values::Words { words, .. } => (Scale::words(words.len()), words.clone()),
+                Values::Words { words, .. } => {
+                    places = places_of(words);
+                    let mut sorted = words.clone();
+                    sorted.sort_unstable();
+                    (Scale::words(words.len()), sorted)
+                }
             };
             let legend = legend(name, "", scale, &words);
-            Ok(Colours { quantity: Quantity::Column(index), legend })
+            let quantity = Quantity::Column(index, places);
+            Ok(Colours { quantity, legend, corner: Corner::TopRight })
         }
     }
+}
+
+/// Returns the place of each word in the order of the alphabet.
+fn places_of(words: &[String]) -> Vec<u32> {
+    let mut order: Vec<usize> = (0..words.len()).collect();
+    order.sort_unstable_by_key(|nth| &words[*nth]);
+    let mut places = vec![0; words.len()];
+    for (place, nth) in (0_u32..).zip(order) {
+        places[nth] = place;
+    }
+    places
 }
 
 fn no_column(name: &str, recording: &Recording) -> Failure {
@@ -288,13 +327,6 @@ fn no_column(name: &str, recording: &Recording) -> Failure {
         "people cannot be coloured by \"{name}\"{hint}; there are {}",
         all.join(", ")
     ))
-}
-
-/// Returns where somebody was in a time, from the first moment on; `None` where they were not there.
-fn way(motion: &Motion, [from, until]: [f64; 2]) -> impl Iterator<Item = Option<Moment>> + '_ {
-    let times = (0_u32..).map(move |nth| from + f64::from(nth) * TRAIL_STEP_SECS);
-    let times = times.take_while(move |at| *at < until).chain([until]);
-    times.map(|at| motion.at(at)).skip_while(Option::is_none)
 }
 
 /// Returns the speeds of people once a second, or less often in recordings of many people.
@@ -344,23 +376,10 @@ mod tests {
         assert_eq!(densities(&[around, above].concat()), [three.clone(), three].concat());
     }
 
-    fn recording(text: &str) -> Recording {
+    pub(super) fn recording(text: &str) -> Recording {
         let settings = populace_trajectory::ReadSettings::default();
         let parsed = populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings);
         parsed.expect("a recording")
-    }
-
-    #[test]
-    fn trails_have_gaps_where_nobody_was() {
-        let mut text = "id,t,x,y\n".to_owned();
-        for second in [2, 3, 4, 8, 9, 10] {
-            text += &format!("1,{second},{second},0\n");
-        }
-        let motions = Motions::new(&recording(&text));
-        let seen: Vec<_> = way(&motions.agents[0], [0.0, 10.0]).collect();
-        assert!(seen.first().is_some_and(Option::is_some), "nothing before the first moment");
-        let changes = seen.windows(2).filter(|pair| pair[0].is_some() != pair[1].is_some());
-        assert_eq!(changes.count(), 2, "one gap");
     }
 
     #[test]
@@ -377,6 +396,30 @@ mod tests {
         let speeds = speeds(&recording, &Motions::new(&recording));
         assert!(speeds.len() <= 50 * SAMPLES + 1201, "{}", speeds.len());
         assert!(speeds.iter().any(|speed| *speed > 1.5), "those at the end");
+    }
+
+    #[test]
+    fn words_of_a_legend_are_in_the_order_of_the_alphabet() {
+        let recording = recording("id,t,x,y,group\n1,0,0,0,B\n1,1,1,0,A\n2,0,0,9,C\n2,1,1,9,\n");
+        let colours = colours("group", &recording, &Motions::new(&recording)).expect("a column");
+        assert_eq!(colours.legend.words, ["A", "B", "C"]);
+        let at = |agent, secs| colours.in_column(&recording, (agent, secs)).expect("a column");
+        assert_eq!([at(0, 0.5), at(0, 1.0), at(1, 0.0)], [1.0, 0.0, 2.0]);
+        assert!(at(1, 1.0).is_nan(), "no group");
+    }
+
+    #[test]
+    fn trails_have_the_colours_of_their_times() {
+        let recording = recording("id,t,x,y,group\n1,0,0,0,B\n1,1,2,0,A\n2,0,0,9,C\n2,1,1,9,C\n");
+        let motions = Motions::new(&recording);
+        let then = |name: &str, secs: f64| {
+            let moment = motions.agents[0].at(secs).expect("somebody");
+            let colours = colours(name, &recording, &motions).expect("a quantity");
+            colours.value_then(&recording, (0, secs), &moment)
+        };
+        assert_eq!([then("group", 0.5), then("group", 1.0)], [Some(1.0), Some(0.0)]);
+        assert!(then("speed", 0.5).is_some_and(|speed| (speed - 2.0).abs() < 0.1));
+        assert_eq!(then("density", 0.5), None, "that of now");
     }
 
     #[test]

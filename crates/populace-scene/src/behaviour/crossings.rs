@@ -27,6 +27,8 @@ const SPARE_SECS: f32 = 1.0;
 const BESIDE_M: f32 = 0.65;
 /// How far vehicles stop before a crossing, in metres.
 const STOP_M: f32 = 1.2;
+/// How far past a line a vehicle is that drives on, in metres.
+const PAST_M: f32 = 0.5;
 
 /// Phases of lights, in seconds: people walk, nobody moves, vehicles drive, nobody moves.
 const PHASES_SECS: [f64; 4] = [9.0, 6.0, 14.0, 3.0];
@@ -228,6 +230,7 @@ pub(crate) fn stops(world: &World, stops: &mut Vec<Stop>) {
             stops.extend(crossing.lanes.iter().map(|(lane, along_m)| Stop {
                 lane: *lane,
                 along_m: along_m - before,
+                past_m: PAST_M,
                 is_polite,
             }));
         }
@@ -235,6 +238,6 @@ pub(crate) fn stops(world: &World, stops: &mut Vec<Stop>) {
     // Nobody drives past an open door.
     for vehicle in world.traffic.vehicles.iter().filter(|vehicle| vehicle.is_open) {
         let along_m = vehicle.along_m - 3.4;
-        stops.push(Stop { lane: vehicle.lane, along_m, is_polite: false });
+        stops.push(Stop { lane: vehicle.lane, along_m, past_m: PAST_M, is_polite: false });
     }
 }

@@ -111,11 +111,9 @@ fn set_off(
     crowd: &mut Crowd,
     who: usize,
 ) -> Result<(), Error> {
-    let found = (0..2).find_map(|nth| {
-        // Closer together where there is no more room.
-        let apart_m = if nth == 0 { APART_M } else { 0.5 * APART_M };
-        settling.place(world, who, 0.0, apart_m)
-    });
+    // Closer together where there is no more room, and then anywhere out of walls.
+    let apart_m = [APART_M, 0.5 * APART_M, 0.0];
+    let found = apart_m.into_iter().find_map(|apart_m| settling.place(world, who, 0.0, apart_m));
     let first = settling.footways.first().copied().unwrap_or(0);
     let (footway, at, line) = found.unwrap_or_else(|| {
         let along_m = world.people[who].random.unit() * world.footways[first].length_m();

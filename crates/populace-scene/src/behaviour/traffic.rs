@@ -89,6 +89,14 @@ impl Lane {
         Self { from, direction, length_m, speed, yaw_rad, height_m }
     }
 
+    pub(crate) fn length_m(&self) -> f32 {
+        self.length_m
+    }
+
+    pub(crate) fn height_m(&self) -> f32 {
+        self.height_m
+    }
+
     /// Returns the length along the lane of the point nearest to another, and its distance to
     /// the left.
     pub(crate) fn place(&self, point: Vec2) -> [f32; 2] {
@@ -103,6 +111,8 @@ pub(crate) struct Stop {
     pub(crate) lane: usize,
     /// Where the front of a vehicle stops, as a length along the lane in metres.
     pub(crate) along_m: f32,
+    /// How far past it the front of a vehicle is that drives on, in metres.
+    pub(crate) past_m: f32,
     /// True for somebody who is about to step onto the road: vehicles that cannot brake in comfort
     /// go on.
     pub(crate) is_polite: bool,

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::list::exact;
+
 /// Characters by a name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -31,7 +33,7 @@ pub struct CastPlan {
     #[serde(default)]
     pub holds: Vec<String>,
     /// A colour for the region `top`, linear red, green and blue from 0 to 1, over the variety.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "exact")]
     pub top: Option<[f32; 3]>,
 }
 
@@ -149,12 +151,14 @@ impl Default for SpectatePlan {
 #[serde(default, deny_unknown_fields)]
 pub struct FightPlan {
     /// The middle of the front rank `[x, z]`.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 2],
     /// The heading of the line.
     pub facing_deg: f32,
     /// Members in a rank.
     pub rank: usize,
     /// Distance between neighbours in a rank and between ranks.
+    #[serde(deserialize_with = "exact")]
     pub spacing_m: [f32; 2],
     /// Distance that the line advances before it fights.
     pub advance_m: f32,
@@ -183,6 +187,7 @@ impl Default for FightPlan {
 #[serde(default, deny_unknown_fields)]
 pub struct StandPlan {
     /// The middle of the front row, `[x, z]`.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 2],
     /// Their heading.
     pub facing_deg: f32,
@@ -245,6 +250,7 @@ pub enum MaskPlan {
 #[serde(deny_unknown_fields)]
 pub struct GazePlan {
     /// The point.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 3],
     /// The weight, 0 to 1.
     #[serde(default = "one")]

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::list::exact;
+
 /// The ground. Roads among the props lie in it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -25,6 +27,7 @@ pub struct FootwayPlan {
     /// The name.
     pub name: String,
     /// Points of its middle line, at least two.
+    #[serde(deserialize_with = "exact")]
     pub points: Vec<[f32; 2]>,
     /// Its width.
     pub width_m: f32,
@@ -35,10 +38,12 @@ pub struct FootwayPlan {
 #[serde(deny_unknown_fields)]
 pub struct SpotPlan {
     /// Where the person stands.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 2],
     /// The heading.
     pub facing_deg: f32,
     /// The point looked at.
+    #[serde(deserialize_with = "exact")]
     pub look_at: [f32; 3],
 }
 
@@ -47,6 +52,7 @@ pub struct SpotPlan {
 #[serde(deny_unknown_fields)]
 pub struct LeanPlan {
     /// Where the person stands, 0.3 m before the wall.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 2],
     /// The heading, away from the wall.
     pub facing_deg: f32,
@@ -57,6 +63,7 @@ pub struct LeanPlan {
 #[serde(deny_unknown_fields)]
 pub struct SeatPlan {
     /// The middle of the seat's surface.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 3],
     /// The heading of who sits on it.
     pub facing_deg: f32,
@@ -67,6 +74,7 @@ pub struct SeatPlan {
 #[serde(deny_unknown_fields)]
 pub struct CrossingPlan {
     /// Where people wait on either side.
+    #[serde(deserialize_with = "exact")]
     pub ends: [[f32; 2]; 2],
     /// Its width.
     pub width_m: f32,
@@ -85,6 +93,7 @@ pub struct LanePlan {
     /// The name.
     pub name: String,
     /// Start and end of its middle line.
+    #[serde(deserialize_with = "exact")]
     pub ends: [[f32; 2]; 2],
     /// Number of vehicles that drive in it at the beginning.
     pub vehicles: usize,
@@ -107,6 +116,7 @@ pub struct BayPlan {
     /// The lane.
     pub lane: String,
     /// The middle of a vehicle that is parked in it.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 2],
     /// True if a vehicle is parked there at the beginning.
     #[serde(default)]
@@ -118,6 +128,7 @@ pub struct BayPlan {
 #[serde(deny_unknown_fields)]
 pub struct WallPlan {
     /// Its points, at least two.
+    #[serde(deserialize_with = "exact")]
     pub points: Vec<[f32; 2]>,
     /// True if the last is joined to the first.
     #[serde(default)]
@@ -135,6 +146,7 @@ pub struct PropPlan {
     #[serde(default)]
     pub file: Option<String>,
     /// Where it stands.
+    #[serde(deserialize_with = "exact")]
     pub at: [f32; 3],
     /// Its heading.
     #[serde(default)]

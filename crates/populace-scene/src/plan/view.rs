@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::list::exact;
+
 /// Light and sky.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -25,6 +27,7 @@ impl Default for LightPlan {
 #[serde(default, deny_unknown_fields)]
 pub struct OutputPlan {
     /// Width and height in pixels.
+    #[serde(deserialize_with = "exact")]
     pub size: [u32; 2],
     /// Frames in a second, from 0.001 to 1000.
     pub fps: f64,
@@ -59,8 +62,10 @@ pub struct CameraKey {
     #[serde(default)]
     pub time: f64,
     /// Where it stands.
+    #[serde(deserialize_with = "exact")]
     pub from: [f32; 3],
     /// The point in the middle of the picture.
+    #[serde(deserialize_with = "exact")]
     pub to: [f32; 3],
     /// The vertical angle of view.
     #[serde(default = "usual_angle")]

@@ -39,7 +39,7 @@ impl Traffic {
         for stop in stops.iter().filter(|stop| stop.lane == vehicle.lane) {
             let gap = stop.along_m - (vehicle.along_m + half);
             let needed = vehicle.speed.powi(2) / (2.0 * LOSS);
-            let is_passed = gap < -0.5 || stop.is_polite && gap < needed;
+            let is_passed = gap < -stop.past_m || stop.is_polite && gap < needed;
             if !is_passed && gap + JAM_M < ahead.0 {
                 // It stops at the line itself, not a distance before it.
                 ahead = (gap + JAM_M, 0.0);
