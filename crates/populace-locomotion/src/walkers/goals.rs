@@ -197,8 +197,10 @@ impl Walkers {
     }
 
     /// Leaves a member to something else that moves it, such as a ragdoll: its placement, clips and
-    /// strides are no longer set. Others walk around a disc of `radius_m` at a point `[x, z]` in
-    /// metres. Only [`resume`](Self::resume) and [`add`](Self::add) make the member walk again.
+    /// strides are no longer set. The next update lets the member stand, if it still plays a blend
+    /// space then, so that it does not tread on the spot. Others walk around a disc of `radius_m`
+    /// at a point `[x, z]` in metres. Only [`resume`](Self::resume) and [`add`](Self::add) make the
+    /// member walk again.
     ///
     /// # Errors
     ///
