@@ -41,7 +41,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "state machines", start: state_machines, hash: 0x74dd_3216_cae6_ed7c },
     Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x2926_ed44_292e_c784 },
-    Scene { name: "feet", start: feet, hash: 0xb6c3_915b_268b_3f66 },
+    Scene { name: "feet", start: feet, hash: 0x3e95_70d6_a68c_4d27 },
     Scene { name: "overrides and proportions", start: overrides, hash: 0x9015_fd06_33cf_a485 },
     Scene { name: "attachments and root motion", start: attachments, hash: 0x49e1_6790_a2e8_b34f },
     Scene { name: "user stages", start: user_stages, hash: 0x37ec_47c3_a030_579c },
