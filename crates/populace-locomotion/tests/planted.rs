@@ -10,7 +10,7 @@ use populace::{
     Affine, CharacterId, ClipId, ClipPlayback, Crowd, Device, JointIndex, MemberId, Placement,
 };
 use populace_cast::Look;
-use populace_locomotion::GaitSpace;
+use populace_locomotion::{Gait, GaitSpace};
 
 const FRAME_SECS: f32 = 1.0 / 60.0;
 /// The speed at which the built-in man's clip walks, in metres per second.
@@ -84,10 +84,35 @@ impl Street {
         self.crowd.character_mut(self.person).unwrap().add_clip(&walk).unwrap()
     }
 
+    /// Measures the contacts of the clip that walks, and sets them for another clip.
+    fn tell_contacts(&mut self, of: ClipId) {
+        let body = self.crowd.character(self.person).unwrap().asset().clone();
+        let walk = body.clips.iter().find(|clip| clip.name() == "Walk").unwrap();
+        let gait = Gait::measure(&body, walk).unwrap().unwrap();
+        gait.set_contacts(&mut self.crowd, self.person, of).unwrap();
+    }
+
     fn fade_to(&mut self, name: &str) {
         let clip = self.clip(name);
         self.crowd.member_mut(self.member).unwrap().crossfade(clip, 0.25).unwrap();
     }
+}
+
+#[test]
+fn contacts_can_be_told_for_a_clip_with_root_motion() {
+    let least = [false, true].map(|is_told| {
+        let mut street = Street::new(&Look::man(), false);
+        let walk = street.walk_with_root_motion();
+        if is_told {
+            street.tell_contacts(walk);
+        }
+        let mut member = street.crowd.member_mut(street.member).unwrap();
+        member.play(walk, ClipPlayback::looping()).unwrap();
+        member.start_root_motion().unwrap();
+        street.hips_over(180, |_| ());
+        street.hips_over(300, |_| ())[0]
+    });
+    assert!(least[1] > LOWEST_IN_WALK_M - 0.012 && least[0] < least[1], "{least:?}");
 }
 
 /// Without contacts a foot is planted by the height of its ankle alone, and often too early.

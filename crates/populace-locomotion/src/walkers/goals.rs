@@ -136,7 +136,8 @@ impl Walkers {
 
     /// Returns whether a walker is where its goal ends: within 5 cm of its point, or of the last
     /// point of a path that is not closed. True for [`Goal::Stand`], false for [`Goal::Velocity`].
-    /// A walker that has not arrived and hardly moves for seconds is stuck, at a wall or in a crowd.
+    /// A walker that has not arrived and hardly moves for seconds is stuck, at a wall or in a
+    /// crowd.
     ///
     /// # Errors
     ///
