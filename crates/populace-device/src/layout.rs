@@ -330,13 +330,15 @@ device_consts! {
     /// Length of a leg, in parts of the maximum lag.
     pub const FOOT_LEG: f32 = 2.0;
     /// Distance by which the pelvis would have to sink for a lag alone, beyond which the lag lets
-    /// the lock go, in parts of the maximum lag.
-    pub const FOOT_SINK: f32 = 0.08;
+    /// the lock go, in parts of the maximum lag. Walkers that set off need that much.
+    pub const FOOT_SINK: f32 = 0.26;
+    /// The same for a foot whose contacts no clip knows: its lock begins too early.
+    pub const FOOT_SINK_UNKNOWN: f32 = 0.08;
     /// Time for which all feet have stood after which one that lags steps below the body, in
     /// seconds. No multiple of usual frames, so that no rounding decides in which it steps.
-    pub const FOOT_SETTLE_SECS: f32 = 0.57;
+    pub const FOOT_SETTLE_SECS: f32 = 0.87;
     /// Lag from which a foot does so, in parts of the maximum lag.
-    pub const FOOT_SETTLE: f32 = 0.15;
+    pub const FOOT_SETTLE: f32 = 0.25;
     /// Height to which a foot is lifted that was let go within its contact, in parts of its lag.
     pub const FOOT_LIFT: f32 = 0.2;
     /// Part of a clip's length from which a contact counts as one that does not end.

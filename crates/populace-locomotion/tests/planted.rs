@@ -18,6 +18,8 @@ const SPEED: f32 = 1.31;
 /// The least height of the man's hips in that clip, and how much lower planted feet may take hips.
 const LOWEST_IN_WALK_M: f32 = 0.919;
 const MOST_SINK_M: f32 = 0.03;
+/// How much lower they may take hips at a start, at which a foot that is known to stand holds longer.
+const MOST_SINK_AT_START_M: f32 = 0.08;
 
 struct Street {
     crowd: Crowd,
@@ -149,7 +151,8 @@ fn hips_sink_little_at_starts_and_feet_find_their_stance_after_stops() {
         street.hips_over(240, |street| street.drive(0.0));
         let [rests, _] = street.hips_over(180, |street| street.drive(0.0));
         let least = starts.min(late);
-        assert!(least > LOWEST_IN_WALK_M - MOST_SINK_M, "{least} m: {is_measured} {late_frames}");
+        let sink = if is_measured { MOST_SINK_AT_START_M } else { MOST_SINK_M };
+        assert!(least > LOWEST_IN_WALK_M - sink, "{least} m: {is_measured} {late_frames}");
         assert!(rests > stands - 0.003, "{rests} m, {stands} m at first: {is_measured}");
         let hips = street.joint(Role::Hips);
         let [_, _, middle] = street.place(hips);

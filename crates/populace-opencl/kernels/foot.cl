@@ -199,7 +199,9 @@ INLINE Choice overstretches(const FootInputs *in, Vec3 ankle, Vec3 offset, Real 
     const Real of_clip = own_x * own_x + own_z * own_z, with_offset = x * x + z * z;
     const Real leg = FOOT_LEG * FOOT_LEG * most * most, straight = square_root(leg - of_clip);
     const Real down = from.y - to.y, none = 0.0f;
-    const Real sunk = (straight < down ? straight : down) - FOOT_SINK * most,
+    const Real known = FOOT_SINK, unknown = FOOT_SINK_UNKNOWN,
+               sink = in->within_secs == in->within_secs ? known : unknown,
+               sunk = (straight < down ? straight : down) - sink * most,
                above = sunk > none ? sunk : none;
     const Choice is_far = (with_offset > FOOT_REACH * FOOT_REACH * most * most)
                           | (with_offset > leg - above * above);

@@ -9,8 +9,8 @@
 
 use populace_device::layout::{
     Constraint, FOOT_EDGE, FOOT_LEG, FOOT_LIFT, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK,
-    FOOT_REACH, FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK, Float4,
-    MAX_SOLE_POINTS,
+    FOOT_REACH, FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK,
+    FOOT_SINK_UNKNOWN, Float4, MAX_SOLE_POINTS,
 };
 use populace_model::math::{Real, quat, vec3};
 
@@ -268,7 +268,8 @@ impl<R: Members> FootInputs<'_, R> {
         let furthest = R::splat(FOOT_REACH * FOOT_REACH) * most * most;
         let leg = R::splat(FOOT_LEG * FOOT_LEG) * most * most;
         let (zero, straight) = (R::splat(0.0), vec3::root(leg - own));
-        let above = R::choose(straight.less(-y), straight, -y) - R::splat(FOOT_SINK) * most;
+        let sink = R::choose(self.contact.known, R::splat(FOOT_SINK), R::splat(FOOT_SINK_UNKNOWN));
+        let above = R::choose(straight.less(-y), straight, -y) - sink * most;
         let above = R::choose(zero.less(above), above, zero);
         let is_far = R::either(furthest.less(with_offset), (leg - above * above).less(with_offset));
         R::both(own.less(with_offset), is_far)

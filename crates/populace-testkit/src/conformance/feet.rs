@@ -8,7 +8,7 @@ use populace_device::{
     Backend, Constraint, Controls, Feet, Foot, Frame, Ground, JointOverride, Place, Space,
 };
 use populace_model::convert::single;
-use populace_model::{JointIndex, Role, Side};
+use populace_model::{JointIndex, Role, Side, Trs};
 
 use super::controls::{locals_of, model_numbers, numbers_found};
 
@@ -166,11 +166,15 @@ impl<'a> FeetScene<'a> {
         let twin = self.crowd.add(plan.clone());
         let member = self.crowd.add(plan);
         let weight = if nth % 6 == 2 { 0.6 } else { 1.0 };
-        // What moves a hip after the pelvis makes devices solve the legs later.
+        // What moves a hip after the pelvis makes devices solve the legs later. Its rotation is not
+        // half a turn away from the leg's, where the way to it would be any.
         let moved = JointOverride {
             joint: legs[0].hip,
             space: Space::Model,
-            transform: super::controls::random_transform(rng),
+            transform: Trs {
+                rotation: [0.0, 0.0, 0.0, 1.0],
+                ..super::controls::random_transform(rng)
+            },
             weight: 0.02,
         };
         let controls = Controls {

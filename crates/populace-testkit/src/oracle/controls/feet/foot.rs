@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DAffine3, DQuat, DVec3};
 use populace_device::layout::{
     FOOT_LIFT, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH, FOOT_RELEASE_SECS,
-    FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK,
+    FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK, FOOT_SINK_UNKNOWN,
 };
 
 use super::foothold::{ahead, shown, under};
@@ -163,13 +163,20 @@ impl FootNow<'_> {
 
     /// Returns whether an offset takes the ankle too far from the hip: horizontally, or so that the
     /// hip would have to sink for the offset alone.
-    fn overstretches(&self, stepped: &Stepped, offset: DVec3, noise: &mut Noise) -> bool {
+    fn overstretches(
+        &self,
+        stepped: &Stepped,
+        offset: DVec3,
+        knows_contacts: bool,
+        noise: &mut Noise,
+    ) -> bool {
         let own = self.to_world(stepped.ankle, noise) - self.to_world(self.hip, noise);
         let (down, with) = (-own.y, horizontal(own + offset).length());
         let own = horizontal(own).length();
         let leg = self.most() / MOST_OFFSET;
         let height = |away: f64| (leg * leg - away * away).max(0.0).sqrt();
-        let sunk = (down.min(height(own)) - f64::from(FOOT_SINK) * self.most()).max(0.0);
+        let sink = f64::from(if knows_contacts { FOOT_SINK } else { FOOT_SINK_UNKNOWN });
+        let sunk = (down.min(height(own)) - sink * self.most()).max(0.0);
         with > own && (with > f64::from(FOOT_REACH) * self.most() || sunk > height(with))
     }
 
@@ -186,7 +193,7 @@ impl FootNow<'_> {
         &self,
         before: Option<&FootState>,
         stepped: &Stepped,
-        stands: bool,
+        (stands, knows_contacts): (bool, bool),
         (turn, decay): (f64, f64),
         noise: &mut Noise,
     ) -> Lock {
@@ -199,7 +206,9 @@ impl FootNow<'_> {
         let pivot = self.to_world(stepped.ankle + arm, noise);
         let (offset, elsewhere) = self.offset(before, pivot, decay);
         let behind = was_released && offset.length() > f64::from(FOOT_RELOCK) * self.most();
-        let lets_go = behind || self.overstretches(stepped, offset, noise) || self.settles(offset);
+        let lets_go = behind
+            || self.overstretches(stepped, offset, knows_contacts, noise)
+            || self.settles(offset);
         let slack = f64::from(FOOT_PIVOT_SLACK) * MOST_OFFSET * self.rest.length;
         let is_low = |pivot: &usize| {
             let height = self.ankle.y + stepped.arms[*pivot].y;
@@ -228,7 +237,7 @@ impl FootNow<'_> {
         let own = self.heading(stepped.turn, noise);
         let lag = Self::lag_of_turn(before, own, decay);
         let turn = sum(stepped.turn, lag);
-        let lock = self.lock(before, &stepped, stands, (turn, decay), noise);
+        let lock = self.lock(before, &stepped, (stands, within.is_some()), (turn, decay), noise);
         let arm = turned(stepped.arms[lock.pivot], turn);
         let place = self.to_world(stepped.ankle + arm, noise) + lock.offset;
         let points: Vec<DVec3> = if self.points.is_empty() { &[][..] } else { &stepped.arms }
