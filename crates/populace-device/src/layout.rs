@@ -195,7 +195,7 @@ device_consts! {
     ///
     /// | Element | `x` | `y` | `z` | `w` |
     /// |---|---|---|---|---|
-    /// | `PELVIS_STATE` | drop | 0 | 0 | bits: `epoch` |
+    /// | `PELVIS_STATE` | drop | stood | 0 | bits: `epoch` |
     /// | `FOOT_STATE + 2 i`, planted | anchor x | height of the ground | anchor z | bits |
     /// | `FOOT_STATE + 2 i`, lifted | lag x | height of the ground | lag z | bits |
     /// | `FOOT_STATE + 2 i + 1`, planted | direction x | direction z | height | climb |
@@ -209,8 +209,9 @@ device_consts! {
     /// have theirs in world space; a member with two feet has all of them within 80 bytes. The
     /// *anchor* is where the sole's pivot stands, and the *direction* that from heel to toes. The
     /// *lag* of a foot is how far it trails behind the clip; that of its turn is the tangent of
-    /// half the angle. *Height* is that above the ground, and *climb* the speed at which the foot
-    /// rises to the ground, in metres per second. The bits of a foot are `epoch <<
+    /// half the angle. *Stood* is the time for which all feet have stood, in seconds, at most
+    /// [`FOOT_SETTLE_SECS`]. *Height* is that above the ground, and *climb* the speed at which the
+    /// foot rises to the ground, in metres per second. The bits of a foot are `epoch <<
     /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
     /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
     /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
@@ -326,6 +327,20 @@ device_consts! {
     /// Horizontal distance of the ankle from the hip beyond which a lag lets the lock go, in parts
     /// of the maximum lag.
     pub const FOOT_REACH: f32 = 1.4;
+    /// Length of a leg, in parts of the maximum lag.
+    pub const FOOT_LEG: f32 = 2.0;
+    /// Distance by which the pelvis would have to sink for a lag alone, beyond which the lag lets
+    /// the lock go, in parts of the maximum lag. Walkers that set off need that much.
+    pub const FOOT_SINK: f32 = 0.26;
+    /// The same for a foot whose contacts no clip knows: its lock begins too early.
+    pub const FOOT_SINK_UNKNOWN: f32 = 0.08;
+    /// Time for which all feet have stood after which one that lags steps below the body, in
+    /// seconds. No multiple of usual frames, so that no rounding decides in which it steps.
+    pub const FOOT_SETTLE_SECS: f32 = 0.87;
+    /// Lag from which a foot does so, in parts of the maximum lag.
+    pub const FOOT_SETTLE: f32 = 0.25;
+    /// Height to which a foot is lifted that was let go within its contact, in parts of its lag.
+    pub const FOOT_LIFT: f32 = 0.2;
     /// Part of a clip's length from which a contact counts as one that does not end.
     pub const CONTACT_WHOLE: f32 = 0.999;
     /// Lag of a foot that was let go within its contact at which it is locked again, in parts of

@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use populace_clip::TICKS_PER_SEC;
+use populace_model::math::quat;
 use populace_model::{Affine, JointIndex, Trs};
 
 use crate::Error;
@@ -75,10 +76,13 @@ impl StageJoint {
         [cos * x - sin * z, y, sin * x + cos * z]
     }
 
-    /// With [`After::Transform`]: rotates the joint about its own position by a unit quaternion `x
-    /// y z w` in model space. OpenCL C: `stage_rotate(joint, quaternion)`.
+    /// Rotates the joint about its own position by a unit quaternion `x y z w`: with
+    /// [`After::Transform`] in model space, with [`After::Pose`] in the space of its parent. OpenCL
+    /// C: `stage_rotate(joint, quaternion)`.
     pub fn rotate(&mut self, rotation: [f32; 4]) {
+        // Only the transform of the stage that runs is taken from the result.
         self.model = self.model.rotated(rotation);
+        self.local.rotation = quat::mul(rotation, self.local.rotation);
     }
 }
 

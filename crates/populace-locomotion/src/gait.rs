@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::Vec2;
 use populace::character::Character;
 use populace::clip::Clip;
-use populace::model::Side;
-use populace::{Allowed, Error};
+use populace::model::{Role, Side};
+use populace::{Allowed, CharacterId, ClipId, Crowd, Error};
 
 use crate::contacts::{Contact, Standing};
 use crate::mix::MixedClip;
@@ -100,6 +100,29 @@ impl Gait {
             stance_center_m: [center(0), center(1)],
             sole_height_m: [height(0), height(1)],
         })
+    }
+
+    /// Tells a crowd when feet stand in the clip that was measured, or in the same motion as
+    /// another clip, such as that with its root motion: planted feet then lock from contact to
+    /// lift-off. Feet without a humanoid role are left out.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`CharacterMut::set_contacts`](populace::CharacterMut::set_contacts).
+    pub fn set_contacts(
+        &self,
+        crowd: &mut Crowd,
+        character: CharacterId,
+        clip: ClipId,
+    ) -> Result<(), Error> {
+        let roles = crowd.character(character)?.roles().cloned();
+        let ankle = |side| roles.as_ref()?.joint(Role::Foot(side));
+        let contact = |contact: &Contact| {
+            let (from_secs, until_secs) = (contact.from_secs, contact.until_secs);
+            Some(populace::Contact { ankle: ankle(contact.foot)?, from_secs, until_secs })
+        };
+        let contacts: Vec<_> = self.contacts.iter().filter_map(contact).collect();
+        crowd.character_mut(character)?.set_contacts(clip, &contacts)
     }
 
     /// The speed over the ground in metres per second.

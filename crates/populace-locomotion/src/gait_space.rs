@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use populace::character::Character;
 use populace::clip::Clip;
-use populace::model::{Role, Side};
+use populace::model::Side;
 use populace::{BlendSpace, BlendSpaceId, CharacterId, ClipId, Crowd};
 
 use rayon::prelude::*;
@@ -367,15 +367,8 @@ fn tell_contacts<'a>(
     character: CharacterId,
     clips: impl Iterator<Item = (&'a ClipId, &'a Gait)>,
 ) -> Result<(), Error> {
-    let roles = crowd.character(character)?.roles().cloned();
-    let ankle = |side| roles.as_ref()?.joint(Role::Foot(side));
     for (id, gait) in clips {
-        let contact = |contact: &Contact| {
-            let (from_secs, until_secs) = (contact.from_secs, contact.until_secs);
-            Some(populace::Contact { ankle: ankle(contact.foot)?, from_secs, until_secs })
-        };
-        let contacts: Vec<_> = gait.contacts.iter().filter_map(contact).collect();
-        crowd.character_mut(character)?.set_contacts(*id, &contacts)?;
+        gait.set_contacts(crowd, character, *id)?;
     }
     Ok(())
 }

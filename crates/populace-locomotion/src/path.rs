@@ -12,7 +12,8 @@ const REACHED_SECS: f32 = 0.4;
 /// Distance from its goal at which a walker has arrived, in metres.
 const ARRIVED_M: f32 = 0.05;
 
-/// Points on the ground that a walker passes in turn, `[x, z]` in metres.
+/// Points on the ground that a walker passes in turn, `[x, z]` in metres. Equal points in a row
+/// count once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Path {
     points: Vec<Vec2>,
@@ -66,6 +67,11 @@ impl Target {
     pub(crate) fn is_passed(&self, at: Vec2, speed: f32) -> bool {
         let near = REACHED_M.max(REACHED_SECS * speed);
         !self.is_end && at.distance_squared(self.point) < near * near
+    }
+
+    /// Returns whether a walker that stops at the point is there.
+    pub(crate) fn is_reached(&self, at: Vec2) -> bool {
+        at.distance_squared(self.point) < ARRIVED_M * ARRIVED_M
     }
 
     /// Returns the velocity for a step of `secs` towards the point.

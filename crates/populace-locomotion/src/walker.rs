@@ -212,6 +212,7 @@ impl Walker {
     pub(crate) fn stand_at(&mut self, position: Vec2) {
         (self.position, self.velocity) = (position, Vec2::ZERO);
         (self.turn_rate, self.rest) = (0.0, Vec2::ZERO);
+        (self.step, self.stride) = (STANDING, Stride::OF_CLIPS);
     }
 
     pub(crate) fn placement(&self) -> Placement {

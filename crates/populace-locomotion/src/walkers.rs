@@ -83,6 +83,8 @@ pub struct Walkers {
     points: Vec<(MemberId, SpacePoint)>,
     /// Placements and strides of the walkers that do not rest, if some do.
     shown: Shown,
+    /// Strides of the walkers that have begun to rest since the last update.
+    let_go: Vec<(MemberId, Stride)>,
     /// The phases of walkers that are led through steps, or that walk over treads.
     phases: Vec<Option<f32>>,
     times: UpdateTimes,
@@ -129,6 +131,7 @@ impl Walkers {
             strides: Vec::new(),
             points: Vec::new(),
             shown: (Vec::new(), Vec::new()),
+            let_go: Vec::new(),
             phases: Vec::new(),
             times: UpdateTimes::default(),
         })
@@ -369,6 +372,23 @@ impl Walkers {
         );
     }
 
+    /// Lets members stand whose walkers have begun to rest, unless they play something else by now.
+    fn let_walks_go(&mut self, crowd: &Crowd) {
+        self.let_go.clear();
+        for (index, orders) in self.orders.iter().enumerate() {
+            let (walker, member) = (&mut self.walkers[index], self.members[index]);
+            if orders.manner != Manner::Rests || walker.told == Some(walker.step) {
+                continue;
+            }
+            let walks = crowd.member(member).is_ok_and(|view| view.blend_space_phase().is_some());
+            if walks {
+                self.points.push((member, walker.step.point()));
+                self.let_go.push((member, walker.stride));
+            }
+            walker.told = Some(walker.step);
+        }
+    }
+
     /// Tells the crowd where walkers are and how they step, and what a share of them plays.
     fn show(&mut self, crowd: &mut Crowd, share: Stagger) -> Result<(), Error> {
         self.points.clear();
@@ -379,6 +399,7 @@ impl Walkers {
                 self.points.push((self.members[index], walker.step.point()));
             }
         }
+        self.let_walks_go(crowd);
         let all_move = self.orders.iter().all(|orders| orders.manner != Manner::Rests);
         let (placements, strides) = if all_move {
             (&self.placements, &self.strides)
@@ -390,6 +411,7 @@ impl Walkers {
             placements.extend(moving().map(|index| self.placements[index]));
             strides.clear();
             strides.extend(moving().map(|index| self.strides[index]));
+            strides.extend(&self.let_go);
             (&*placements, &*strides)
         };
         // A member that the crowd refuses keeps as little as possible from the others.

@@ -114,16 +114,30 @@ INLINE Legs legs_to_goals(const Stop *at, uint foot, uint start)
     const Numbers settings = settings_of(at, foot);
     const Quat ankle = handed_down(at, 3 * foot), follows = handed_down(at, 3 * foot + 1);
     const FootGoals goals = {
-        { ankle.x, ankle.y, ankle.z }, { follows.x, follows.y, follows.z }, ankle.w, follows.w
+        { ankle.x, ankle.y, ankle.z }, { follows.x, follows.y, follows.z }, ankle.w, follows.w, 0
     };
     Leg leg;
     walk_leg(at, constraint_in(at, 0) + foot, start, vec3_of(&settings, 0), &leg);
     return bend_leg(&leg, &goals, settings.n[12], settings.n[13]);
 }
 
-// Returns how far pelvises are lowered, in metres, and keeps it. They sink at once, so that feet
-// reach the ground, and take their time to rise.
-INLINE Real eased_drop(const Stop *at, Real wanted)
+// Returns the seconds for which all feet will have stood if none lets go, at most FOOT_SETTLE_SECS.
+INLINE Real stood_after(const Stop *at)
+{
+    const Real most = FOOT_SETTLE_SECS;
+    Real before = 0.0f;
+    for (uint lane = 0; lane < at->count; lane++) {
+        const Solver *s = at->members + lane;
+        const float4 left = s->tables->states_before[s->index * STATES_PER_CONTROL + PELVIS_STATE];
+        PUT(before, lane, as_uint(left.w) == s->control->epoch ? left.y : 0.0f);
+    }
+    const Real after = before + at->members->tables->elapsed_secs;
+    return after < most ? after : most;
+}
+
+// Returns how far pelvises are lowered, in metres, and keeps it with the seconds for which all feet
+// have stood. Pelvises sink at once, so that feet reach the ground, and take their time to rise.
+INLINE Real eased_drop(const Stop *at, Real wanted, Real stood_secs)
 {
     const float elapsed_secs = at->members->tables->elapsed_secs,
                 part = elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS);
@@ -139,7 +153,7 @@ INLINE Real eased_drop(const Stop *at, Real wanted)
     for (uint lane = 0; lane < at->count; lane++) {
         const Solver *s = at->members + lane;
         s->tables->states[s->index * STATES_PER_CONTROL + PELVIS_STATE] =
-            (float4)(LANE(drop, lane), 0.0f, 0.0f, as_float(s->control->epoch));
+            (float4)(LANE(drop, lane), LANE(stood_secs, lane), 0.0f, as_float(s->control->epoch));
     }
     return drop;
 }
@@ -151,7 +165,8 @@ SELDOM void pelvis(Stop *at)
     __global const Constraint *feet = constraint_in(at, 0);
     const uint count = feet->target_count;
     const Stance stance = stance_of(at);
-    Real needed = 0.0f, weight = 0.0f;
+    const Real none = 0.0f;
+    Real needed = 0.0f, weight = 0.0f, stood_secs = stood_after(at);
 #if LANES > 1
     Legs legs[MAX_FEET];
 #endif
@@ -166,8 +181,9 @@ SELDOM void pelvis(Stop *at)
             Leg leg;
             walk_leg(at, feet + foot, 0, vec3_of(&settings, 0), &leg);
             const FootInputs inputs = { at,   at->members->tables, feet + foot, &settings, &stance,
-                                        &leg, within_secs[nth] };
+                                        &leg, within_secs[nth], stood_secs };
             const FootGoals goals = foot_goal(&inputs, &states, nth);
+            stood_secs = goals.planted ? stood_secs : none;
             if (LANES == 1 || !feet->at_once) hand_down_goals(at, foot, &goals);
             if (foot == 0) weight = settings.n[13];
 #if LANES == 1
@@ -181,7 +197,7 @@ SELDOM void pelvis(Stop *at)
         }
         keep_foot_states(at, &states, first, here);
     }
-    const Real drop = eased_drop(at, needed * weight);
+    const Real drop = eased_drop(at, needed * weight, stood_secs);
     for (uint foot = 0; foot < count && feet->at_once; foot++) {
 #if LANES > 1
         Legs bent = legs[foot];

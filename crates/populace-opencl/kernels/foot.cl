@@ -63,13 +63,15 @@ typedef struct {
     const Stance *stance;
     const Leg *leg;
     Real within_secs; // seconds within a contact, NAN if they are not known
+    Real stood_secs;  // for which all feet have stood, as of the feet before this one
 } FootInputs;
 
 // Where feet in lanes go, in model space: the ankles, the turns of the feet, the ground's unit
-// normals, and how much the feet follow them.
+// normals, how much the feet follow them, and whether they are planted.
 typedef struct {
     Vec3 ankle, normal;
     Real turn, near;
+    Choice planted;
 } FootGoals;
 
 INLINE Vec3 same_in_lanes(float4 v)
@@ -186,7 +188,8 @@ INLINE Vec3 level_direction(const Stance *stance, Vec3 v)
     return vec3_unit_or(along, front);
 }
 
-// Returns which offsets take an ankle too far from its hip, horizontally.
+// Returns which offsets take an ankle too far from its hip: horizontally, or so that the pelvis would
+// have to sink for it.
 INLINE Choice overstretches(const FootInputs *in, Vec3 ankle, Vec3 offset, Real most)
 {
     const Vec3 to = vec3_to_world(in->stance, ankle);
@@ -194,7 +197,22 @@ INLINE Choice overstretches(const FootInputs *in, Vec3 ankle, Vec3 offset, Real 
     const Real own_x = to.x - from.x, own_z = to.z - from.z;
     const Real x = own_x + offset.x, z = own_z + offset.z;
     const Real of_clip = own_x * own_x + own_z * own_z, with_offset = x * x + z * z;
-    return (with_offset > of_clip) & (with_offset > FOOT_REACH * FOOT_REACH * most * most);
+    const Real leg = FOOT_LEG * FOOT_LEG * most * most, straight = square_root(leg - of_clip);
+    const Real down = from.y - to.y, none = 0.0f;
+    const Real known = FOOT_SINK, unknown = FOOT_SINK_UNKNOWN,
+               sink = in->within_secs == in->within_secs ? known : unknown,
+               sunk = (straight < down ? straight : down) - sink * most,
+               above = sunk > none ? sunk : none;
+    const Choice is_far = (with_offset > FOOT_REACH * FOOT_REACH * most * most)
+                          | (with_offset > leg - above * above);
+    return (with_offset > of_clip) & is_far;
+}
+
+// Returns which feet that stand for long leave an offset, to stand below the body.
+INLINE Choice settles(const FootInputs *in, Vec3 offset, Real most)
+{
+    const Real far = FOOT_SETTLE * most;
+    return (in->stood_secs >= (Real)(FOOT_SETTLE_SECS)) & (vec3_dot(offset, offset) > far * far);
 }
 
 // A foot that is locked to the ground, or let go: its offset from the clip in world space, whether
@@ -217,7 +235,8 @@ INLINE Lock lock(const FootInputs *in, const FootState *state, const Stepped *st
     const Real relock = FOOT_RELOCK * most;
     const Choice is_behind =
         state->released & (vec3_dot(lock.vector, lock.vector) > relock * relock);
-    const Choice lets_go = is_behind | overstretches(in, stepped->ankle, lock.vector, most);
+    const Choice lets_go = is_behind | overstretches(in, stepped->ankle, lock.vector, most)
+                           | settles(in, lock.vector, most);
     lock.released = stands & lets_go;
     lock.planted = stands & !lets_go;
     const Real slack = FOOT_PIVOT_SLACK * in->settings->n[11];
@@ -319,7 +338,9 @@ INLINE FootGoals foot_goal(const FootInputs *in, FootStates *states, uint nth)
     Under under = ground_under(tables, place);
     const SolesTo soles_to = { turn, to.vector, FOOT_EDGE * most };
     if (tables->ground->per_metre > 0.0f) stand_on_points(in, &stepped, &soles_to, &under);
-    const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near);
+    const Real lift = FOOT_LIFT * square_root(vec3_dot(to.vector, to.vector));
+    const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near)
+                       + (to.released ? lift : none);
     const FootHeights heights = next_heights(tables, foot_heights(states, nth), known,
                                              state.planted, to.planted, &under, ahead);
     put_foot_heights(states, nth, heights);
@@ -327,5 +348,6 @@ INLINE FootGoals foot_goal(const FootInputs *in, FootStates *states, uint nth)
     goals.normal = vec3_direction_to_model(stance, under.normal);
     goals.ankle = ankle_over(stance, &stepped, over, to.arm, goals.normal, goals.near);
     goals.turn = turn.half_tan;
+    goals.planted = to.planted;
     return goals;
 }

@@ -129,6 +129,7 @@ INLINE void stage_rotate(StageJoint *joint, float4 quaternion)
     joint->row0 = rotated.s0123;
     joint->row1 = rotated.s4567;
     joint->row2 = rotated.s89ab;
+    joint->rotation = rotation_mul(quaternion, joint->rotation);
 }
 
 // Initializes StageTables as the last field of a list, after a comma.

@@ -186,8 +186,8 @@ impl Reach {
         self
     }
 
-    /// Pulls the middle joint towards a direction in model space. Without a pole it bends to the
-    /// side to which the clips bend it.
+    /// Pulls the middle joint towards a direction in model space, of any length above 0. Without a
+    /// pole it bends to the side to which the clips bend it.
     #[must_use]
     pub const fn pole(mut self, direction: [f32; 3]) -> Self {
         self.0.pole = Some(direction);

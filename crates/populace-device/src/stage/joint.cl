@@ -12,7 +12,7 @@ typedef struct {
     /* Place of the member in the world. */
     float4 place;         /* x y z, and the member's scale */
     float4 facing;        /* sine and cosine of the heading, 0 0: (0, 1) is +Z, (1, 0) is +X */
-    float4 values;        /* the member's own values, as passed to use_stage */
+    float4 values;        /* the member's own values, as given with its use of the stage */
     float parameters[16]; /* as passed to set_stage_parameters; 0 if not set */
     ulong ticks;          /* since the crowd began, 705,600 per second; exact, see stage_phase */
     float elapsed_secs;   /* since the previous frame */

@@ -24,9 +24,11 @@ pub enum Goal {
     Stand,
     /// It moves at a velocity `[x, z]` in metres per second, of a length of at most 20.
     Velocity([f32; 2]),
-    /// It walks to a point `[x, z]` in metres and stops there.
+    /// It walks straight to a point `[x, z]` in metres and stops there. It evades others and slides
+    /// along walls, but finds no way around a wall across its way: there it stands for ever.
+    /// [`Walkers::has_arrived`] tells.
     Point([f32; 2]),
-    /// It follows a path, from its first point on.
+    /// It follows a path, from its first point on, and walks straight to each.
     Path(Arc<Path>),
 }
 
@@ -79,6 +81,14 @@ impl Orders {
         self.goal = goal;
     }
 
+    fn has_arrived(&self, at: Vec2) -> bool {
+        match &self.goal {
+            Goal::Stand => true,
+            Goal::Velocity(_) => false,
+            Goal::Point(_) | Goal::Path(_) => self.target.is_end && self.target.is_reached(at),
+        }
+    }
+
     /// Returns the velocity that leads to the goal, for a step of `secs`.
     pub(super) fn velocity(&mut self, at: Vec2, slows: f32, secs: f32) -> Vec2 {
         if self.manner == Manner::Rests {
@@ -122,6 +132,19 @@ impl Walkers {
         }
         self.orders[index].set_goal(goal);
         Ok(())
+    }
+
+    /// Returns whether a walker is where its goal ends: within 5 cm of its point, or of the last
+    /// point of a path that is not closed. True for [`Goal::Stand`], false for [`Goal::Velocity`].
+    /// A walker that has not arrived and hardly moves for seconds is stuck, at a wall or in a
+    /// crowd.
+    ///
+    /// # Errors
+    ///
+    /// A member that is no walker.
+    pub fn has_arrived(&self, member: MemberId) -> Result<bool, Error> {
+        let index = self.index_of(member)?;
+        Ok(self.orders[index].has_arrived(self.positions[index].into()))
     }
 
     /// Sets the velocities `[x, z]` of all walkers, in metres per second, in the order of
@@ -197,8 +220,10 @@ impl Walkers {
     }
 
     /// Leaves a member to something else that moves it, such as a ragdoll: its placement, clips and
-    /// strides are no longer set. Others walk around a disc of `radius_m` at a point `[x, z]` in
-    /// metres. Only [`resume`](Self::resume) and [`add`](Self::add) make the member walk again.
+    /// strides are no longer set. The next update lets the member stand, if it still plays a blend
+    /// space then, so that it does not tread on the spot. Others walk around a disc of `radius_m`
+    /// at a point `[x, z]` in metres. Only [`resume`](Self::resume) and [`add`](Self::add) make the
+    /// member walk again.
     ///
     /// # Errors
     ///

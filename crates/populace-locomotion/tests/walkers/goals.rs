@@ -4,6 +4,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::Arc;
 
 use glam::Vec2;
+use populace::ClipPlayback;
+use populace_locomotion::avoidance::{Avoidance, AvoidanceSettings, Obstacle};
 use populace_locomotion::{Goal, Path, WalkerSettings};
 
 use crate::fixture::{FRAME_SECS, Town};
@@ -176,6 +178,59 @@ fn groups_keep_together() {
     let (together, alone) = (spread(true), spread(false));
     assert!(together < 1.6, "{together} m");
     assert!(alone > 2.2, "{alone} m: they would keep together anyway");
+}
+
+/// Nobody finds a way around a wall; who stands there has not arrived.
+#[test]
+fn a_walker_tells_whether_it_has_arrived() {
+    let mut town = Town::new();
+    let mut avoidance = Avoidance::new(AvoidanceSettings::default()).unwrap();
+    avoidance.set_obstacles(&[Obstacle::line([[-3.0, 4.0], [3.0, 4.0]])]).unwrap();
+    town.walkers.set_avoidance(Some(avoidance));
+    let [there, stuck] = [6.0, 0.0].map(|x| town.add_at([x, 0.0]));
+    for (member, to) in [(there, [6.0, 8.0]), (stuck, [0.0, 8.0])] {
+        assert!(town.walkers.has_arrived(member).unwrap(), "it stands");
+        town.send(member, 1.3, Goal::Point(to));
+        assert!(!town.walkers.has_arrived(member).unwrap());
+    }
+    town.run(12.0);
+    let arrived = [there, stuck].map(|member| town.walkers.has_arrived(member).unwrap());
+    assert_eq!(arrived, [true, false], "{:?}", town.walkers.positions());
+    town.send(there, 1.3, Goal::Velocity([0.0; 2]));
+    assert!(!town.walkers.has_arrived(there).unwrap());
+}
+
+/// A walker that is told to rest while it walks treads no further: it stands, with the strides of
+/// its clips. One that plays a clip of the caller by then goes on with that.
+#[test]
+fn who_rests_lets_its_walk_go() {
+    let mut town = Town::new();
+    let [walks, waves] = [0.0, 3.0].map(|x| town.add_at([x, 0.0]));
+    let wave = town.crowd.clip(town.person, "Wave").unwrap();
+    for member in [walks, waves] {
+        town.send(member, 1.3, Goal::Velocity([0.0, 1.3]));
+    }
+    let frames = |town: &mut Town, count: u32| {
+        for _ in 0..count {
+            town.step();
+            town.crowd.update(FRAME_SECS).unwrap();
+        }
+    };
+    frames(&mut town, 120);
+    for member in [walks, waves] {
+        let at = town.position(member).to_array();
+        town.walkers.rest(member, at, 0.5).unwrap();
+    }
+    let playback = ClipPlayback::looping();
+    town.crowd.member_mut(waves).unwrap().play(wave, playback).unwrap();
+    frames(&mut town, 60);
+    let playing = |member| town.crowd.member(member).unwrap().active_clips();
+    let stands = town.crowd.clip(town.person, "Idle").unwrap();
+    let weight = |member, clip| -> f32 {
+        playing(member).iter().filter(|own| own.clip == clip).map(|own| own.weight).sum()
+    };
+    assert!(weight(walks, stands) > 0.99, "{:?}", playing(walks));
+    assert!(weight(waves, wave) > 0.99, "{:?}", playing(waves));
 }
 
 /// Heeding others does not end a rest, and the rest's radius ends with it.

@@ -5,8 +5,8 @@
 //! the pelvis' state, and rotations for hips, knees and ankles.
 
 use populace_device::layout::{
-    Constraint, Control, FOOT_STATE, Float4, MAX_FEET, MAX_PELVIS_SINK, PELVIS_RISE_SECS,
-    PELVIS_STATE,
+    Constraint, Control, FOOT_SETTLE_SECS, FOOT_STATE, Float4, MAX_FEET, MAX_PELVIS_SINK,
+    PELVIS_RISE_SECS, PELVIS_STATE,
 };
 use populace_model::math::{Real, quat, vec3};
 
@@ -101,9 +101,13 @@ struct Collected<const COUNT: usize> {
     states: [[Simd<COUNT>; STATE]; FEET],
     /// Numbers of [`Stance`].
     stances: [Simd<COUNT>; STANCE],
-    /// Drop of the pelvis in the frame before, and 1 if it is known.
-    pelvis: [Simd<COUNT>; 2],
+    /// Drop of the pelvis in the frame before, the seconds for which all feet had stood, and 1 if
+    /// these are known.
+    pelvis: [Simd<COUNT>; PELVIS],
 }
+
+/// Numbers of the state of a pelvis.
+const PELVIS: usize = 3;
 
 const _: () = assert!(FOOT_STATE == PELVIS_STATE + 1, "states of feet follow that of the pelvis");
 
@@ -122,6 +126,14 @@ fn eased_drop<R: Real>(wanted: R, [before, known]: [R; 2], elapsed_secs: f32) ->
     let part = R::splat(elapsed_secs / (elapsed_secs + PELVIS_RISE_SECS));
     let rises = R::both(wanted.less(before), R::splat(0.5).less(known));
     R::choose(rises, before + (wanted - before) * part, wanted)
+}
+
+/// Returns the seconds for which all feet will have stood if none lets go, at most
+/// [`FOOT_SETTLE_SECS`].
+#[inline(always)]
+fn stood_after<R: Real>(before: R, elapsed_secs: f32) -> R {
+    let (after, most) = (before + R::splat(elapsed_secs), R::splat(FOOT_SETTLE_SECS));
+    R::choose(after.less(most), after, most)
 }
 
 /// The next step of members side by side, the pelvis above their feet.
@@ -207,7 +219,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             contacts: self.put_contacts::<R>(feet),
             states: [[none; STATE]; FEET],
             stances: [none; STANCE],
-            pelvis: [none; 2],
+            pelvis: [none; PELVIS],
         };
         for (nth, settings) in all.settings[..feet.len()].iter_mut().enumerate() {
             *settings = self.put_settings(nth);
@@ -217,9 +229,10 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             let Control { place, stride, sine, cosine, .. } = solver.control;
             let ([x, y, z, scale], [a, b, c, _]) = (place.0, stride.0);
             put(&mut all.stances, lane, [x, y, z, scale, *sine, *cosine, a, b, c]);
-            let Float4([drop, _, _, bits]) = solver.state(PELVIS_STATE);
-            let known = if bits.to_bits() == solver.control.epoch { 1.0 } else { 0.0 };
-            put(&mut all.pelvis, lane, [drop, known]);
+            let Float4([drop, stood_secs, _, bits]) = solver.state(PELVIS_STATE);
+            let known = bits.to_bits() == solver.control.epoch;
+            let numbers = if known { [drop, stood_secs, 1.0] } else { [drop, 0.0, 0.0] };
+            put(&mut all.pelvis, lane, numbers);
             for (nth, states) in (0..).zip(&mut all.states[..feet.len()]) {
                 put(states, lane, solver.foot_state(nth));
             }
@@ -227,22 +240,24 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         all
     }
 
-    /// Finds the goals of the feet of as many members as `R` has lanes, and how far their pelvises
-    /// are lowered. Solves the legs too, unless something else moves them after the pelvis: then
-    /// their goals are handed down.
+    /// Finds the goals of the feet of as many members as `R` has lanes, how far their pelvises are
+    /// lowered, and the seconds for which all their feet have stood. Solves the legs too, unless
+    /// something else moves them after the pelvis: then their goals are handed down.
     #[inline(always)]
     fn plant<R: Members>(
         &mut self,
         feet: &[Constraint],
         all: &mut Collected<COUNT>,
         first: usize,
-    ) -> Option<R> {
+    ) -> Option<[R; 2]> {
         let ((step, _), tables) = (self.first_stop()?, self.inputs.tables);
         let (operand, elapsed_secs) = (step.operand as usize, self.inputs.frame.elapsed_secs());
         let floor = Floor::floor_of(tables, elapsed_secs);
         let stance = Stance::of_numbers(load(&all.stances, first));
         let [.., soft, weight, _, _]: [R; SETTINGS] = load(&all.settings[0], first);
         let mut legs = [Bent::none(); FEET];
+        let [drop_before, stood_secs, known]: [R; PELVIS] = load(&all.pelvis, first);
+        let mut stood_secs = stood_after(stood_secs, elapsed_secs);
         let mut needed = R::splat(0.0);
         for (nth, foot) in feet.iter().enumerate() {
             let settings = Settings::of_numbers(load(&all.settings[nth], first));
@@ -256,8 +271,10 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 leg: self.walk_leg(foot, 0, first, settings.axis),
                 contact: InContact::of_numbers(load(&all.contacts[nth], first)),
                 state: FootState::of_numbers(load(&all.states[nth], first)),
+                stood_secs,
             };
             let (goal, next) = inputs.foot_goal();
+            stood_secs = R::choose(next.planted, stood_secs, R::splat(0.0));
             store(&next.numbers(), &mut all.states[nth], first);
             if feet[0].at_once == 0 {
                 store(&goal.ankle, &mut self.rotations[operand + 3 * nth], first);
@@ -267,7 +284,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             let sinks = legs[nth].sinks();
             needed = R::choose(needed.less(sinks), sinks, needed);
         }
-        let drop = eased_drop(needed * weight, load(&all.pelvis, first), elapsed_secs);
+        let drop = eased_drop(needed * weight, [drop_before, known], elapsed_secs);
         if feet[0].at_once != 0 {
             for (nth, leg) in legs[..feet.len()].iter_mut().enumerate() {
                 leg.limb.to[1] = leg.limb.to[1] + drop;
@@ -276,7 +293,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
                 }
             }
         }
-        Some(drop)
+        Some([drop, stood_secs])
     }
 
     /// Finds the goals of all feet, and lowers the pelvises until the legs can reach them. Solves
@@ -287,17 +304,18 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
         let count = constraint.target_count as usize;
         let feet = &self.inputs.tables.constraints().as_slice()[step.index as usize..][..count];
         let mut all = self.collect::<R>(feet);
-        let mut drops = Simd([0.0; COUNT]);
+        let mut pelvises = [Simd([0.0; COUNT]); 2];
         for first in (0..self.members.len()).step_by(R::COUNT) {
-            if let Some(drop) = self.plant::<R>(feet, &mut all, first) {
-                drop.store(&mut drops.0[first..]);
+            if let Some(pelvis) = self.plant::<R>(feet, &mut all, first) {
+                store(&pelvis, &mut pelvises, first);
             }
         }
-        self.joints.lower(step.joint as usize, &drops);
+        let [drops, stood_secs] = &pelvises;
+        self.joints.lower(step.joint as usize, drops);
         for lane in 0..self.members.len() {
             let Some(Stop { mut solver, .. }) = self.stop(lane) else { continue };
             let epoch = f32::from_bits(solver.control.epoch);
-            let mut next = [Float4([drops.0[lane], 0.0, 0.0, epoch]); 1 + 2 * FEET];
+            let mut next = [Float4([drops.0[lane], stood_secs.0[lane], 0.0, epoch]); 1 + 2 * FEET];
             for (next, states) in next[1..].as_chunks_mut().0.iter_mut().zip(&all.states[..count]) {
                 *next = solver.next_state(&FootState::of_numbers(lane_of(states, lane)));
             }

@@ -8,8 +8,9 @@
 //! and in its direction. Once lifted, it catches up with the clip.
 
 use populace_device::layout::{
-    Constraint, FOOT_EDGE, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH,
-    FOOT_RELEASE_SECS, FOOT_RELOCK, Float4, MAX_SOLE_POINTS,
+    Constraint, FOOT_EDGE, FOOT_LEG, FOOT_LIFT, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK,
+    FOOT_REACH, FOOT_RELEASE_SECS, FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK,
+    FOOT_SINK_UNKNOWN, Float4, MAX_SOLE_POINTS,
 };
 use populace_model::math::{Real, quat, vec3};
 
@@ -234,6 +235,8 @@ pub(super) struct FootInputs<'a, R: Real> {
     pub(super) leg: Leg<R>,
     pub(super) contact: InContact<R>,
     pub(super) state: FootState<R>,
+    /// Seconds for which all feet have stood, as of the feet before this one.
+    pub(super) stood_secs: R,
 }
 
 impl<R: Members> FootInputs<'_, R> {
@@ -252,17 +255,32 @@ impl<R: Members> FootInputs<'_, R> {
         [x, z]
     }
 
-    /// Returns whether an offset takes the ankle too far from the hip, horizontally.
+    /// Returns whether an offset takes the ankle too far from the hip: horizontally, or so that the
+    /// pelvis would have to sink for it.
     #[inline(always)]
     fn overstretches(&self, stepped: &Stepped<R>, offset: [R; 3]) -> R::Choice {
         let (standing, most) = (&self.stance.standing, self.most());
         let ankle = standing.to_world(stepped.ankle);
-        let [x, _, z] = vec3::sub(ankle, standing.to_world(self.leg.hip));
+        let [x, y, z] = vec3::sub(ankle, standing.to_world(self.leg.hip));
         let own = x * x + z * z;
         let (x, z) = (x + offset[0], z + offset[2]);
         let with_offset = x * x + z * z;
-        let reach = R::splat(FOOT_REACH * FOOT_REACH) * most * most;
-        R::both(own.less(with_offset), reach.less(with_offset))
+        let furthest = R::splat(FOOT_REACH * FOOT_REACH) * most * most;
+        let leg = R::splat(FOOT_LEG * FOOT_LEG) * most * most;
+        let (zero, straight) = (R::splat(0.0), vec3::root(leg - own));
+        let sink = R::choose(self.contact.known, R::splat(FOOT_SINK), R::splat(FOOT_SINK_UNKNOWN));
+        let above = R::choose(straight.less(-y), straight, -y) - sink * most;
+        let above = R::choose(zero.less(above), above, zero);
+        let is_far = R::either(furthest.less(with_offset), (leg - above * above).less(with_offset));
+        R::both(own.less(with_offset), is_far)
+    }
+
+    /// Returns whether a foot that stands for long leaves an offset, to stand below the body.
+    #[inline(always)]
+    fn settles(&self, offset: [R; 3]) -> R::Choice {
+        let most = R::splat(FOOT_SETTLE) * self.most();
+        let has_stood = R::splat(FOOT_SETTLE_SECS).at_most(self.stood_secs);
+        R::both(has_stood, (most * most).less(vec3::dot(offset, offset)))
     }
 
     /// Locks a foot that stands, unless the lock holds it too far back.
@@ -277,6 +295,7 @@ impl<R: Members> FootInputs<'_, R> {
         let is_behind = (relock * relock).less(vec3::dot(vector, vector));
         let is_behind = R::both(state.released, is_behind);
         let lets_go = R::either(is_behind, self.overstretches(stepped, vector));
+        let lets_go = R::either(lets_go, self.settles(vector));
         let released = R::both(stands, lets_go);
         let slack = R::splat(FOOT_PIVOT_SLACK) * self.settings.up[3];
         let is_low = (stepped.ankle[1] + kept_arm[1]).at_most(stepped.clearance + slack);
@@ -342,7 +361,9 @@ impl<R: Members> FootInputs<'_, R> {
             under.settle();
         }
         state.known = R::both(state.known, R::others(moved_elsewhere));
+        let lift = R::splat(FOOT_LIFT) * vec3::root(vec3::dot(vector, vector));
         let ahead = floor.ground_ahead(&stance, place, under.ground, [most, near]);
+        let ahead = ahead + R::choose(released, lift, zero);
         let [height, climb] = floor.shown_height(&state, planted, &under, ahead);
         let [x, _, z] = Turn::turn_of(lag).turned([own[0], zero, own[1]]);
         let next = FootState {

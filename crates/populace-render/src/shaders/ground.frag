@@ -28,9 +28,10 @@ void main() {
     vec3 base = mix(ground_color.rgb, line_color.rgb, coverage);
     vec3 sun = sunlight_on(to_sun.y, vec3(0.0), shadow_position);
     vec3 sky = sky_light_on(vec3(0.0, 1.0, 0.0), to_sun.y);
+    vec3 light = sky + sun;
 #ifdef CONTACTS
-    sky *= clear_sky();
+    light = darkened(light, sky);
 #endif
-    vec3 lit = base * (sky + sun);
+    vec3 lit = base * light;
     color = vec4(tone_mapped(hazed(lit, haze_at(world_position))), 1.0);
 }

@@ -116,10 +116,6 @@ vec3 lit_surface(vec3 base) {
     normal = mapped_normal(normal);
 #endif
     float occlusion = above_floor(world_position.y, normal.y);
-#ifdef CONTACTS
-    bool is_floor = world_position.y - ambient_glow.w < ON_FLOOR_M && normal.y > 0.5;
-    if (is_floor) occlusion *= clear_sky();
-#endif
 #ifdef OCCLUSION_MAP
     occlusion *= 1.0 + occlusion_strength * (texture(occlusion_texture, texture_uv).r - 1.0);
 #endif
@@ -129,7 +125,13 @@ vec3 lit_surface(vec3 base) {
 #endif
     Surfel at = Surfel(base, normal, metallic_roughness.x, metallic_roughness.y, occlusion,
                        substance.z);
-    return shaded(at, normalize(eye.xyz - world_position), shadow_position);
+    vec3 lit = shaded(at, normalize(eye.xyz - world_position), shadow_position);
+#ifdef CONTACTS
+    bool is_floor = world_position.y - ambient_glow.w < ON_FLOOR_M && normal.y > 0.5;
+    vec3 of_sky = occlusion * base * sky_light_on(normal, dot(normal, to_sun.xyz));
+    if (is_floor) lit = darkened(lit, of_sky);
+#endif
+    return lit;
 }
 
 vec4 surface() {

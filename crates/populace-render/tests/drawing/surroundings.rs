@@ -277,6 +277,32 @@ fn bodies_darken_the_floor_over_lower_ground() {
     assert!(seen(1.0, at(1.4, 0.0, 0.0), 1.4) < plain - 20);
 }
 
+/// Beneath a blue sky and a red sun, whose light it does not take, a contact shadow is no stain.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn contact_shadows_keep_the_hue_of_ground_and_floor() {
+    let mut rig = Rig::new();
+    rig.scene.ground = Some(Ground { color: [0.8; 3], line_color: [0.8; 3], height_m: 0.0 });
+    rig.scene.ambient = Ambient::uniform([0.15, 0.2, 0.4]);
+    (rig.scene.sun.color, rig.scene.sun.to_sun) = ([0.5, 0.35, 0.15], [0.0, 1.0, 0.0]);
+    rig.camera =
+        Camera { eye: [0.0, 10.0, 0.0], target: [0.0; 3], up: [0.0, 0.0, -1.0], ..rig.camera };
+    let (white, floor) = (Arc::new(person([1.0; 3], [1.0; 3])), Arc::new(floor()));
+    rig.upload(&[Affine::IDENTITY; 3]);
+    let list = [instance(&white, Affine::IDENTITY, 1), instance(&floor, Affine::IDENTITY, 0)];
+    for (list, lowered_m) in [(&list[..1], 0.0), (&list[..], 0.15)] {
+        rig.scene.ground = rig.scene.ground.map(|ground| Ground { height_m: -lowered_m, ..ground });
+        let [open, shaded] = [0.0, 1.0].map(|contact_shadows| {
+            rig.scene.contact_shadows = contact_shadows;
+            rig.draw(list).at(0.0, 0.3).map(|value| (f32::from(value) / 255.0).powf(2.2))
+        });
+        let shares = [0, 1, 2].map(|channel| shaded[channel] / open[channel]);
+        assert!(shares[1] < 0.9, "{shares:?}");
+        let [least, most] = [f32::min, f32::max].map(|of| shares.into_iter().reduce(of).unwrap());
+        assert!(most - least < 0.04, "{shares:?} on {lowered_m} m");
+    }
+}
+
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn ground_may_lie_lower() {

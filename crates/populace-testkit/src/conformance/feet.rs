@@ -8,7 +8,7 @@ use populace_device::{
     Backend, Constraint, Controls, Feet, Foot, Frame, Ground, JointOverride, Place, Space,
 };
 use populace_model::convert::single;
-use populace_model::{JointIndex, Role, Side};
+use populace_model::{JointIndex, Role, Side, Trs};
 
 use super::controls::{locals_of, model_numbers, numbers_found};
 
@@ -92,8 +92,14 @@ fn ground(nth: usize) -> (Ground, OracleGround) {
     }
 }
 
-/// Returns what a walker plays: a walk alone, or one that fades into a stand.
+/// The walker that stands while it is carried on, so that its feet step below it.
+const CARRIED: usize = 11;
+
+/// Returns what a walker plays: a walk alone, or one that fades into a stand, or a stand.
 fn plays(rng: &mut Rng, body: usize, nth: usize) -> Vec<Play> {
+    if nth == CARRIED {
+        return vec![Play::held(CLIPS * body + 2, 0.1)];
+    }
     let start_tick = ticks_from_secs(rng.between(0.0, 5.0));
     let timing =
         Timing::Loop { start_tick, phase: rng.between(0.0, 1.0), speed: [1.0, 1.3, 0.7][nth % 3] };
@@ -160,11 +166,15 @@ impl<'a> FeetScene<'a> {
         let twin = self.crowd.add(plan.clone());
         let member = self.crowd.add(plan);
         let weight = if nth % 6 == 2 { 0.6 } else { 1.0 };
-        // What moves a hip after the pelvis makes devices solve the legs later.
+        // What moves a hip after the pelvis makes devices solve the legs later. Its rotation is not
+        // half a turn away from the leg's, where the way to it would be any.
         let moved = JointOverride {
             joint: legs[0].hip,
             space: Space::Model,
-            transform: super::controls::random_transform(rng),
+            transform: Trs {
+                rotation: [0.0, 0.0, 0.0, 1.0],
+                ..super::controls::random_transform(rng)
+            },
             weight: 0.02,
         };
         let controls = Controls {
@@ -173,7 +183,8 @@ impl<'a> FeetScene<'a> {
             ..Controls::default()
         };
         let size = self.crowd.scene.bodies[body].skeleton.size_m();
-        let speed = 0.7 * f64::from(size) * [1.0, 1.0, 0.0, 2.2, -0.6, 1.2, 0.9][nth % 7];
+        let pace = [1.0, 1.0, 0.0, 2.2, -0.6, 1.2, 0.9][nth % 7];
+        let speed = 0.7 * f64::from(size) * if nth == CARRIED { 0.15 } else { pace };
         let heading = rng.between(0.0, TAU);
         let place = Place {
             position: rng.vector(-1.5, 1.5).to_array().map(single),
@@ -300,7 +311,7 @@ impl<'a> FeetScene<'a> {
 
 /// Checks planted feet on level ground, a slope, and stairs on uneven ground: feet that lock, roll
 /// over their soles and lift off by the contacts of clips and by the height of the ankle, mixes of
-/// a walk and a stand, strides of other lengths and directions, members that move as fast as their
+/// a walk and a stand, feet that step below a body that stands, strides of other lengths and directions, members that move as fast as their
 /// clips, faster, backwards or not at all, that turn, and that are moved elsewhere.
 ///
 /// # Panics

@@ -82,8 +82,8 @@ impl CrowdBuilder {
         self
     }
 
-    /// Sets the largest number of members; 1,000 unless set. The device allocates for all of them
-    /// when the first is added.
+    /// Sets the largest number of members; 1,000 unless set. An OpenCL device allocates for all of
+    /// them when the first is added, a native one as members are added.
     #[must_use]
     pub fn capacity(mut self, members: usize) -> Self {
         self.capacity = members;

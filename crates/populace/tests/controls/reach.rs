@@ -1,8 +1,10 @@
 //! Two-bone IK.
 
-use populace::{ClipPlayback, JointOverride, Placement, Reach, Space, Target, Trs, Weight};
+use populace::{
+    ClipPlayback, Device, JointOverride, Placement, Reach, Schedule, Space, Target, Trs, Weight,
+};
 
-use crate::fixture::{Scene, distance, everywhere, joint, turn_deg};
+use crate::fixture::{Scene, distance, everywhere, joint, scene, turn_deg};
 
 /// Length of the arm in metres.
 const LENGTH: f32 = 0.55;
@@ -138,4 +140,13 @@ fn bones_of_very_different_lengths_stay_finite() {
         let palette = palette.expect("a palette");
         assert!(palette.iter().flat_map(|m| m.rows).flatten().all(f32::is_finite), "{palette:?}");
     });
+}
+
+#[test]
+fn a_pole_without_a_direction_is_refused() {
+    let mut scene = scene(Device::native(), Schedule::Fused);
+    let member = scene.member(Placement::at([0.0; 3]));
+    let reach = Reach::with(joint("leftHand")).pole([0.0; 3]);
+    let error = scene.edit(member).reach(reach, [0.4, 1.2, 0.4], at_once()).unwrap_err();
+    assert_eq!(error.to_string(), "the pole of a reach is 0; it must be of some length");
 }

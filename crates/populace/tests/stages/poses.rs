@@ -86,6 +86,30 @@ fn pose_stage_changes_chosen_joints_and_their_descendants() {
     }
 }
 
+/// After Pose, a rotation is one of the local transform, in the space of the parent.
+#[test]
+fn pose_stage_rotates_about_the_axes_of_the_parent() {
+    for (devices, schedule) in everywhere() {
+        let context = format!("{devices} {schedule}");
+        let (mut staged, [stage, _]) = Scene::staged(devices.clone(), schedule);
+        let mut plain = Scene::on(devices, schedule);
+        let how = StageUse::on([at(3), at(17)]).with_values([0.0, 0.0, LIFT, 0.0]);
+        staged.edit(staged.members[2]).set_stage(stage, how).expect("a stage use");
+        let given = parameters(1.0, 0.0);
+        staged.crowd.set_stage_parameters(stage, &given).expect("parameters");
+        staged.update(0.1);
+        plain.update(0.1);
+        let mut wanted = plain.locals(2);
+        for joint in [3, 17] {
+            let local = &mut wanted[joint];
+            let turned = rotation_of(given) * DQuat::from_array(local.rotation.map(f64::from));
+            local.rotation = turned.normalize().as_quat().to_array();
+        }
+        assert_models(&staged.models(2), &models(&wanted, |_, own| own), &context);
+        assert_others(&mut staged, &mut plain, &[2], &context);
+    }
+}
+
 #[test]
 fn transform_stage_changes_chosen_joints_and_descendants() {
     for (devices, schedule) in everywhere() {

@@ -220,6 +220,9 @@ faults! {
         feet_never_let_go: "const Choice lets_go = is_behind |" => "const Choice lets_go = 0 &";
         feet_lock_again_at_once: "const Real relock = FOOT_RELOCK * most;" =>
             "const Real relock = most;";
+        feet_sink_pelvises: "| (with_offset > leg - above * above);" => "| 0;";
+        feet_never_settle: "(in->stood_secs >= (Real)(FOOT_SETTLE_SECS)) &" => "0 &";
+        feet_that_settle_slide: "+ (to.released ? lift : none);" => "+ none;";
         feet_stay_behind_their_clips: "state->x - pivot.x : state->x * decay" =>
             "state->x - pivot.x : state->x";
         offsets_have_no_limit: "vec3_choose(far > most * most, shorter, vector)" => "vector";

@@ -8,7 +8,7 @@ mod foothold;
 mod sole;
 
 use glam::{DAffine3, DQuat, DVec3};
-use populace_device::layout::{MAX_PELVIS_SINK, PELVIS_RISE_SECS};
+use populace_device::layout::{FOOT_SETTLE_SECS, MAX_PELVIS_SINK, PELVIS_RISE_SECS};
 use populace_device::{Feet, Foot};
 
 use super::limb::{shortest, two_bones};
@@ -73,6 +73,8 @@ struct FootState {
 pub struct OracleStance {
     feet: Vec<Option<FootState>>,
     pelvis_drop: Option<f64>,
+    /// Seconds for which all feet have stood, to FOOT_SETTLE_SECS.
+    stood_secs: f64,
 }
 
 /// A foot's goal, in model space.
@@ -122,6 +124,9 @@ impl Descent<'_, '_> {
         let Some(mut feeling) = self.feet.take() else { return };
         feeling.stance.feet.resize(feet.feet.len(), None);
         let (weight, mut needed) = (f64::from(feet.weight), 0.0f64);
+        let longest_secs = f64::from(FOOT_SETTLE_SECS);
+        let mut stood_secs =
+            (feeling.stance.stood_secs + feeling.gait.elapsed_secs).min(longest_secs);
         for (nth, foot) in feet.feet.iter().enumerate() {
             let rest = self.leg_at_rest(foot);
             let sole = Sole::of(self.of, foot);
@@ -140,9 +145,13 @@ impl Descent<'_, '_> {
                 ankle: ankle.translation,
                 gait: feeling.gait,
                 place: &self.frame.place.world_from_model,
+                stood_secs,
             };
             let within = secs_within(&feeling.gait.steps[nth], self.noise);
             let (goal, next) = now_at.goal(feeling.stance.feet[nth].as_ref(), within, self.noise);
+            if matches!(next.hold, Hold::Follows { .. }) {
+                stood_secs = 0.0;
+            }
             feeling.stance.feet[nth] = Some(next);
             feeling.goals.push(goal);
             let [upper, lower] =
@@ -154,6 +163,7 @@ impl Descent<'_, '_> {
             let sinks = -to.y - up.max(0.0).sqrt();
             needed = needed.max(sinks.min(length * f64::from(MAX_PELVIS_SINK)));
         }
+        feeling.stance.stood_secs = stood_secs;
         let wanted = needed * weight;
         let rise_secs = f64::from(PELVIS_RISE_SECS);
         let part = feeling.gait.elapsed_secs / (feeling.gait.elapsed_secs + rise_secs);

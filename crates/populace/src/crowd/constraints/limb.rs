@@ -5,7 +5,7 @@ use populace_model::{JointIndex, Skeleton};
 use populace_settings::parts::ReachParts;
 
 use super::SOFT;
-use crate::Error;
+use crate::{Allowed, Error};
 
 /// The distance of the middle joint from the straight line above which a rest pose counts as bent,
 /// as a fraction of the limb's length.
@@ -32,6 +32,10 @@ pub(super) fn limb_of(skeleton: &Skeleton, reach: &ReachParts) -> Result<Limb, E
     }
     let bend = reach.bend.unwrap_or_else(|| usual_bend(skeleton, [first, middle, end]));
     let ReachParts { pole, keeps_end, .. } = *reach;
+    if pole == Some([0.0; 3]) {
+        let (what, allowed) = ("the pole of a reach", Allowed::SomeLength);
+        return Err(Error::BadValue { what, value: 0.0, allowed });
+    }
     Ok(Limb { first, middle, end, bend, pole, keeps_end, soft: SOFT, targets: Vec::new() })
 }
 

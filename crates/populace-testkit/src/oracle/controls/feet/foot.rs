@@ -5,7 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3};
 use populace_device::layout::{
-    FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH, FOOT_RELEASE_SECS, FOOT_RELOCK,
+    FOOT_LIFT, FOOT_MAX_TURN, FOOT_NEAR_SECS, FOOT_PIVOT_SLACK, FOOT_REACH, FOOT_RELEASE_SECS,
+    FOOT_RELOCK, FOOT_SETTLE, FOOT_SETTLE_SECS, FOOT_SINK, FOOT_SINK_UNKNOWN,
 };
 
 use super::foothold::{ahead, shown, under};
@@ -27,6 +28,8 @@ pub(super) struct FootNow<'a> {
     pub(super) along: Option<DVec3>,
     pub(super) gait: &'a OracleGait,
     pub(super) place: &'a DAffine3,
+    /// Seconds for which all feet have stood; 0 once one has let go.
+    pub(super) stood_secs: f64,
 }
 
 /// A foot after the member's stride.
@@ -158,11 +161,29 @@ impl FootNow<'_> {
         (offset.clamp_length_max(most), false)
     }
 
-    /// Returns whether an offset takes the ankle too far from the hip, horizontally.
-    fn overstretches(&self, stepped: &Stepped, offset: DVec3, noise: &mut Noise) -> bool {
+    /// Returns whether an offset takes the ankle too far from the hip: horizontally, or so that the
+    /// hip would have to sink for the offset alone.
+    fn overstretches(
+        &self,
+        stepped: &Stepped,
+        offset: DVec3,
+        knows_contacts: bool,
+        noise: &mut Noise,
+    ) -> bool {
         let own = self.to_world(stepped.ankle, noise) - self.to_world(self.hip, noise);
-        let (own, with) = (horizontal(own), horizontal(own + offset));
-        with.length() > own.length() && with.length() > f64::from(FOOT_REACH) * self.most()
+        let (down, with) = (-own.y, horizontal(own + offset).length());
+        let own = horizontal(own).length();
+        let leg = self.most() / MOST_OFFSET;
+        let height = |away: f64| (leg * leg - away * away).max(0.0).sqrt();
+        let sink = f64::from(if knows_contacts { FOOT_SINK } else { FOOT_SINK_UNKNOWN });
+        let sunk = (down.min(height(own)) - sink * self.most()).max(0.0);
+        with > own && (with > f64::from(FOOT_REACH) * self.most() || sunk > height(with))
+    }
+
+    /// Returns whether a foot that stands for long leaves an offset, to stand below the body.
+    fn settles(&self, offset: DVec3) -> bool {
+        self.stood_secs >= f64::from(FOOT_SETTLE_SECS)
+            && offset.length() > f64::from(FOOT_SETTLE) * self.most()
     }
 
     /// Locks a foot that stands, unless the lock would hold it too far back. A foot that was let go
@@ -172,7 +193,7 @@ impl FootNow<'_> {
         &self,
         before: Option<&FootState>,
         stepped: &Stepped,
-        stands: bool,
+        (stands, knows_contacts): (bool, bool),
         (turn, decay): (f64, f64),
         noise: &mut Noise,
     ) -> Lock {
@@ -185,7 +206,9 @@ impl FootNow<'_> {
         let pivot = self.to_world(stepped.ankle + arm, noise);
         let (offset, elsewhere) = self.offset(before, pivot, decay);
         let behind = was_released && offset.length() > f64::from(FOOT_RELOCK) * self.most();
-        let lets_go = behind || self.overstretches(stepped, offset, noise);
+        let lets_go = behind
+            || self.overstretches(stepped, offset, knows_contacts, noise)
+            || self.settles(offset);
         let slack = f64::from(FOOT_PIVOT_SLACK) * MOST_OFFSET * self.rest.length;
         let is_low = |pivot: &usize| {
             let height = self.ankle.y + stepped.arms[*pivot].y;
@@ -214,7 +237,7 @@ impl FootNow<'_> {
         let own = self.heading(stepped.turn, noise);
         let lag = Self::lag_of_turn(before, own, decay);
         let turn = sum(stepped.turn, lag);
-        let lock = self.lock(before, &stepped, stands, (turn, decay), noise);
+        let lock = self.lock(before, &stepped, (stands, within.is_some()), (turn, decay), noise);
         let arm = turned(stepped.arms[lock.pivot], turn);
         let place = self.to_world(stepped.ankle + arm, noise) + lock.offset;
         let points: Vec<DVec3> = if self.points.is_empty() { &[][..] } else { &stepped.arms }
@@ -222,7 +245,8 @@ impl FootNow<'_> {
             .map(|arm| self.to_world(stepped.ankle + turned(*arm, turn), noise) + lock.offset)
             .collect();
         let under = under(gait, place, &points, most, noise);
-        let ahead = ahead(gait, self.place, place, under.height, [most, near], noise);
+        let lift = if lock.released { f64::from(FOOT_LIFT) * lock.offset.length() } else { 0.0 };
+        let ahead = lift + ahead(gait, self.place, place, under.height, [most, near], noise);
         let known = before.filter(|_| !lock.elsewhere);
         let secs = gait.elapsed_secs;
         let (height, climb) = shown(known, lock.stands, (&under, ahead), secs, noise);
