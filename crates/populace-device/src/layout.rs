@@ -340,6 +340,7 @@ device_consts! {
     /// Lag from which a foot does so, in parts of the maximum lag.
     pub const FOOT_SETTLE: f32 = 0.25;
     /// Height to which a foot is lifted that was let go within its contact, in parts of its lag.
+    /// Only where clips know contacts: the height of the ankle alone lets feet go in every step.
     pub const FOOT_LIFT: f32 = 0.2;
     /// Part of a clip's length from which a contact counts as one that does not end.
     pub const CONTACT_WHOLE: f32 = 0.999;

@@ -203,8 +203,8 @@ INLINE Choice overstretches(const FootInputs *in, Vec3 ankle, Vec3 offset, Real 
                sink = in->within_secs == in->within_secs ? known : unknown,
                sunk = (straight < down ? straight : down) - sink * most,
                above = sunk > none ? sunk : none;
-    const Choice is_far = (with_offset > FOOT_REACH * FOOT_REACH * most * most)
-                          | (with_offset > leg - above * above);
+    const Choice is_far =
+        (with_offset > FOOT_REACH * FOOT_REACH * most * most) | (with_offset > leg - above * above);
     return (with_offset > of_clip) & is_far;
 }
 
@@ -340,7 +340,7 @@ INLINE FootGoals foot_goal(const FootInputs *in, FootStates *states, uint nth)
     if (tables->ground->per_metre > 0.0f) stand_on_points(in, &stepped, &soles_to, &under);
     const Real lift = FOOT_LIFT * square_root(vec3_dot(to.vector, to.vector));
     const Real ahead = ground_ahead(tables, stance, place, under.ground, most, goals.near)
-                       + (to.released ? lift : none);
+                       + (to.released & (in->within_secs == in->within_secs) ? lift : none);
     const FootHeights heights = next_heights(tables, foot_heights(states, nth), known,
                                              state.planted, to.planted, &under, ahead);
     put_foot_heights(states, nth, heights);

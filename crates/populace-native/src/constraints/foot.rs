@@ -363,7 +363,7 @@ impl<R: Members> FootInputs<'_, R> {
         state.known = R::both(state.known, R::others(moved_elsewhere));
         let lift = R::splat(FOOT_LIFT) * vec3::root(vec3::dot(vector, vector));
         let ahead = floor.ground_ahead(&stance, place, under.ground, [most, near]);
-        let ahead = ahead + R::choose(released, lift, zero);
+        let ahead = ahead + R::choose(R::both(released, self.contact.known), lift, zero);
         let [height, climb] = floor.shown_height(&state, planted, &under, ahead);
         let [x, _, z] = Turn::turn_of(lag).turned([own[0], zero, own[1]]);
         let next = FootState {

@@ -201,7 +201,13 @@ fn sole_rolls_over_the_point_that_stands() {
 #[test]
 fn feet_of_who_stands_step_below_the_body() {
     everywhere(|scene| {
+        let (clip, body) = (scene.clip("stand"), scene.body);
+        let whole =
+            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 1.0, ..contact });
+        let mut character = scene.crowd.character_mut(body).expect("a character");
+        character.set_contacts(clip, &whole).expect("contacts within the clip");
         let member = scene.member(Placement::at([0.0; 3]));
+        scene.edit(member).play(clip, ClipPlayback::looping()).expect("a clip that plays");
         scene.edit(member).plant_feet_with(&feet()).expect("feet");
         (0..30).for_each(|_| scene.update(1.0 / 60.0));
         scene.edit(member).set_placement(Placement::at([0.0, 0.0, 0.2])).expect("a member");

@@ -131,6 +131,7 @@ pub(crate) fn character() -> Character {
                 ("rightLowerLeg", across, 0.5, 0.7),
             ],
         ),
+        swing("stand", 1.0, &[("head", across, 0.1, 0.0)]),
     ];
     let clips =
         sources.map(|source| Arc::new(Clip::new(source, &skeleton).expect("a good clip"))).to_vec();

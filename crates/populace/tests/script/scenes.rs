@@ -41,7 +41,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "state machines", start: state_machines, hash: 0x9f75_b42a_b21a_fc4e },
     Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x9b93_f4f5_f83c_0cf9 },
-    Scene { name: "feet", start: feet, hash: 0x022d_fd65_425a_2112 },
+    Scene { name: "feet", start: feet, hash: 0xb7a7_d673_b5c5_0014 },
     Scene { name: "overrides and proportions", start: overrides, hash: 0xdc81_67b5_5b47_e824 },
     Scene { name: "attachments and root motion", start: attachments, hash: 0xc4ad_a411_8508_8982 },
     Scene { name: "user stages", start: user_stages, hash: 0xd463_6b0f_d6dd_e337 },

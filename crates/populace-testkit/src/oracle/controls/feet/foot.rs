@@ -245,7 +245,8 @@ impl FootNow<'_> {
             .map(|arm| self.to_world(stepped.ankle + turned(*arm, turn), noise) + lock.offset)
             .collect();
         let under = under(gait, place, &points, most, noise);
-        let lift = if lock.released { f64::from(FOOT_LIFT) * lock.offset.length() } else { 0.0 };
+        let is_lifted = lock.released && within.is_some();
+        let lift = if is_lifted { f64::from(FOOT_LIFT) * lock.offset.length() } else { 0.0 };
         let ahead = lift + ahead(gait, self.place, place, under.height, [most, near], noise);
         let known = before.filter(|_| !lock.elsewhere);
         let secs = gait.elapsed_secs;
