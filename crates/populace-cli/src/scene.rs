@@ -184,7 +184,7 @@ impl SceneSource<'_> {
         })
     }
 
-    /// Brings the plan into a crowd. What is wrong or doubtful in it is named with the scene file.
+    /// Brings the plan into a crowd. Errors and warnings begin with the scene file's name.
     fn live(&self, crowd: &mut Crowd) -> Result<(LiveScene, LoadedRoles), Failure> {
         for doubt in self.plan.doubts() {
             message!("warning: {}{doubt}", self.prefix());

@@ -108,7 +108,7 @@ impl Gait {
     ///
     /// # Errors
     ///
-    /// Those of [`CharacterMut::set_contacts`](populace::CharacterMut::set_contacts).
+    /// The errors of [`CharacterMut::set_contacts`](populace::CharacterMut::set_contacts).
     pub fn set_contacts(
         &self,
         crowd: &mut Crowd,

@@ -372,7 +372,8 @@ impl Walkers {
         );
     }
 
-    /// Lets members stand whose walkers have begun to rest, unless they play something else by now.
+    /// Sets the blend space of each walker that has begun to rest to standing. A member that plays
+    /// something else by now keeps it.
     fn let_walks_go(&mut self, crowd: &Crowd) {
         self.let_go.clear();
         for (index, orders) in self.orders.iter().enumerate() {

@@ -84,7 +84,7 @@ pub(crate) struct Posing<'a> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     pub(crate) joints: Joints<'a>,
     pub(crate) playing: &'a [Playing],
-    /// Whether layer 0 plays one slot.
+    /// True if layer 0 plays one slot.
     pub(crate) plays_alone: bool,
     pub(crate) inertialization: Inertialization<'a>,
     /// Layers that the member uses.

@@ -275,7 +275,7 @@ fn people_stand_at_their_own_elevation_with_feet_that_hold() {
     for (agent, (meter, lowest)) in meters.iter().zip(&lowest).enumerate() {
         let skate = meter.skate().unwrap();
         assert!(skate.mean_m_per_sec < 0.03, "{agent}: {skate:?}");
-        // Those who sink to a floor below have their feet there.
+        // People who sink to a floor below have their feet there.
         assert!(lowest.abs() < 0.05, "{agent}: {lowest} m");
     }
 }

@@ -182,7 +182,7 @@ fn people_keep_out_of_closed_walls() {
     }
 }
 
-/// Those who find no free place begin within each other, but not within a wall.
+/// People without a free place begin within each other, but not within a wall.
 #[test]
 fn nobody_of_too_many_begins_within_a_closed_wall() {
     let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n\

@@ -19,9 +19,6 @@ const LARGEST_M: f32 = 120.0;
 const SQUARE_M: f32 = 40.0;
 /// Height and half the width of a person in metres, for framing.
 const FIGURE_M: [f32; 2] = [1.8, 0.3];
-/// Coordinate in metres beyond which an outline is left out of the place.
-const FAR_M: f64 = 1e5;
-
 /// The agents of a recording.
 pub(super) struct Agents {
     motions: Motions,
@@ -113,12 +110,11 @@ impl Subject for Agents {
 }
 
 /// Returns the corners of the outlines of the walkable areas of all times, at the floor and at a height
-/// above it. Outlines that no place is built of are left out.
+/// above it. The place is one that can be built.
 fn corners(recording: &Recording, walls_m: f32) -> Vec<[f32; 3]> {
     let floor_m = floor_m(recording);
     let areas = recording.place.changes.iter().flat_map(|change| &change.walkable);
-    let near = areas.filter(|area| area.outline.as_flattened().iter().all(|v| v.abs() <= FAR_M));
-    let corners = near.flat_map(|area| &area.outline).map(|at| at.map(single));
+    let corners = areas.flat_map(|area| &area.outline).map(|at| at.map(single));
     corners.flat_map(|[x, y]| [[x, floor_m, -y], [x, floor_m + walls_m, -y]]).collect()
 }
 
@@ -173,6 +169,7 @@ mod tests {
             polygon([[0.0, 0.0], [1e9, 0.0], [0.0, f64::NAN]]),
         ];
         recording.place.changes = vec![PlaceChange { from_secs: 0.0, walkable }];
+        recording.place = populace_scene::PlaceModel::buildable(&recording.place).0;
         let wanted = [[-3.0, 2.0, 0.0], [-3.0, 2.5, 0.0], [9.0, 2.0, 0.0], [9.0, 2.5, 0.0]];
         let found = corners(&recording, 0.5);
         assert_eq!((found.len(), &found[..4]), (6, &wanted[..]));

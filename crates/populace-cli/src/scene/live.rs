@@ -168,7 +168,8 @@ fn casts(
     Ok((casts, files))
 }
 
-/// Returns the gaits of all who have some. Who has to walk and cannot is refused.
+/// Returns the gaits of all characters that have some. Refuses a character that has to walk and
+/// cannot.
 fn walks(crowd: &mut Crowd, plan: &ScenePlan, casts: &Casts) -> Result<Vec<GaitSpace>, Failure> {
     let mut all = Vec::new();
     for (cast, roles) in casts {

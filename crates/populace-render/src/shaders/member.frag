@@ -128,8 +128,8 @@ vec3 lit_surface(vec3 base) {
     vec3 lit = shaded(at, normalize(eye.xyz - world_position), shadow_position);
 #ifdef CONTACTS
     bool is_floor = world_position.y - ambient_glow.w < ON_FLOOR_M && normal.y > 0.5;
-    vec3 of_sky = occlusion * base * sky_light_on(normal, dot(normal, to_sun.xyz));
-    if (is_floor) lit = darkened(lit, of_sky);
+    if (is_floor)
+        lit = darkened(lit, occlusion * base * sky_light_on(normal, dot(normal, to_sun.xyz)));
 #endif
     return lit;
 }

@@ -22,8 +22,11 @@ const TOGETHER_M: f32 = 0.5;
 /// Returns the lanes in which people are, and the lengths along them, in order.
 fn places(world: &World, crowd: &Crowd) -> Result<Vec<(usize, f32)>, Error> {
     let mut places = Vec::new();
+    if world.traffic.vehicles.is_empty() {
+        return Ok(places);
+    }
     for (who, person) in world.people.iter().enumerate() {
-        if world.traffic.vehicles.is_empty() || !stops_vehicles(&person.doing) {
+        if !stops_vehicles(&person.doing) {
             continue;
         }
         let at = world.position(who);

@@ -1,4 +1,4 @@
-//! Lists of a fixed length. Readers of the standard arrays drop what a list has too much.
+//! Lists of a fixed length. The arrays of serde drop the items past their length; these refuse them.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -10,9 +10,9 @@ pub(super) fn exact<'de, T: Exact, D: Deserializer<'de>>(from: D) -> Result<T, D
     T::read(from)
 }
 
-/// Something that may have lists of a fixed length in it.
+/// A value that is, or contains, lists of a fixed length.
 pub(super) trait Exact: Sized {
-    /// What one is called in messages, in the plural.
+    /// Name of such values in messages, in the plural.
     const NAME: &'static str;
 
     fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Self, D::Error>;

@@ -41,7 +41,7 @@ pub(super) struct Made {
     pub(super) lamps: Vec<(Lamp, usize)>,
 }
 
-/// What makes two props the same: kind or file, seed and sizes.
+/// Kind or file, seed and sizes of a prop. Props of one key share a character.
 pub(super) type Key = (String, u64, Vec<u32>);
 
 pub(super) fn key(prop: &PropPlan) -> Key {

@@ -113,6 +113,11 @@ fn contacts() -> [Contact; 2] {
     })
 }
 
+/// Contacts of both feet from the beginning of a clip until a time in seconds.
+fn contacts_until(until_secs: f32) -> [Contact; 2] {
+    contacts().map(|contact| Contact { from_secs: 0.0, until_secs, ..contact })
+}
+
 #[test]
 fn feet_lock_from_contact_to_lift_off() {
     everywhere(|scene| {
@@ -161,8 +166,7 @@ fn sole_rolls_over_the_point_that_stands() {
         let soled = scene.crowd.add_character(with_soles()).expect("enough capacity");
         // The whole leg swings, so the foot pitches from heel to toes.
         let clip = scene.clip("walk");
-        let whole =
-            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 1.0, ..contact });
+        let whole = contacts_until(1.0);
         let mut character = scene.crowd.character_mut(soled).expect("a character");
         character.set_contacts(clip, &whole).expect("contacts within the clip");
         let member = scene.crowd.spawn(soled, Placement::at([0.0; 3])).expect("enough capacity");
@@ -202,8 +206,7 @@ fn sole_rolls_over_the_point_that_stands() {
 fn feet_of_who_stands_step_below_the_body() {
     everywhere(|scene| {
         let (clip, body) = (scene.clip("stand"), scene.body);
-        let whole =
-            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 1.0, ..contact });
+        let whole = contacts_until(1.0);
         let mut character = scene.crowd.character_mut(body).expect("a character");
         character.set_contacts(clip, &whole).expect("contacts within the clip");
         let member = scene.member(Placement::at([0.0; 3]));
@@ -282,8 +285,7 @@ fn strides_scale_turn_and_follow_directions() {
     everywhere(|scene| {
         let (clip, body) = (scene.clip("walk"), scene.body);
         // No foot ever stands, so that positions are those of the strides.
-        let never =
-            contacts().map(|contact| Contact { from_secs: 0.0, until_secs: 0.0, ..contact });
+        let never = contacts_until(0.0);
         let mut character = scene.crowd.character_mut(body).expect("a character");
         character.set_contacts(clip, &never).expect("contacts within the clip");
         let strides = [
