@@ -1,5 +1,5 @@
 //! Lines of the cache: asked for before they are read, and written past it. Twin of `fetch_lines`
-//! and `write_line` in `kernels/abreast.cl` and `kernels/fused_wide.cl`.
+//! and `write_line` in `kernels/company.cl` and `kernels/fused_wide.cl`.
 //!
 //! Processors other than x86-64 read and write as usual.
 #![cfg_attr(target_arch = "x86_64", expect(unsafe_code, reason = "the instructions take pointers"))]

@@ -34,6 +34,8 @@ pub(crate) struct Sum<R> {
     pub(crate) local: Local<R>,
     /// Sum of the weights.
     pub(crate) total: f32,
+    /// True if the layer's only slot was not weighted in the sum.
+    pub(crate) unweighted: bool,
     /// [`REST_TRANSLATION`] and [`REST_SCALE`], each if all slots leave the property at rest.
     pub(crate) at_rest: u32,
 }
@@ -41,7 +43,7 @@ pub(crate) struct Sum<R> {
 /// Divides a sum by its weights. A property at rest in all slots is exactly the rest pose's.
 #[inline(always)]
 fn mean_of<R: Real>(sum: &Sum<R>, rest: &Local<R>) -> Local<R> {
-    let k = R::splat(1.0 / sum.total);
+    let k = R::splat(if sum.unweighted { 1.0 } else { 1.0 / sum.total });
     let vector = |flag, at_rest: [R; 3], sums: [R; 3]| {
         if sum.at_rest & flag != 0 { at_rest } else { each3(|i| sums[i] * k) }
     };
@@ -84,8 +86,8 @@ pub(crate) struct Posing<'a> {
     pub(crate) inputs: &'a FrameInputs<'a>,
     pub(crate) joints: Joints<'a>,
     pub(crate) playing: &'a [Playing],
-    /// True if layer 0 plays one slot.
-    pub(crate) plays_alone: bool,
+    /// A bit for each layer that plays one slot.
+    pub(crate) alone: u32,
     pub(crate) inertialization: Inertialization<'a>,
     /// Layers that the member uses.
     pub(crate) layers: &'a [Layer],
@@ -105,7 +107,7 @@ impl<'a> Play<'a> {
             inputs,
             joints,
             playing: self.playing(),
-            plays_alone: self.plays_alone,
+            alone: self.alone,
             inertialization: self.inertialization,
             layers: self.layers,
             control: control_of(inputs.tables, member),
@@ -144,9 +146,13 @@ impl Posing<'_> {
         rest: &Local<R>,
     ) -> Sum<R> {
         let (joints, tables) = (&self.joints, self.joints.tables);
-        let mut sum =
-            Sum { local: Local::zero(), total: 0.0, at_rest: REST_TRANSLATION | REST_SCALE };
-        let alone = layer == 0 && self.plays_alone;
+        let alone = !additive && self.alone & 1 << layer != 0;
+        let mut sum = Sum {
+            local: Local::zero(),
+            total: 0.0,
+            unweighted: alone,
+            at_rest: REST_TRANSLATION | REST_SCALE,
+        };
         for playing in self.playing {
             if playing.weight <= 0.0 || playing.layer != layer {
                 continue;
@@ -171,7 +177,7 @@ impl Posing<'_> {
             local.t = each3(|i| local.t[i] + value.t[i] * weight);
             local.r = quat::add(local.r, quat::scale(value.r, k));
             local.s = each3(|i| local.s[i] + value.s[i] * weight);
-            sum.total += part;
+            sum.total += playing.weight;
         }
         sum
     }

@@ -26,11 +26,16 @@ impl Playing {
     }
 }
 
-/// Returns whether layer 0 plays one slot. Its weight does not matter, since the layer is divided by
-/// it.
-pub(crate) fn plays_alone(playing: &[Playing]) -> bool {
-    let mut beneath = playing.iter().filter(|slot| slot.weight > 0.0 && slot.layer == 0);
-    beneath.next().is_some_and(|slot| slot.weight > LEAST_TOTAL) && beneath.next().is_none()
+/// Returns a bit for each layer that plays one slot, whose weight does not count in the layer's mean.
+pub(crate) fn alone_in_layers(playing: &[Playing]) -> u32 {
+    let (mut any, mut alone) = (0, 0);
+    for slot in playing.iter().filter(|slot| slot.weight > 0.0) {
+        let layer = 1 << slot.layer;
+        let first = any & layer == 0 && slot.weight > LEAST_TOTAL;
+        alone = if first { alone | layer } else { alone & !layer };
+        any |= layer;
+    }
+    alone
 }
 
 /// Slots to search for those that inertialize at a tick.
@@ -55,7 +60,8 @@ pub(crate) struct Play<'a> {
     /// Seconds after the start of each clip; NaN for live clips.
     secs: [f32; MAX_SLOTS],
     count: usize,
-    pub(crate) plays_alone: bool,
+    /// A bit for each layer that plays one slot.
+    pub(crate) alone: u32,
     pub(crate) inertialization: Inertialization<'a>,
     /// Layers that the member uses.
     pub(crate) layers: &'a [Layer],
@@ -81,7 +87,7 @@ impl<'a> Play<'a> {
             playing,
             secs,
             count,
-            plays_alone: plays_alone(&playing[..count]),
+            alone: alone_in_layers(&playing[..count]),
             inertialization,
             layers: member_layers(tables, member),
         }

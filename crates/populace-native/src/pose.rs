@@ -12,7 +12,7 @@ use crate::frame::FrameInputs;
 use crate::joint::Posing;
 use crate::machines::slot_now;
 use crate::members::{control_of, member_layers};
-use crate::playback::{Playing, inertialization_of, plays_alone};
+use crate::playback::{Playing, alone_in_layers, inertialization_of};
 use crate::processor::Dispatch;
 use crate::rows::Joints;
 use crate::split;
@@ -40,7 +40,7 @@ pub(crate) fn pose(inputs: &FrameInputs, samples: &[SlotSample], joints: &mut Jo
             inputs,
             joints: Joints { tables, body, first: 0, registers: Dispatch::Baseline },
             playing: &playing[..slots.len()],
-            plays_alone: plays_alone(&playing[..slots.len()]),
+            alone: alone_in_layers(&playing[..slots.len()]),
             inertialization: inertialization_of(tables, index, frame.tick),
             layers: member_layers(tables, index),
             control: control_of(tables, index),

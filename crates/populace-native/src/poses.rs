@@ -1,5 +1,5 @@
 //! Poses of members side by side, sixteen joints at a time. Twin of the first half of
-//! `kernels/abreast.cl`.
+//! `kernels/abreast.cl`, and of `kernels/layers.cl`.
 //!
 //! Slots are sampled with joints in lanes. Reads all that [`joint`](crate::joint) reads.
 
@@ -52,17 +52,20 @@ impl Work for PoseBlock<'_, '_, '_> {
             let plays = plays.iter().flatten().zip(members);
             plays.map(|(play, member)| play.posing(inputs, *member, joints)).enumerate()
         };
-        let (mut totals, mut at_rest) = ([0.0; ABREAST], [0; ABREAST]);
+        let (mut totals, mut unweighted, mut at_rest) =
+            ([0.0; ABREAST], [false; ABREAST], [0; ABREAST]);
         let rest = rest_of::<J>(&joints);
         for (lane, posing) in all() {
             let sum = posing.sum_layer(0, false, &rest);
             put_local(&sum.local, sum.at_rest, posed, stride, lane);
-            (totals[lane], at_rest[lane]) = (sum.total, sum.at_rest);
+            (totals[lane], unweighted[lane], at_rest[lane]) =
+                (sum.total, sum.unweighted, sum.at_rest);
             *still &= if posing.is_changed() { 0 } else { sum.at_rest };
         }
-        let sums = totals.into_iter().zip(at_rest).take(members.len());
-        for (lane, (total, at_rest)) in sums.enumerate() {
-            let sum = Sum { local: local_in(posed, stride, lane), total, at_rest };
+        for lane in 0..members.len() {
+            let (total, unweighted) = (totals[lane], unweighted[lane]);
+            let local = local_in(posed, stride, lane);
+            let sum = Sum { local, total, unweighted, at_rest: at_rest[lane] };
             put_local(&mean_or_rest(&sum, &rest), *still, posed, stride, lane);
         }
         for (lane, posing) in all().filter(|(_, posing)| posing.is_changed()) {

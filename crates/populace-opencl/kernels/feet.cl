@@ -51,14 +51,14 @@ INLINE Legs bend_leg(const Leg *leg, const FootGoals *goals, Real soft, Real wei
     return legs;
 }
 
-// Returns how far the pelvis has to sink for each leg to reach its goal.
+// Returns how far the pelvis has to sink for each leg to reach its goal, times the leg's weight.
 INLINE Real sinks(const Legs *legs)
 {
     const Real length = legs->lengths.upper + legs->lengths.lower;
     const Real reach = length * (1.0f - legs->soft), most = length * MAX_PELVIS_SINK;
     const Vec3 to = legs->limb.to;
     const Real needed = -to.y - square_root(reach * reach - to.x * to.x - to.z * to.z);
-    return needed > most ? most : needed;
+    return (needed > most ? most : needed) * legs->weight;
 }
 
 // Rotations of hips, knees and ankles.
@@ -166,7 +166,7 @@ SELDOM void pelvis(Stop *at)
     const uint count = feet->target_count;
     const Stance stance = stance_of(at);
     const Real none = 0.0f;
-    Real needed = 0.0f, weight = 0.0f, stood_secs = stood_after(at);
+    Real needed = 0.0f, stood_secs = stood_after(at);
 #if LANES > 1
     Legs legs[MAX_FEET];
 #endif
@@ -185,7 +185,6 @@ SELDOM void pelvis(Stop *at)
             const FootGoals goals = foot_goal(&inputs, &states, nth);
             stood_secs = goals.planted ? stood_secs : none;
             if (LANES == 1 || !feet->at_once) hand_down_goals(at, foot, &goals);
-            if (foot == 0) weight = settings.n[13];
 #if LANES == 1
             const Legs bent = legs_to_goals(at, foot, 0);
 #else
@@ -197,7 +196,7 @@ SELDOM void pelvis(Stop *at)
         }
         keep_foot_states(at, &states, first, here);
     }
-    const Real drop = eased_drop(at, needed * weight, stood_secs);
+    const Real drop = eased_drop(at, needed, stood_secs);
     for (uint foot = 0; foot < count && feet->at_once; foot++) {
 #if LANES > 1
         Legs bent = legs[foot];

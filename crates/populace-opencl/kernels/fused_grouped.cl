@@ -203,13 +203,12 @@ INLINE Local pose_kept(const Grouped *tables, const Batch *batch, uint nth, Play
             laying_of(clips, l == 0 ? whole : tables->layers[owner * LAYERS_PER_MEMBER + l], joint);
         if (!how.laid) continue;
         Shown shown = { how };
-        shown.own =
-            layer_pose(clips, playback, l, how.additive, body, joint, false, rest, &shown.terms);
+        shown.own = layer_pose(clips, playback, l, how.additive, joint, rest, &shown.terms);
         if (l > 0 && is_silent(how, shown.terms.total)) continue;
         if (playback.inertialization.count > 0)
             shown.own = inertialize_kept(clips, playback.inertialization, l, how.additive, body,
                                          joint, posed, rest, shown.own);
-        keep_pose(beneath, l == 0 ? shown.own : laid_over(kept_pose(beneath), shown, 0, rest));
+        keep_pose(beneath, l == 0 ? shown.own : laid_over(kept_pose(beneath), shown, rest));
     }
     Local trs = kept_pose(beneath);
     if (member.control != NONE) {

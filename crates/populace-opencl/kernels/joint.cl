@@ -4,33 +4,9 @@
 //
 // Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-// Mixes a layer above 0 over the pose beneath. A layer with a total weight below 1 leaves the
-// remainder to the pose beneath.
-INLINE Local mix_layer(Local beneath, Local above, float total, Real layer_weight, Local rest)
-{
-    const Real f = layer_weight * (total < 1.0f ? total : 1.0f);
-    const Quat from = quat_hemisphere(beneath.r, rest.r), to = quat_hemisphere(above.r, rest.r);
-    Local trs;
-    trs.t = vec3_mix(beneath.t, above.t, f);
-    trs.r = quat_normalize_or(quat_mix(from, to, f), rest.r);
-    trs.s = vec3_mix(beneath.s, above.s, f);
-    return trs;
-}
-
 // Adds the inertializations of a layer; see inertialize.cl.
 SELDOM void inertialize(const ClipTables *tables, Inertialization inertialization, uint layer,
                         bool additive, uint joint, const Local *at_rest, Local *pose);
-
-// Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
-// additive.
-INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, bool additive,
-                        Body body, uint joint, bool no_floats, Local rest, Terms *terms)
-{
-    const Sum sum = sum_layer(tables, playback, l, additive, body, joint, no_floats, rest);
-    *terms = sum.terms;
-    if (additive) return sum.trs;
-    return mean_or_rest(sum, l == 0 ? LEAST_TOTAL : LEAST_WEIGHT, rest);
-}
 
 // How a layer is laid over the pose beneath. `laid` tells in which lanes it has weight.
 typedef struct {
@@ -60,58 +36,84 @@ typedef struct {
     Local own;
 } Shown;
 
-// Returns the properties in which the pose beneath a layer stays as it is. They are at rest in both
-// poses, or an additive layer does not change them.
-INLINE uint kept_beneath(Shown shown, uint at_rest)
+// Returns the part of a layer in the mix. A layer with a total weight below 1 leaves the remainder to
+// the pose beneath.
+INLINE Real share_of(Real layer_weight, float total)
 {
-    return shown.how.additive ? shown.terms.at_rest : shown.terms.at_rest & at_rest;
+    return layer_weight * (total < 1.0f ? total : 1.0f);
 }
 
-// Lays the pose of a layer over the pose beneath. `kept` are properties that stay as they are: they
-// may be left out, since computing them gives the same numbers.
-INLINE Local laid_over(Local beneath, Shown shown, uint kept, Local rest)
+// Mixes rotations. `near_beneath` and `near` tell that the rotation beneath, or the layer's, is known
+// to be in the hemisphere of the rest rotation.
+INLINE Quat mix_rotations(Quat beneath, bool near_beneath, Quat own, bool near, Real share,
+                          Quat rest)
+{
+    const Quat from = near_beneath ? beneath : quat_hemisphere(beneath, rest);
+    const Quat to = near ? own : quat_hemisphere(own, rest);
+    return quat_normalize_or(quat_mix(from, to, share), rest);
+}
+
+#if LANES == 1
+
+// Returns the pose that the slots of a layer show: a mean, or a sum of differences if the layer is
+// additive.
+INLINE Local layer_pose(const ClipTables *tables, Playback playback, uint l, bool additive,
+                        uint joint, Local rest, Terms *terms)
+{
+    const Sum sum = sum_layer(tables, playback, l, additive, joint, rest);
+    *terms = sum.terms;
+    if (additive) return sum.trs;
+    return mean_or_rest(sum, l == 0 ? LEAST_TOTAL : LEAST_WEIGHT, rest);
+}
+
+// Mixes a layer above 0 over the pose beneath.
+INLINE Local mix_layer(Local beneath, Local own, Real share, Local rest)
+{
+    const Local mixed = { vec3_mix(beneath.t, own.t, share),
+                          mix_rotations(beneath.r, false, own.r, false, share, rest.r),
+                          vec3_mix(beneath.s, own.s, share) };
+    return mixed;
+}
+
+// Lays the pose of a layer over the pose beneath.
+INLINE Local laid_over(Local beneath, Shown shown, Local rest)
 {
     const Laying how = shown.how;
-    const Local above = how.additive
-                            ? add_layer(beneath, shown.own, how.weight)
-                            : mix_layer(beneath, shown.own, shown.terms.total, how.weight, rest);
-    Local trs = beneath;
-    trs.r = quat_choose(how.laid, above.r, beneath.r);
-    if (!(kept & REST_TRANSLATION)) trs.t = vec3_choose(how.laid, above.t, beneath.t);
-    if (!(kept & REST_SCALE)) trs.s = vec3_choose(how.laid, above.s, beneath.s);
+    const Local laid =
+        how.additive ? add_layer(beneath, shown.own, how.weight)
+                     : mix_layer(beneath, shown.own, share_of(how.weight, shown.terms.total), rest);
+    const Local trs = { vec3_choose(how.laid, laid.t, beneath.t),
+                        quat_choose(how.laid, laid.r, beneath.r),
+                        vec3_choose(how.laid, laid.s, beneath.s) };
     return trs;
 }
 
 // Computes a layer's own pose. Returns false if the layer shows nothing.
-INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, Body body,
-                       uint joint, bool no_floats, Local rest, Shown *shown)
+INLINE bool show_layer(const ClipTables *tables, Playback playback, Layer layer, uint l, uint joint,
+                       Local rest, Shown *shown)
 {
     shown->how = laying_of(tables, layer, joint);
     const bool additive = shown->how.additive;
-    if (!ANY(shown->how.laid)) return false;
-    Local own =
-        layer_pose(tables, playback, l, additive, body, joint, no_floats, rest, &shown->terms);
+    if (!shown->how.laid) return false;
+    Local own = layer_pose(tables, playback, l, additive, joint, rest, &shown->terms);
     if (is_silent(shown->how, shown->terms.total)) return false;
     if (playback.inertialization.count > 0) {
         Local posed = own, at_rest = rest;
         inertialize(tables, playback.inertialization, l, additive, joint, &at_rest, &posed);
         own = posed;
-        shown->terms.at_rest = 0;
     }
     shown->own = own;
     return true;
 }
 
-#if LANES == 1
-
 // Applies the layers above 0 to the pose beneath.
 INLINE Local lay_over(const ClipTables *tables, Playback playback, __global const Layer *layers,
-                      uint layer_count, Body body, uint joint, Local rest, Local beneath)
+                      uint layer_count, uint joint, Local rest, Local beneath)
 {
     for (uint l = 1; l < layer_count; l++) {
         Shown shown;
-        if (show_layer(tables, playback, layers[l], l, body, joint, false, rest, &shown))
-            beneath = laid_over(beneath, shown, 0, rest);
+        if (show_layer(tables, playback, layers[l], l, joint, rest, &shown))
+            beneath = laid_over(beneath, shown, rest);
     }
     return beneath;
 }
@@ -195,13 +197,12 @@ INLINE bool are_changes(PoseChanges changes)
 // Applies what comes after the slots of layer 0.
 INLINE Local change_pose(Local posed, PoseChanges changes, const ClipTables *tables,
                          Adjustments adjustments, uint control, Playback playback,
-                         __global const Layer *layers, uint layer_count, Body body, uint joint,
-                         Local rest)
+                         __global const Layer *layers, uint layer_count, uint joint, Local rest)
 {
     if (changes.inertializes)
         inertialize(tables, playback.inertialization, 0, false, joint, &rest, &posed);
     if (changes.has_layers)
-        posed = lay_over(tables, playback, layers, layer_count, body, joint, rest, posed);
+        posed = lay_over(tables, playback, layers, layer_count, joint, rest, posed);
     if (changes.adjusts) adjust(adjustments, adjustments.controls + control, joint, &posed);
     return posed;
 }
@@ -213,11 +214,11 @@ INLINE Local pose_joint(const ClipTables *tables, Adjustments adjustments, uint 
 {
     const Local rest = rest_of(tables, body, joint);
     Terms terms;
-    const Local trs = layer_pose(tables, playback, 0, false, body, joint, false, rest, &terms);
+    const Local trs = layer_pose(tables, playback, 0, false, joint, rest, &terms);
     const PoseChanges changes = changes_of(adjustments, control, playback, layer_count);
     if (!are_changes(changes)) return trs;
     return change_pose(trs, changes, tables, adjustments, control, playback, layers, layer_count,
-                       body, joint, rest);
+                       joint, rest);
 }
 
 #endif

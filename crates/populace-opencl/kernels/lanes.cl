@@ -65,13 +65,19 @@ typedef int16 Choice;
 #endif
 // Spans of LANES joints in a block of joints: one or two.
 #define SPANS (JOINT_BLOCK / LANES)
-#define ANY(choice) any(choice)
 #define LANE(value, lane) (((const float *)&(value))[lane])
 #define PUT(value, lane, one) (((float *)&(value))[lane] = (one))
 #define PUT_WORD(value, lane, one) (((uint *)&(value))[lane] = (one))
 
 #ifndef __has_builtin
 #define __has_builtin(name) 0
+#endif
+
+// any() tests lane after lane.
+#if __has_builtin(__builtin_reduce_or)
+#define ANY(choice) (__builtin_reduce_or(choice) != 0)
+#else
+#define ANY(choice) any(choice)
 #endif
 
 // Picks numbers of two vectors by index; those of `q` count from LANES. shuffle2() is compiled to

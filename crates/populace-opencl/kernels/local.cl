@@ -31,6 +31,13 @@ INLINE Real scale_ratio(Real value, Real reference)
     return divides ? value / reference : (Real)(1.0f);
 }
 
+INLINE Vec3 scale_ratios(Vec3 value, Vec3 reference)
+{
+    const Vec3 ratios = { scale_ratio(value.x, reference.x), scale_ratio(value.y, reference.y),
+                          scale_ratio(value.z, reference.z) };
+    return ratios;
+}
+
 // Returns the difference that takes `reference` to `value`, with the rotation in the hemisphere of
 // `side`. Scales that are at rest in both are not divided.
 INLINE Local quotient(Local value, Local reference, Quat side, uint at_rest)
@@ -38,10 +45,7 @@ INLINE Local quotient(Local value, Local reference, Quat side, uint at_rest)
     Local trs = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 1.0f, 1.0f, 1.0f } };
     trs.r = quat_hemisphere(quat_mul(quat_conjugate(reference.r), value.r), side);
     trs.t = vec3_add(value.t, vec3_scale(reference.t, -1.0f));
-    if (at_rest & REST_SCALE) return trs;
-    trs.s.x = scale_ratio(value.s.x, reference.s.x);
-    trs.s.y = scale_ratio(value.s.y, reference.s.y);
-    trs.s.z = scale_ratio(value.s.z, reference.s.z);
+    if (!(at_rest & REST_SCALE)) trs.s = scale_ratios(value.s, reference.s);
     return trs;
 }
 
@@ -56,17 +60,28 @@ INLINE Local change(Local trs)
     return trs;
 }
 
+// Applies weighted sums of changes of rotations and scales to those of the pose beneath.
+
+INLINE Quat add_layer_rotation(Quat beneath, Quat sum, Real layer_weight)
+{
+    const Quat changed = quat_add(quat_identity(), quat_scale(sum, layer_weight));
+    return quat_mul(beneath, quat_normalize_or(changed, quat_identity()));
+}
+
+INLINE Vec3 add_layer_scale(Vec3 beneath, Vec3 sum, Real layer_weight)
+{
+    const Vec3 s = { beneath.x * (1.0f + sum.x * layer_weight),
+                     beneath.y * (1.0f + sum.y * layer_weight),
+                     beneath.z * (1.0f + sum.z * layer_weight) };
+    return s;
+}
+
 // Applies a weighted sum of changes to the pose beneath.
 INLINE Local add_layer(Local beneath, Local sum, Real layer_weight)
 {
-    Local trs;
-    const Quat delta = quat_normalize_or(quat_add(quat_identity(), quat_scale(sum.r, layer_weight)),
-                                         quat_identity());
-    trs.t = vec3_add(beneath.t, vec3_scale(sum.t, layer_weight));
-    trs.r = quat_mul(beneath.r, delta);
-    trs.s.x = beneath.s.x * (1.0f + sum.s.x * layer_weight);
-    trs.s.y = beneath.s.y * (1.0f + sum.s.y * layer_weight);
-    trs.s.z = beneath.s.z * (1.0f + sum.s.z * layer_weight);
+    const Local trs = { vec3_add(beneath.t, vec3_scale(sum.t, layer_weight)),
+                        add_layer_rotation(beneath.r, sum.r, layer_weight),
+                        add_layer_scale(beneath.s, sum.s, layer_weight) };
     return trs;
 }
 

@@ -25,10 +25,6 @@ typedef struct {
 #if LANES > 1
     // True if a clip that plays stores floats.
     bool has_floats;
-    // The only slot of layer 0, or NONE if there are several or none.
-    uint alone;
-    // Total weight of the slots of layer 0.
-    float total;
 #endif
 } Playback;
 

@@ -37,10 +37,11 @@ typedef struct {
     // The weights of both rows; see Rows.
     uint halves;
 #if LANES > 1
-    // The clip's first block of columns, its ranges, and both rows. play_all() sets them.
+    // The clip's first block of columns, its ranges, and both rows; above layer 0 also the clip's
+    // first row. play_all() sets them.
     __global const BoundBlock *blocks;
     Stored ranges;
-    RowStart from, to;
+    RowStart from, to, first;
 #endif
 } Playing;
 
@@ -321,13 +322,11 @@ INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored ran
         trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
 }
 
-// Returns local transforms between two rows. `bound` is an index into bound_clips. `no_floats` is
-// a constant: true if the clip is known to store none.
-INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Rows rows,
-                           bool no_floats, Local rest)
+// Returns local transforms between two rows. `bound` is an index into bound_clips.
+INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Rows rows, Local rest)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
-    const Columns columns = columns_of(tables->bound_blocks + clip->block_first, joint, no_floats);
+    const Columns columns = columns_of(tables->bound_blocks + clip->block_first, joint, false);
     const Stored range = stored_at(tables, clip->range_first, RANGE_PLANES, joint);
     Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
     sample_columns(tables, columns, range, rows, &sample.trs);

@@ -2,10 +2,12 @@
 //
 // Twin of populace-native/src/joint.rs: same arithmetic, same order of operations.
 
-// Total weight of a layer's slots. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them
-// leave that property at rest.
+// Total weight of a layer's slots. `unweighted` tells that the layer's only slot was not weighted in
+// the sum. `at_rest` has REST_TRANSLATION or REST_SCALE set if all of them leave that property at
+// rest, and NEAR_REST if all rotations are in the hemisphere of the rest.
 typedef struct {
     float total;
+    bool unweighted;
     uint at_rest;
 } Terms;
 
@@ -15,17 +17,16 @@ typedef struct {
     Terms terms;
 } Sum;
 
-INLINE Sum no_sum(void)
+INLINE Local no_local(void)
 {
-    const Sum none = { { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } },
-                       { 0.0f, REST_TRANSLATION | REST_SCALE } };
+    const Local none = { { 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f, 0.0f }, { 0.0f, 0.0f, 0.0f } };
     return none;
 }
 
 // Returns the mean. Properties that no slot moves are at rest to the bit.
 INLINE Local mean_of(Sum sum, Local rest)
 {
-    const float k = 1.0f / sum.terms.total;
+    const float k = sum.terms.unweighted ? 1.0f : 1.0f / sum.terms.total;
     Local mean;
     mean.t = sum.terms.at_rest & REST_TRANSLATION ? rest.t : vec3_scale(sum.trs.t, k);
     mean.r = quat_normalize_or(sum.trs.r, rest.r);
@@ -40,15 +41,16 @@ INLINE Local mean_or_rest(Sum sum, float least, Local rest)
     return sum.terms.total > least ? mean_of(sum, rest) : rest;
 }
 
-// Returns whether layer 0 plays one slot. Its weight does not matter, since the layer is divided by
-// it.
-INLINE bool plays_alone(Playback playback)
+#if LANES == 1
+
+// Returns whether a layer plays one slot, whose weight does not count in the layer's mean.
+INLINE bool plays_alone(Playback playback, uint layer)
 {
     uint count = 0;
     float weight = 0.0f;
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
-        if (playing.at.weight <= 0.0f || playing.layer != 0) continue;
+        if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
         count++;
         weight = playing.at.weight;
     }
@@ -56,19 +58,18 @@ INLINE bool plays_alone(Playback playback)
 }
 
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
-// the first row if the layer is additive. `no_floats` is a constant: true if the clips are known to
-// store none.
-INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer, bool additive,
-                     uint joint, bool no_floats, Local rest)
+// the first row if the layer is additive.
+INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
+                     uint joint, Local rest)
 {
-    Sum sum = no_sum();
-    const bool alone = layer == 0 && !additive && plays_alone(playback);
+    const bool alone = !additive && plays_alone(playback, layer);
+    Sum sum = { no_local(), { 0.0f, alone, REST_TRANSLATION | REST_SCALE } };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
         const float weight = alone ? 1.0f : playing.at.weight;
         const Sample sample =
-            sample_joint(tables, playing.bound_clip, joint, rows_in(playing), no_floats, rest);
+            sample_joint(tables, playing.bound_clip, joint, rows_in(playing), rest);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
@@ -77,23 +78,22 @@ INLINE Sum sum_slots(const ClipTables *tables, Playback playback, uint layer, bo
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference =
-                normalized(sample_joint(tables, playing.bound_clip, joint, rows_of(tables, start),
-                                        no_floats, rest),
-                           rest);
+            const Local reference = normalized(
+                sample_joint(tables, playing.bound_clip, joint, rows_of(tables, start), rest),
+                rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
         sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
         sum.trs.s = vec3_add(sum.trs.s, vec3_scale(trs.s, weight));
-        sum.terms.total += weight;
+        sum.terms.total += playing.at.weight;
         sum.terms.at_rest &= sample.at_rest;
     }
     return sum;
 }
 
-#if LANES > 1
+#else
 
 // A slot in a block of joints: where its numbers are, from the first of LANES joints on.
 typedef struct {
@@ -171,7 +171,7 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
 INLINE Quat any_rotation_alone(Quat q, Stored rest)
 {
     const Quat fallback = stored_quat(rest, 0);
-    const Quat sum = quat_add(no_sum().trs.r, quat_hemisphere(q, fallback));
+    const Quat sum = quat_add(no_local().r, quat_hemisphere(q, fallback));
     return quat_normalize_or(sum, fallback);
 }
 
@@ -236,8 +236,7 @@ INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint laye
                           uint joint, bool no_floats, bool two_spans)
 {
     const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
-    const Sum none = no_sum();
-    SpanSums sums = { none.trs, none.trs, none.terms.at_rest };
+    SpanSums sums = { no_local(), no_local(), REST_TRANSLATION | REST_SCALE | NEAR_REST };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
@@ -254,31 +253,60 @@ INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint laye
     return sums;
 }
 
-// Returns the total weight of a layer's slots.
-INLINE float total_of(Playback playback, uint layer)
+// Returns the rotation of a slot, of length 1 and in the hemisphere of the rest.
+INLINE Quat unit_rotation(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    float total = 0.0f;
-    for (uint s = 0; s < playback.count; s++)
-        if (playing_at(playback, s).layer == layer) total += playing_at(playback, s).at.weight;
-    return total;
+    if (slot.columns.block.rotation_first != NONE && slot.columns.block.flags & NEAR_REST) {
+        const Quat q = quat_of(tables, slot);
+        return quat_scale(q, near_unit_of(q));
+    }
+    const Quat q = sample_rotation(tables, slot.columns, slot.rows, slot.range);
+    return quat_scale(q, unit_of(q, stored_quat(rest, 0)));
 }
 
-// Returns the sum over a layer's slots. In additive layers all properties are summed together.
-INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
-                     Body body, uint joint, bool no_floats, Local rest)
+// Returns the change from the first row of a slot's clip, times the slot's weight. Leaves out
+// properties at rest.
+INLINE Local weighted_change(const ClipTables *tables, Playing playing, BlockSlot slot, Stored rest)
 {
-    if (additive) return sum_slots(tables, playback, layer, additive, joint, no_floats, rest);
-    const SpanSums sums = sum_spans(tables, playback, layer, body, joint, no_floats, false);
-    const Sum sum = { sums.first, { total_of(playback, layer), sums.at_rest } };
+    BlockSlot start = slot;
+    const Rows first = { playing.first, playing.first, 0.0f, ROW_PARTS };
+    start.rows = first;
+    const uint flags = slot.columns.block.flags;
+    Local change = no_local();
+    const Quat reference = unit_rotation(tables, start, rest);
+    const Quat turned = quat_mul(quat_conjugate(reference), unit_rotation(tables, slot, rest));
+    change.r = quat_hemisphere(turned, quat_identity());
+    change.r.w -= 1.0f;
+    change.r = quat_scale(change.r, slot.weight);
+    if (!(flags & REST_TRANSLATION)) {
+        const Vec3 from = vector_alone(tables, start, TRANSLATION);
+        const Vec3 to = vector_alone(tables, slot, TRANSLATION);
+        add_vector(vec3_add(to, vec3_scale(from, -1.0f)), slot.weight, &change.t);
+    }
+    if (flags & REST_SCALE) return change;
+    Vec3 s = scale_ratios(vector_alone(tables, slot, SCALE), vector_alone(tables, start, SCALE));
+    s.x -= 1.0f;
+    s.y -= 1.0f;
+    s.z -= 1.0f;
+    change.s = vec3_scale(s, slot.weight);
+    return change;
+}
+
+// Returns the sum of weighted changes over the slots of an additive layer, for LANES joints.
+// `at_rest` receives that of Terms.
+APART Local sum_changes(const ClipTables *tables, Playback playback, uint layer, Stored rest,
+                        uint joint, bool no_floats, uint *at_rest)
+{
+    Local sum = no_local();
+    *at_rest = REST_TRANSLATION | REST_SCALE;
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.layer != layer) continue;
+        const BlockSlot slot = block_slot(playing, joint, no_floats);
+        sum = local_add(sum, weighted_change(tables, playing, slot, rest));
+        *at_rest &= slot.columns.block.flags;
+    }
     return sum;
-}
-
-#else
-
-INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
-                     Body body, uint joint, bool no_floats, Local rest)
-{
-    return sum_slots(tables, playback, layer, additive, joint, no_floats, rest);
 }
 
 #endif

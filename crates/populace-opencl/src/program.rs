@@ -85,6 +85,8 @@ impl Form {
             ],
             Self::Wide { .. } => &[
                 include_str!("../kernels/fused.cl"),
+                include_str!("../kernels/company.cl"),
+                include_str!("../kernels/layers.cl"),
                 include_str!("../kernels/abreast.cl"),
                 include_str!("../kernels/fused_wide.cl"),
             ],

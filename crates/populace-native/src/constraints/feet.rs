@@ -60,7 +60,8 @@ impl<R: Members> Bent<R> {
         Self { limb, lengths, turn, follows: goal.follows, soft, weight }
     }
 
-    /// Returns the drop of the pelvis, in metres, that the leg needs to reach its goal.
+    /// Returns the drop of the pelvis, in metres, that the leg needs to reach its goal, times the
+    /// leg's weight.
     #[inline(always)]
     fn sinks(&self) -> R {
         let length = self.lengths.upper + self.lengths.lower;
@@ -68,7 +69,7 @@ impl<R: Members> Bent<R> {
         let (reach, most) = (length * (one - self.soft), length * R::splat(MAX_PELVIS_SINK));
         let [x, y, z] = self.limb.to;
         let needed = -y - vec3::root(reach * reach - x * x - z * z);
-        R::choose(most.less(needed), most, needed)
+        R::choose(most.less(needed), most, needed) * self.weight
     }
 
     /// Returns the rotations of hip, knee and ankle.
@@ -284,7 +285,7 @@ impl<C: Company<COUNT>, const COUNT: usize> Programs<'_, C, COUNT> {
             let sinks = legs[nth].sinks();
             needed = R::choose(needed.less(sinks), sinks, needed);
         }
-        let drop = eased_drop(needed * weight, [drop_before, known], elapsed_secs);
+        let drop = eased_drop(needed, [drop_before, known], elapsed_secs);
         if feet[0].at_once != 0 {
             for (nth, leg) in legs[..feet.len()].iter_mut().enumerate() {
                 leg.limb.to[1] = leg.limb.to[1] + drop;

@@ -34,11 +34,11 @@ pub(crate) struct Scene {
 
 pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "clips", start: clips, hash: 0x93e6_dc6f_7b48_0931 },
-    Scene { name: "layers", start: layers, hash: 0xd3c0_b3ee_166d_b69d },
+    Scene { name: "layers", start: layers, hash: 0x6c24_7eff_7cdd_4970 },
     Scene { name: "inertialization", start: inertialization, hash: 0xeca9_b0aa_3719_8dd6 },
     Scene { name: "retargeting", start: retargeting, hash: 0x0633_628f_c695_efcc },
     Scene { name: "blend spaces", start: blend_spaces, hash: 0xa6d3_5b41_1040_04b2 },
-    Scene { name: "state machines", start: state_machines, hash: 0x9f75_b42a_b21a_fc4e },
+    Scene { name: "state machines", start: state_machines, hash: 0xbb07_b1de_4dca_7789 },
     Scene { name: "live clips", start: live_clips, hash: 0x35e7_c15f_6338_b980 },
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x9b93_f4f5_f83c_0cf9 },
     Scene { name: "feet", start: feet, hash: 0xb7a7_d673_b5c5_0014 },

@@ -78,16 +78,18 @@ faults! {
         weak_layers_cover_all: "layer_weight * (total < 1.0f ? total : 1.0f)" => "layer_weight";
     }
     check_far_rotations {
-        layers_turn_the_long_way: "quat_hemisphere(beneath.r, rest.r)" => "beneath.r";
+        layers_turn_the_long_way: "quat_hemisphere(beneath, rest)" => "beneath";
     }
     check_additive_layers {
         differences_are_reversed:
             "quotient(normalized(sample, rest), reference," =>
             "quotient(reference, normalized(sample, rest),";
-        additions_turn_in_the_parent: "quat_mul(beneath.r, delta)" => "quat_mul(delta, beneath.r)";
+        additions_turn_in_the_parent:
+            "quat_mul(beneath, quat_normalize_or(changed, quat_identity()))" =>
+            "quat_mul(quat_normalize_or(changed, quat_identity()), beneath)";
         scales_are_added:
-            "beneath.s.y * (1.0f + sum.s.y * layer_weight)" =>
-            "beneath.s.y + sum.s.y * layer_weight";
+            "beneath.y * (1.0f + sum.y * layer_weight)" =>
+            "beneath.y + sum.y * layer_weight";
         differences_turn_in_the_parent:
             "quat_mul(quat_conjugate(reference.r), value.r)" =>
             "quat_mul(value.r, quat_conjugate(reference.r))";
@@ -299,22 +301,35 @@ faults! {
     check_override_layers {
         palettes_do_not_wait: "entries[e].joint < joint_end" => "true";
         layers_at_rest_do_not_cover:
-            "shown.terms.at_rest & at_rest;" => "shown.terms.at_rest;";
+            "own : own & *at_rest" => "own : own";
+        lone_layers_have_whole_weight: "shown->terms.total = slots.total" =>
+            "shown->terms.total = 1.0f";
+        lone_layers_scale_as_they_move: "shown->own.s = vector_alone(tables, slot, SCALE)" =>
+            "shown->own.s = vector_alone(tables, slot, TRANSLATION)";
     }
     check_additive_layers {
-        additions_do_not_move: "at_rest[lane] &= kept;" => "";
+        additions_do_not_move: "*at_rest &= kept;" => "";
+        changes_in_lanes_are_reversed:
+            "quat_mul(quat_conjugate(reference), unit_rotation(tables, slot, rest))" =>
+            "quat_mul(quat_conjugate(unit_rotation(tables, slot, rest)), reference)";
+        turns_in_lanes_are_not_weighted: "quat_scale(change.r, slot.weight)" => "change.r";
+        scales_in_lanes_are_not_weighted: "vec3_scale(s, slot.weight)" => "s";
+        changes_begin_at_the_row_that_plays: "start.rows = first;" => "";
     }
     check_small_totals {
         small_totals_are_mixed: "sum.terms.total > LEAST_TOTAL" => "sum.terms.total > 0.5f";
-        lone_slots_need_no_weight: "slot.at.weight > LEAST_TOTAL" => "slot.at.weight > 0.0f";
+        lone_slots_need_no_weight: "0.0f && weight > LEAST_TOTAL" => "0.0f && weight > 0.0f";
     }
     check_far_rotations {
-        far_rotations_count_as_near: "slot.columns.block.flags & NEAR_REST" => "true";
+        far_rotations_count_as_near: "else if (slot.columns.block.flags & NEAR_REST)" =>
+            "else if (true)";
+        poses_beneath_count_as_near: "laid_rotation(beneath.r, *at_rest & NEAR_REST" =>
+            "laid_rotation(beneath.r, true";
     }
     check_sampling_between_keys {
-        lone_scales_are_translations: "vector_alone(tables, slot, SCALE)" =>
-            "vector_alone(tables, slot, TRANSLATION)";
-        lone_slots_do_not_move: "*at_rest = flags & (REST_TRANSLATION | REST_SCALE);" =>
+        lone_scales_are_translations: "lane, SCALE, vector_alone(tables, slot, SCALE)" =>
+            "lane, SCALE, vector_alone(tables, slot, TRANSLATION)";
+        lone_slots_do_not_move: "*at_rest = flags;" =>
             "*at_rest = REST_TRANSLATION | REST_SCALE;";
     }
     check_blends {
@@ -344,7 +359,7 @@ faults! {
         floats_are_read_as_halves:
             "playback.has_floats || tables->clips[clip.rows].has_floats" => "false";
         layers_read_floats_as_halves:
-            "return show_layer_of(all, posing, lane, l, first, false, rest, shown);" =>
-            "return show_layer_of(all, posing, lane, l, first, true, rest, shown);";
+            "return show_layer(all, posing, lane, l, first, false, rest, shown);" =>
+            "return show_layer(all, posing, lane, l, first, true, rest, shown);";
     }
 }
