@@ -40,6 +40,7 @@ impl Crowd {
         opened.backend_mut().set_stages(self.state.stages.as_slice())?;
         // A lost device has no history: feet are planted again, and machines restart.
         let history = self.device.history(&self.state.base.tables).unwrap_or_default();
+        let _ = self.update_offsets();
         self.device = ActiveDevice::new(devices, opened, None, gl);
         self.device.history = Some(history);
         self.state.base.tables.mark_dirty();

@@ -41,9 +41,10 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn snapshot(&mut self) -> Result<Snapshot, Error> {
-        let Self { state, device, .. } = self;
-        let history = device.history(&state.base.tables)?;
-        Ok(Snapshot { state: state.clone(), history })
+        let history = self.device.history(&self.state.base.tables)?;
+        // Devices have then run the last update. A restored crowd starts from its offsets.
+        self.update_offsets()?;
+        Ok(Snapshot { state: self.state.clone(), history })
     }
 
     /// Returns to the state of a snapshot of this crowd. The same calls then give the same bits as

@@ -140,8 +140,7 @@ impl State {
         self.readbacks.unwatch(&mut self.base, &mut self.constraints, watch);
     }
 
-    /// Returns the root-motion offset of a member, or of its parent, when palettes were last
-    /// acquired.
+    /// Returns the root-motion offset of a member, or of its parent, as last known.
     pub(super) fn offset_of(&self, index: u32) -> [f32; 3] {
         offset(&self.motion, &self.attachments, index)
     }

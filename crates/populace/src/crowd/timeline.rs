@@ -114,6 +114,8 @@ impl Crowd {
     }
 
     fn evaluate_at(&mut self, tick: u64, left_over: f64) -> Result<(), Error> {
+        // Devices that run ahead may have finished frames since the last update.
+        self.update_offsets()?;
         let Self { state, device, view_ms } = self;
         state.begin_due(tick)?;
         let start = Instant::now();
@@ -123,6 +125,8 @@ impl Crowd {
         let frame = Frame::of_all(tick).after_ticks(u32::try_from(elapsed).unwrap_or(u32::MAX));
         device.run(&mut state.base.tables, frame, !state.readbacks.is_empty())?;
         state.end_frame(tick, left_over);
+        // The frame is done: a failing device is reported by the next call.
+        let _ = self.update_offsets();
         Ok(())
     }
 }

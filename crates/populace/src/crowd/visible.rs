@@ -25,7 +25,7 @@ pub struct VisibleMember {
     /// Its placement in the world.
     pub world_from_model: Affine,
     /// Centre in world space of the sphere around all its poses, in metres; see
-    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere).
+    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere), also for root motion.
     pub center: [f32; 3],
     /// Radius of that sphere, in metres.
     pub radius_m: f32,

@@ -14,6 +14,7 @@
 mod fixture;
 mod inertialization;
 mod parts;
+mod view;
 
 use std::cell::RefCell;
 use std::sync::Arc;
