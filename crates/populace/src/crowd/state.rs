@@ -55,8 +55,6 @@ impl State {
 
     /// Starts what is scheduled by `tick`, and checks the tables for an evaluation.
     pub(super) fn begin_due(&mut self, tick: u64) -> Result<(), Error> {
-        // An update that failed may have left some.
-        self.player.take_left();
         self.player.begin_due(&mut self.base, tick)?;
         Ok(self.base.tables.check_ranges()?)
     }

@@ -10,6 +10,7 @@
 )]
 #![expect(clippy::print_stdout, reason = "measured values are shown with --nocapture")]
 
+mod far;
 #[path = "../controls/fixture.rs"]
 mod fixture;
 mod inertialization;
