@@ -112,7 +112,9 @@ impl<'a> MemberRef<'a> {
 impl MemberRef<'_> {
     /// Returns a sphere in world space around the member in every pose that the clips bound to its
     /// character so far can give it: centre and radius in metres. Overrides, proportions, user
-    /// stages, live clips and attachments can lead out of it.
+    /// stages, live clips and attachments can lead out of it. It takes the worst of each joint at
+    /// once: for characters of files its radius is 1.5 to 2.5 times the distance to the farthest
+    /// vertex in any pose. It is finite, and 1e18 at most at scale 1.
     ///
     /// Root motion takes the sphere along. On the native device it is where the member is after the
     /// last update. Other devices run ahead of the host: there it is where the member was in the
