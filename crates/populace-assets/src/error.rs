@@ -48,8 +48,9 @@ pub enum Error {
         /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The file is not valid glTF, uses an unsupported feature, or exceeds a limit. Displays one
-    /// problem per line.
+    /// The file is not valid glTF, uses an unsupported feature, or exceeds a limit. Displays the
+    /// first ten problems, one per line, and the number of the others, which often follow from
+    /// these.
     #[error("{file} is refused:{}", lines(problems))]
     Rejected {
         /// Path of the file, or `glTF data` for bytes in memory.
@@ -67,8 +68,15 @@ pub enum Error {
     },
 }
 
+/// The most problems that an error displays.
+const DISPLAYED: usize = 10;
+
 fn lines(problems: &[Problem]) -> String {
-    problems.iter().map(|p| format!("\n{p}")).collect()
+    let mut lines: String = problems.iter().take(DISPLAYED).map(|p| format!("\n{p}")).collect();
+    if let Some(others @ 1..) = problems.len().checked_sub(DISPLAYED) {
+        lines += &format!("\nand {others} more");
+    }
+    lines
 }
 
 #[cfg(test)]
@@ -86,5 +94,16 @@ mod tests {
             error.to_string(),
             "a.glb is refused:\nnodes[0]: is wrong\nnodes[1].mesh: is wrong"
         );
+    }
+
+    #[test]
+    fn rejected_displays_ten_problems_of_many() {
+        let problem = |n: usize| Problem { place: format!("nodes[{n}]"), what: "is bad".into() };
+        let words = |count: usize| {
+            let problems = (0..count).map(problem).collect();
+            Error::Rejected { file: "a.glb".into(), problems }.to_string()
+        };
+        assert!(words(10).ends_with("\nnodes[9]: is bad"), "{}", words(10));
+        assert!(words(4_000).ends_with("\nnodes[9]: is bad\nand 3990 more"), "{}", words(4_000));
     }
 }

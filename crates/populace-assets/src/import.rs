@@ -53,6 +53,9 @@ pub(crate) fn import(
     let built = assembly.parts(&mut palette);
     if let Ok(built) = &built {
         rig.measure_vertices(palette.entries(), &built.parts, &built.skins);
+        if !document.animations.is_empty() {
+            rig.note_far_vertices(palette.entries(), &built.parts, log);
+        }
     }
     let clips = Clips::new(&data, log, &rig).all(&document.animations);
     let Built { parts, vertex_counts, skins, levels } = built?;

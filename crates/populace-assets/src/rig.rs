@@ -3,6 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use populace_character::{PaletteEntry, Part, SkinInstance, sole_points, vertex_reach_m};
+use populace_clip::FARTHEST_SIZES;
 use populace_model::{JointIndex, JointSource, Skeleton, Trs};
 
 use crate::bind_pose::bind_pose;
@@ -68,6 +69,31 @@ impl Rig {
         let skeleton = self.skeleton.clone().with_reach(&reach).with_bind_pose(&locals);
         let soles = sole_points(&skeleton, palette, parts);
         self.skeleton = skeleton.with_soles(&soles);
+    }
+
+    /// Adds a note for each part with a vertex that is too far from a joint for the error bound of
+    /// clips to hold there.
+    pub(crate) fn note_far_vertices(&self, palette: &[PaletteEntry], parts: &[Part], log: &Log) {
+        let farthest = FARTHEST_SIZES * self.skeleton.size_m();
+        if self.skeleton.reach_m().iter().all(|reach| *reach <= farthest) {
+            return;
+        }
+        for part in parts {
+            let reach = vertex_reach_m(&self.skeleton, palette, std::slice::from_ref(part));
+            let far = self.skeleton.joints().zip(reach).max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((joint, reach)) = far.filter(|(_, reach)| *reach > farthest) else { continue };
+            let away = |[x, y, z]: [f32; 3]| x.hypot(y).hypot(z);
+            let vertices = part.mesh.positions.iter().enumerate();
+            let outermost =
+                vertices.max_by(|a, b| away(*a.1).total_cmp(&away(*b.1))).map_or(0, |v| v.0);
+            let what = format!(
+                "reaches {reach:.1} m from joint \"{}\" with vertex {outermost} of primitive {}; \
+                 the error bound of clips holds up to {farthest:.1} m",
+                self.skeleton.name(joint),
+                part.primitive
+            );
+            log.note(format!("nodes[{}].mesh", part.node), what);
+        }
     }
 
     /// Returns the node of each joint; `None` for a joint that was added by the importer.

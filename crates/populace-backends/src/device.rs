@@ -16,7 +16,7 @@ use crate::split::SplitBackend;
 pub enum Device {
     /// The CPU without a driver, on `threads` threads; 0 means one per core.
     Native {
-        /// The number of threads.
+        /// The number of threads, at most 1,024.
         threads: usize,
     },
     /// The OpenCL device with an index, as [`devices`] lists them.
@@ -172,8 +172,8 @@ impl fmt::Display for Device {
 impl FromStr for Device {
     type Err = Error;
 
-    /// Parses `native`, `native:N` (N threads), `opencl` (the first OpenCL device), `opencl:N`, or
-    /// `opencl:N:K/P` (part K of P equal parts).
+    /// Parses `native`, `native:N` (N threads, at most 1,024), `opencl` (the first OpenCL device),
+    /// `opencl:N`, or `opencl:N:K/P` (part K of P equal parts).
     fn from_str(name: &str) -> Result<Self, Error> {
         let words: Vec<&str> = name.split(':').collect();
         let number = |word: &str| word.parse::<usize>().ok();

@@ -29,8 +29,10 @@ const SAME_PLACE: f64 = 0.002;
 ///
 /// The error bound is 0.16 mm in model space for a body of 1.8 m, and proportional for others. It
 /// holds at points 3 cm from each joint, and as far from it as the vertices that it moves
-/// ([`Skeleton::with_reach`]). Between rows, devices interpolate translations and scales linearly,
-/// and rotations by normalised linear interpolation. A STEP key is stored as two rows at one time.
+/// ([`Skeleton::with_reach`]), up to [`FARTHEST_SIZES`](crate::FARTHEST_SIZES) times the size of
+/// the body: what is farther away is off in proportion to its distance. Between rows, devices
+/// interpolate translations and scales linearly, and rotations by normalised linear interpolation.
+/// A STEP key is stored as two rows at one time.
 ///
 /// A row holds blocks of 16 joints ("columns", in the level order of the clip's own skeleton),
 /// joints fastest, with 16 bits per component over the joint's own range (see [`RowBlock`]). Blocks
@@ -309,6 +311,29 @@ mod tests {
         // when the limit was reached.
         assert!(stats.row_count < 20 * 8 + 2000 + 50, "{} rows", stats.row_count);
         assert!(stats.error_bound_m > stats.tolerance_m);
+    }
+
+    #[test]
+    fn a_vertex_far_away_makes_no_more_rows_than_the_farthest_that_count() {
+        let below = Trs { translation: [0.0, 1.0, 0.0], ..Trs::IDENTITY };
+        let joint = |name: &str, parent, rest| JointSource { name: name.into(), parent, rest };
+        let joints = [joint("upper", None, Trs::IDENTITY), joint("lower", Some(0), below)];
+        let rows = |reach: f32| {
+            let skeleton = Skeleton::new(&joints).unwrap().with_reach(&[reach, 0.5]);
+            let half = std::f32::consts::FRAC_1_SQRT_2;
+            let track = Track {
+                joint: "upper".into(),
+                property: Property::Rotation,
+                interpolation: Interpolation::Linear,
+                times: vec![0.0, 1.0],
+                values: vec![0.0, 0.0, 0.0, 1.0, half, 0.0, 0.0, half],
+            };
+            let source = ClipSource { name: "turns".into(), tracks: vec![track] };
+            Clip::new(source, &skeleton).unwrap().row_count()
+        };
+        let (near, farthest) = (rows(1.0), rows(crate::FARTHEST_SIZES));
+        assert!(near < farthest && farthest < 20 * near, "{near} and {farthest} rows");
+        assert_eq!([rows(1e6), rows(1e18)], [farthest; 2]);
     }
 
     /// Two joints, one below the other at 1 m. The upper one has a rotation track, the lower one a

@@ -27,4 +27,5 @@ pub use contacts::Footstep;
 pub use curves::Local;
 pub use error::{Error, LiveFault, MotionFault};
 pub use row_block::{COLUMNS_PER_BLOCK, NO_PLANES, ROW_FLOATS, RowBlock};
+pub use rows::FARTHEST_SIZES;
 pub use storage::Range;

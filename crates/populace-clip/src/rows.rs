@@ -8,6 +8,10 @@ use crate::probes::{Judge, Reach, distance_at_probes, in_joint_units};
 use crate::row::{Motion, Row};
 use crate::storage::Storage;
 
+/// The distance from a joint, in sizes of the body ([`Skeleton::size_m`]), up to which the error
+/// bound of clips holds. One stray vertex would otherwise ask for thousands of rows.
+pub const FARTHEST_SIZES: f32 = 32.0;
+
 /// Error bound for a body of 1.8 m, in metres. It is half of what is promised at 3 cm from the
 /// joints, so that vertices stay within 1e-4 of the body's height of the source curves.
 const TOLERANCE_M: f64 = 0.000_16;
@@ -64,8 +68,9 @@ impl Rows {
         let scale = f64::from(skeleton.size_m()) / TOLERANCE_BODY_M;
         let tolerance = TOLERANCE_M * scale;
         let allowed = tolerance - STORAGE_M * scale - COMPUTED * f64::from(skeleton.size_m());
-        let probes: Vec<f64> =
-            skeleton.reach_m().iter().map(|&r| f64::from(r).max(PROBE_M * scale)).collect();
+        let farthest = f64::from(FARTHEST_SIZES) * f64::from(skeleton.size_m());
+        let probe = |&reach: &f32| f64::from(reach).clamp(PROBE_M * scale, farthest);
+        let probes: Vec<f64> = skeleton.reach_m().iter().map(probe).collect();
         let reach = Reach::new(skeleton, &probes);
         let probes = &in_joint_units(skeleton, &probes);
         let mut rows = Vec::new();

@@ -85,9 +85,8 @@ pub enum BackendError {
         /// The compiler's messages.
         log: String,
     },
-    /// A read of what the last update has not evaluated: before the first update, after a move to
-    /// another device, a failed update or a return to a snapshot, or of a member that was spawned
-    /// since or is hidden.
+    /// A read of what the last update has not evaluated: before the first update, after a failed
+    /// update, or of a member that was spawned since or is hidden.
     #[error(
         "the last update has not evaluated what is to be read; update the crowd first, and watch a \
          joint of a member that its view hides"

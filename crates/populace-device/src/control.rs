@@ -1,6 +1,8 @@
 //! Constraint programs: overrides, constraints, stages and attachments that move a member besides
 //! its clips.
 
+use std::f32::consts::PI;
+
 use populace_model::math::{quat, vec3};
 use populace_model::{JointIndex, Skeleton, Trs};
 
@@ -127,13 +129,27 @@ pub struct GazeLimits {
     pub down_rad: f32,
 }
 
+impl GazeLimits {
+    /// The limits of a human head and back together: 85 degrees to either side, 45 up, 50 down.
+    pub const HEAD: Self =
+        Self { yaw_rad: 85.0 / 180.0 * PI, up_rad: 45.0 / 180.0 * PI, down_rad: 50.0 / 180.0 * PI };
+}
+
+impl Default for GazeLimits {
+    /// Those of a [head](Self::HEAD).
+    fn default() -> Self {
+        Self::HEAD
+    }
+}
+
 /// A look-at constraint: a chain of joints turns so that its last joint faces the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Gaze {
     /// Joints from the first down to the last, each with its share of the rotation. Shares are not
     /// negative and are divided by their sum. Joints in between that are not listed do not turn.
     pub chain: Vec<(JointIndex, f32)>,
-    /// Facing direction of the last joint at rest, in model space; +Z for usual characters.
+    /// Facing direction of the last joint at rest, in model space, of any length above 0; +Z for
+    /// usual characters.
     pub facing: [f32; 3],
     /// Maximum angles between the last joint's facing and the front of the joint above the chain.
     pub limits: GazeLimits,

@@ -129,6 +129,9 @@ pub enum ConstraintFault {
          and up and down limits below pi / 2"
     )]
     GazeRange,
+    /// A facing direction of no length.
+    #[error("the facing direction of a gaze has no length; +Z is that of usual characters")]
+    GazeFacing,
     /// A fraction over which a limb straightens that is out of range.
     #[error("the `soft` fraction of a limb is {soft}; it must be above 0 and at most 0.5")]
     LimbSoft {

@@ -204,6 +204,7 @@ device_consts! {
     /// | `MOTION_STATE + 1` | sine of heading | cosine of heading | 0 | 0 |
     /// | `MOTION_STATE + 2` | velocity x | velocity y | velocity z | sine of turn per tick |
     /// | `MOTION_STATE + 3` | excess x | excess y | excess z | sine of turn per tick |
+    /// | `MOTION_STATE + 4` | rest x | rest y | rest z | 0 |
     ///
     /// Lengths are in metres, velocities in metres per tick. Feet `i` from 0 to [`MAX_FEET`]` - 1`
     /// have theirs in world space; a member with two feet has all of them within 80 bytes. The
@@ -215,7 +216,8 @@ device_consts! {
     /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
     /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
     /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
-    /// the velocity of the clips that play since. `epoch` is [`Control::epoch`].
+    /// the velocity of the clips that play since. The *rest* is what rounding has left out of the
+    /// offset. `epoch` is [`Control::epoch`].
     pub const MOTION_STATE: u32 = FOOT_STATE + 2 * MAX_FEET;
     /// Element of the pelvis in a member's history state; see [`MOTION_STATE`].
     pub const PELVIS_STATE: u32 = 0;
@@ -242,7 +244,7 @@ device_consts! {
     /// Maximum number of feet of a member.
     pub const MAX_FEET: u32 = 4;
     /// History elements per control, see [`MOTION_STATE`].
-    pub const STATES_PER_CONTROL: u32 = 13;
+    pub const STATES_PER_CONTROL: u32 = 14;
     /// Elements per watched joint: three rows of its matrix, in world space, or in model space for
     /// joints that members are attached to.
     pub const WATCHED_ELEMENTS: u32 = 3;

@@ -58,8 +58,11 @@ struct Fetched {
 /// `Float4` elements of a page of palettes.
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
 
+/// The most threads that a native device can be asked for.
+pub const MAX_THREADS: usize = 1024;
+
 impl NativeBackend {
-    /// Starts a pool of `threads` threads; 0 starts one for each core.
+    /// Starts a pool of `threads` threads, at most [`MAX_THREADS`]; 0 starts one for each core.
     ///
     /// [`Schedule::Fused`] and [`Schedule::FusedWide`] are the same here: sixteen members stand
     /// side by side, in the widest registers of the processor. The environment variable
@@ -68,8 +71,8 @@ impl NativeBackend {
     ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] if the system cannot start the threads, for
-    /// [`Schedule::FusedGrouped`], which is for GPUs, and for another `POPULACE_LANES`.
+    /// [`BackendError::Failed`] for more than [`MAX_THREADS`] threads or if the system cannot start
+    /// them, for [`Schedule::FusedGrouped`], which is for GPUs, and for another `POPULACE_LANES`.
     pub fn new(threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
         Self::on(machine()?, threads, schedule)
     }
@@ -78,14 +81,22 @@ impl NativeBackend {
     ///
     /// # Errors
     ///
-    /// [`BackendError::Failed`] if the system cannot start the threads, and for
-    /// [`Schedule::FusedGrouped`], which is for GPUs.
+    /// [`BackendError::Failed`] for more than [`MAX_THREADS`] threads or if the system cannot start
+    /// them, and for [`Schedule::FusedGrouped`], which is for GPUs.
     pub fn on(machine: Machine, threads: usize, schedule: Schedule) -> Result<Self, BackendError> {
         if schedule == Schedule::FusedGrouped {
             return Err(failed(
                 "use the schedule fused-grouped",
                 "it supports staged, fused and fused-wide",
             ));
+        }
+        // The system would start hundreds of thousands, for minutes.
+        if threads > MAX_THREADS {
+            let cause = format!(
+                "it was given {threads} threads, for at most {MAX_THREADS}; give fewer, or 0 for \
+                 one per core"
+            );
+            return Err(failed("start its threads", cause));
         }
         let pool = rayon::ThreadPoolBuilder::new()
             .num_threads(threads)

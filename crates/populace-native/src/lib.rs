@@ -79,5 +79,5 @@ mod reading;
 
 mod backend;
 
-pub use backend::NativeBackend;
+pub use backend::{MAX_THREADS, NativeBackend};
 pub use processor::{Machine, RegisterLanes};

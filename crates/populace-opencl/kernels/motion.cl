@@ -188,12 +188,27 @@ SELDOM Move move_within(ConstraintTables tables, uint owner, Span span)
     return moved;
 }
 
-// State after the previous frame: position, velocity (shift and sine of the turn, per tick), and
-// the velocity offset at the start of an inertialization.
+// State after the previous frame: position, velocity (shift and sine of the turn, per tick), the
+// velocity offset at the start of an inertialization, and what rounding has left out of the
+// position.
 typedef struct {
     Move place;
-    float4 speed, excess;
+    float4 speed, excess, rest;
 } Last;
+
+// Adds a move to the position. Single precision alone would lose part of each of many small moves.
+INLINE void move_followed_by(Last *last, Move next)
+{
+    const Move at = last->place;
+    const float x = (at.c * next.x + at.s * next.z) + last->rest.x, y = next.y + last->rest.y,
+                z = (at.c * next.z - at.s * next.x) + last->rest.z;
+    Move now = move_then(at, next);
+    now.x = at.x + x;
+    now.y = at.y + y;
+    now.z = at.z + z;
+    last->rest = (float4)(x - (now.x - at.x), y - (now.y - at.y), z - (now.z - at.z), 0.0f);
+    last->place = now;
+}
 
 INLINE float4 speed_of(Move m, uint ticks)
 {
@@ -260,9 +275,9 @@ INLINE Last next_of(ConstraintTables tables, uint owner, Last last, bool has_las
     }
     if (newest == NONE || !slot_inertializes(tables.slots[newest], tables.tick))
         last.excess = (float4)(0.0f);
-    const Last next = { move_then(last.place, moved), speed_of(moved, tables.elapsed_ticks),
-                        last.excess };
-    return next;
+    last.speed = speed_of(moved, tables.elapsed_ticks);
+    move_followed_by(&last, moved);
+    return last;
 }
 
 // Applies the member's root motion to a root joint.
@@ -273,8 +288,11 @@ SELDOM float16 moves(const Solver *s, uint joint, float16 own)
     __global const float4 *before = s->tables->states_before + first;
     __global float4 *state = s->tables->states + first;
     const float4 place = before[0], heading = before[1];
-    const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f) };
-    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y }, before[2], before[3] };
+    const Last none = { NO_MOVE, (float4)(0.0f), (float4)(0.0f), (float4)(0.0f) };
+    const Last kept = { { place.x, place.y, place.z, heading.x, heading.y },
+                        before[2],
+                        before[3],
+                        before[4] };
     const bool begun = as_uint(place.w) == epoch;
     const Last next = next_of(*s->tables, s->control->member, begun ? kept : none, begun);
     const Move now = next.place;
@@ -283,6 +301,7 @@ SELDOM float16 moves(const Solver *s, uint joint, float16 own)
         state[1] = (float4)(now.s, now.c, 0.0f, 0.0f);
         state[2] = next.speed;
         state[3] = next.excess;
+        state[4] = next.rest;
     }
     const float4 row0 = (float4)(now.c, 0.0f, now.s, now.x);
     const float4 row1 = (float4)(0.0f, 1.0f, 0.0f, now.y);

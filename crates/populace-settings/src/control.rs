@@ -73,7 +73,7 @@ pub struct Gaze {
     /// The joints, from the root towards the one that is to face the target, each with its share of
     /// the rotation. The shares are relative to each other.
     pub chain: Vec<(JointIndex, f32)>,
-    /// The direction that the last joint faces at rest, in model space.
+    /// The direction that the last joint faces at rest, in model space, of any length above 0.
     pub facing: [f32; 3],
     /// The limits of the rotation.
     pub limits: GazeLimits,

@@ -7,6 +7,10 @@ use crate::error::Error;
 use crate::fault::Allowed;
 
 /// Position, heading and scale of a member in the world.
+///
+/// Positions are in single precision: they lie 1 mm apart at 10 km from the origin, 8 mm at 100 km
+/// and 6 cm at 1,000 km. Keep crowds within 10 km of the origin. At 100 km planted feet are off by
+/// 3 mm, and at 1,000 km by 23 mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
     position: [f32; 3],

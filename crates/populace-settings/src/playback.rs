@@ -14,7 +14,7 @@ pub struct Playback {
     pub mode: Mode,
     /// The factor on the clip's own speed.
     pub speed: f32,
-    /// The phase at which a loop starts, 0 to 1.
+    /// The phase at which a loop starts, in cycles.
     pub phase: f32,
     /// The weight within the layer, 0 to 1.
     pub weight: f32,
@@ -89,7 +89,8 @@ macro_rules! shared_settings {
         }
     };
     (@ phase) => {
-        /// Sets the phase at which a loop starts, 0 to 1. 0 unless set.
+        /// Sets the phase at which a loop starts, 0 to 1; 0 unless set. Whole cycles of other
+        /// numbers, to 1e9 in size, are left out: 1.25 and -0.75 are 0.25.
         #[must_use]
         pub const fn phase(mut self, phase: f32) -> Self {
             self.0.phase = phase;

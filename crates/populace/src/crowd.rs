@@ -67,8 +67,9 @@ impl Crowd {
         CrowdBuilder::default()
     }
 
-    /// Waits until the device has finished all work. The next update chooses levels of detail by
-    /// where root motion has then taken the members, as after a draw.
+    /// Waits until the device has finished all work. Bounding spheres are then where root motion
+    /// has taken the members by the last update, and the next update chooses levels of detail by
+    /// them.
     ///
     /// # Errors
     ///

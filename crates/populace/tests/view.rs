@@ -205,6 +205,7 @@ fn visible_members_are_listed_in_runs_with_what_a_renderer_needs() {
         assert_eq!((visible.center, visible.radius_m), member.bounding_sphere());
         assert_eq!(visible.world_from_model, instance.world_from_model);
         assert_eq!(visible.palette_first, instance.palette_first);
+        assert_eq!((visible.moved, visible.look), (instance.moved, instance.look));
         assert_eq!((visible.level, visible.visibility), (instance.level, instance.visibility));
     }
 }

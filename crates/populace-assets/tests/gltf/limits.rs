@@ -7,7 +7,7 @@ use populace_assets::{LoadOptions, load_from_slice_with};
 use serde_json::json;
 
 use super::builder::{F32, File, rigid, skinned};
-use super::{assert_problem, loaded, problems};
+use super::{assert_note, assert_problem, loaded, problems};
 
 /// Returns the problems of a file under a memory limit in bytes.
 fn problems_within(file: &[u8], memory_limit_bytes: u64) -> Vec<String> {
@@ -204,4 +204,20 @@ fn products_along_node_chains_are_limited() {
     // Each chain is reported once.
     let long = chain(7, "scale", [1e9; 3]);
     assert_eq!(problems(&long.glb()).len(), 1);
+}
+
+#[test]
+fn one_vertex_far_away_makes_no_rows_and_is_noted() {
+    let with_vertex_at = |x: f32| {
+        let mut file = skinned();
+        let positions = file.floats("VEC3", &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, x, 1.0, 0.0]);
+        file.primitive()["attributes"]["POSITION"] = positions.into();
+        file.glb()
+    };
+    let rows = |x: f32| loaded(&with_vertex_at(x)).character.clips[0].row_count();
+    assert!(loaded(&with_vertex_at(2.0)).notes.is_empty());
+    assert_eq!([rows(1e6), rows(1e9)], [rows(100.0); 2]);
+    let begins =
+        "nodes[0].mesh: reaches 750000.0 m from joint \"head\" with vertex 2 of primitive 0;";
+    assert_note(&with_vertex_at(1e6), begins);
 }

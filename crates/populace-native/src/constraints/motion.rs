@@ -54,6 +54,14 @@ impl Move {
         Self::new(vec3::add(self.shift, self.rotated(next.shift)), [s * d + c * t, c * d - s * t])
     }
 
+    /// Adds a move to this one and to the rest that rounding has left out of it so far. Returns the
+    /// sum and its rest: single precision alone would lose part of each of many small moves.
+    fn followed_by(&self, next: &Self, rest: [f32; 3]) -> (Self, [f32; 3]) {
+        let far = vec3::add(self.rotated(next.shift), rest);
+        let shift = vec3::add(self.shift, far);
+        (Self { shift, ..self.then(next) }, vec3::sub(far, vec3::sub(shift, self.shift)))
+    }
+
     /// Returns the inverse.
     fn undone(&self) -> Self {
         let back = Self { shift: [0.0; 3], heading: [-self.heading[0], self.heading[1]] };
@@ -123,13 +131,16 @@ type Speed = [f32; 4];
 struct Last {
     /// Root-motion offset of the member, in model space.
     offset: Move,
+    /// What rounding has left out of the offset, in metres.
+    rest: [f32; 3],
     speed: Speed,
     /// Velocity at the start of the newest inertialization, less that of the incoming clips.
     excess: Speed,
 }
 
 impl Last {
-    const NONE: Self = Self { offset: Move::NONE, speed: [0.0; 4], excess: [0.0; 4] };
+    const NONE: Self =
+        Self { offset: Move::NONE, rest: [0.0; 3], speed: [0.0; 4], excess: [0.0; 4] };
 }
 
 /// Returns the part of a span in which a slot plays. A slot that was cut plays up to its cut.
@@ -283,9 +294,9 @@ impl Solver<'_> {
     fn next(&self, last: Option<Last>) -> Last {
         let (tick, elapsed_ticks) = (self.inputs.frame.tick, self.inputs.frame.elapsed_ticks);
         let elapsed = u64::from(elapsed_ticks);
-        let Last { offset, speed, mut excess } = last.unwrap_or(Last::NONE);
+        let Last { offset, rest, speed, mut excess } = last.unwrap_or(Last::NONE);
         if elapsed == 0 {
-            return Last { offset, speed, excess };
+            return Last { offset, rest, speed, excess };
         }
         let before = tick.saturating_sub(elapsed);
         let mut moved = self.move_within(Span { from: before, until: tick });
@@ -311,14 +322,15 @@ impl Solver<'_> {
         } else {
             [0.0; 4]
         };
-        Last { offset: offset.then(&moved), speed: moved.speed(elapsed), excess }
+        let (offset, rest) = offset.followed_by(&moved, rest);
+        Last { offset, rest, speed: moved.speed(elapsed), excess }
     }
 
     /// Moves a root to where clips have moved the member.
     #[inline(never)]
     pub(super) fn moves(&mut self, joints: &mut impl Hierarchy, joint: usize) {
-        let [shift, heading, speed, excess] =
-            [0, 1, 2, 3].map(|element| self.state(MOTION_STATE + element).0);
+        let [shift, heading, speed, excess, rest] =
+            [0, 1, 2, 3, 4].map(|element| self.state(MOTION_STATE + element).0);
         let epoch = self.control.motion_epoch;
         // The state of another epoch belongs to an earlier use of root motion.
         let last = (shift[3].to_bits() == epoch).then(|| Last {
@@ -326,15 +338,17 @@ impl Solver<'_> {
                 shift: [shift[0], shift[1], shift[2]],
                 heading: [heading[0], heading[1]],
             },
+            rest: [rest[0], rest[1], rest[2]],
             speed,
             excess,
         });
-        let Last { offset: now, speed, excess } = self.next(last);
+        let Last { offset: now, rest, speed, excess } = self.next(last);
         if joint == 0 {
             let [x, y, z] = now.shift;
             let shift = [x, y, z, f32::from_bits(epoch)];
             let heading = [now.heading[0], now.heading[1], 0.0, 0.0];
-            self.keep_states(MOTION_STATE, &[shift, heading, speed, excess].map(Float4));
+            let rest = [rest[0], rest[1], rest[2], 0.0];
+            self.keep_states(MOTION_STATE, &[shift, heading, speed, excess, rest].map(Float4));
         }
         let ([x, y, z], [s, c]) = (now.shift, now.heading);
         let carried = Affine { rows: [[c, 0.0, s, x], [0.0, 1.0, 0.0, y], [-s, 0.0, c, z]] };
@@ -343,6 +357,6 @@ impl Solver<'_> {
 }
 
 const _: () = assert!(
-    MOTION_STATE == FOOT_STATE + 2 * MAX_FEET && MOTION_STATE + 4 <= STATES_PER_CONTROL,
+    MOTION_STATE == FOOT_STATE + 2 * MAX_FEET && MOTION_STATE + 5 <= STATES_PER_CONTROL,
     "the state of the pelvis comes first, then those of feet, then that of root motion"
 );

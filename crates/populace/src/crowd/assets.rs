@@ -157,7 +157,9 @@ impl<'a> CharacterRef<'a> {
     ///
     /// # Errors
     ///
-    /// A clip of another crowd, or one that moves no joint of the character.
+    /// A clip of another crowd, or one that drives no joint of the character. A clip that drives
+    /// some of them, but moves others only, has a report with no bound joints, and cannot be
+    /// played.
     pub fn binding(&self, clip: ClipId) -> Result<BindingReport, Error> {
         self.state.base.binding(self.id, clip)
     }

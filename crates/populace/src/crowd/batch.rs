@@ -141,6 +141,7 @@ impl Crowd {
             hanging.extend((!rests.is_empty()).then_some((nth, rests)));
         }
         self.read_models(&firsts, models)?;
+        self.update_offsets()?;
         for (nth, rests) in hanging {
             models[nth] = rests.iter().fold(models[nth], |model, rest| model.mul(rest));
         }

@@ -2,6 +2,7 @@
 
 use super::Crowd;
 use super::active_device::ActiveDevice;
+use super::base::Clock;
 use crate::{Device, Devices, Error, Schedule, Split};
 use populace_backends::Engine;
 
@@ -21,11 +22,13 @@ impl Crowd {
     }
 
     /// Moves the crowd to one or several other devices, such as after a device was lost. Members,
-    /// clips and clock continue. Several devices share the members by measured speed until
-    /// [`set_split`](Self::set_split) is called. The schedule stays, but
-    /// [`Schedule::FusedGrouped`] becomes [`Schedule::Fused`] with the native device. A driver that
-    /// has to build kernels can take seconds; [`Device::prepare`](crate::Device::prepare) builds
-    /// them ahead.
+    /// clips and clock continue. After an update, the crowd is evaluated at its time once more, so
+    /// that results can be read at once, as after [`restore`](Self::restore).
+    ///
+    /// Several devices share the members by measured speed until [`set_split`](Self::set_split) is
+    /// called. The schedule stays, but [`Schedule::FusedGrouped`] becomes [`Schedule::Fused`] with
+    /// the native device. A driver that has to build kernels can take seconds;
+    /// [`Device::prepare`](crate::Device::prepare) builds them ahead.
     ///
     /// # Errors
     ///
@@ -40,10 +43,27 @@ impl Crowd {
         opened.backend_mut().set_stages(self.state.stages.as_slice())?;
         // A lost device has no history: feet are planted again, and machines restart.
         let history = self.device.history(&self.state.base.tables).unwrap_or_default();
-        self.device = ActiveDevice::new(devices, opened, None, gl);
+        let _ = self.update_offsets();
+        let now = ActiveDevice::new(devices, opened, None, gl);
+        let before = std::mem::replace(&mut self.device, now);
         self.device.history = Some(history);
+        let moved = self.evaluate_again();
+        if moved.is_err() {
+            self.device = before;
+            self.state.base.tables.mark_dirty();
+        }
+        moved
+    }
+
+    /// Evaluates the last update again on a device that knows nothing of it but the history, for
+    /// whoever reads joints before the next update, as ragdolls do.
+    pub(super) fn evaluate_again(&mut self) -> Result<(), Error> {
         self.state.base.tables.mark_dirty();
-        Ok(())
+        let Clock { tick, frame, .. } = self.state.base.clock;
+        if frame == 0 {
+            return Ok(());
+        }
+        self.device.run_again(&mut self.state.base.tables, tick)
     }
 }
 

@@ -29,7 +29,7 @@ struct Moving {
     since: u64,
     /// The readback of its root joint.
     watch: Watch,
-    /// The root's offset from the placement when palettes were last acquired, in metres.
+    /// The root's offset from the placement as last known, in metres.
     moved: [f32; 3],
 }
 
@@ -130,7 +130,7 @@ impl RootMotion {
         }
     }
 
-    /// Returns the root-motion offset of the member at an index when palettes were last acquired.
+    /// Returns the root-motion offset of the member at an index, as last known.
     pub(super) fn offset(&self, index: u32) -> Option<[f32; 3]> {
         self.moving.get(index).map(|moving| moving.moved)
     }

@@ -44,7 +44,8 @@ impl Crowd {
         Ok(fetched.and_then(|found| readbacks.find(base, constraints, watch, found)))
     }
 
-    /// Updates the cached root-motion offsets from the newest readback.
+    /// Updates the cached root-motion offsets from the newest readback, without a wait. After a
+    /// wait for the device, they are those of the last update.
     pub(super) fn update_offsets(&mut self) -> Result<(), BackendError> {
         let State { base, motion, constraints, .. } = &mut self.state;
         if !motion.is_empty()
@@ -61,6 +62,7 @@ impl Crowd {
         let placement = base.members.all[member.number() as usize].placement;
         let Some(state) = motion.state_of(base, constraints, member) else { return Ok(placement) };
         let elements = self.device.states(&base.tables, state.first)?;
+        self.update_offsets()?;
         Ok(state.moved(placement, elements))
     }
 
@@ -83,6 +85,7 @@ impl Crowd {
         tables.with_taken_over(|tables| {
             device.backend_mut().read(tables, StageBuffer::Palette, first, &mut elements)
         })?;
+        self.update_offsets()?;
         Ok(elements
             .as_chunks::<3>()
             .0
@@ -138,6 +141,7 @@ impl Crowd {
                 device.backend_mut().read(tables, buffer, first, array)
             })
         })?;
+        self.update_offsets()?;
         Ok(arrays)
     }
 

@@ -1,7 +1,6 @@
 //! Snapshots: the state of a crowd between two frames.
 
 use super::Crowd;
-use super::base::Clock;
 use super::state::State;
 use crate::Error;
 use populace_backends::DeviceHistory;
@@ -41,9 +40,10 @@ impl Crowd {
     ///
     /// A failing device.
     pub fn snapshot(&mut self) -> Result<Snapshot, Error> {
-        let Self { state, device, .. } = self;
-        let history = device.history(&state.base.tables)?;
-        Ok(Snapshot { state: state.clone(), history })
+        let history = self.device.history(&self.state.base.tables)?;
+        // Devices have then run the last update. A restored crowd starts from its offsets.
+        self.update_offsets()?;
+        Ok(Snapshot { state: self.state.clone(), history })
     }
 
     /// Returns to the state of a snapshot of this crowd. The same calls then give the same bits as
@@ -73,13 +73,7 @@ impl Crowd {
         self.state.clone_from(&snapshot.state);
         self.state.base.tables.continue_epochs(epochs);
         self.state.motion.continue_after(last_motion);
-        self.state.base.tables.mark_dirty();
         self.device.take_history(snapshot.history.clone());
-        let Clock { tick, frame, .. } = self.state.base.clock;
-        if frame == 0 {
-            return Ok(());
-        }
-        // Whoever reads joints before an update, as ragdolls do, finds those of the snapshot.
-        self.device.run_again(&mut self.state.base.tables, tick)
+        self.evaluate_again()
     }
 }

@@ -55,8 +55,6 @@ impl State {
 
     /// Starts what is scheduled by `tick`, and checks the tables for an evaluation.
     pub(super) fn begin_due(&mut self, tick: u64) -> Result<(), Error> {
-        // An update that failed may have left some.
-        self.player.take_left();
         self.player.begin_due(&mut self.base, tick)?;
         Ok(self.base.tables.check_ranges()?)
     }
@@ -140,8 +138,7 @@ impl State {
         self.readbacks.unwatch(&mut self.base, &mut self.constraints, watch);
     }
 
-    /// Returns the root-motion offset of a member, or of its parent, when palettes were last
-    /// acquired.
+    /// Returns the root-motion offset of a member, or of its parent, as last known.
     pub(super) fn offset_of(&self, index: u32) -> [f32; 3] {
         offset(&self.motion, &self.attachments, index)
     }

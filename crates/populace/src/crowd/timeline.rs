@@ -13,6 +13,8 @@ use crate::{Allowed, Error};
 
 /// The longest time step that is accepted, in seconds.
 const MAX_STEP_SECS: f32 = 1e6;
+/// The most ticks that devices count in a frame: 6,087 seconds.
+const MOST_TICKS: u64 = u32::MAX as u64;
 /// The latest time that can be sought, in seconds.
 const MAX_SECS: f64 = 1e9;
 
@@ -27,7 +29,8 @@ pub enum History {
     JointTargets,
     /// Overridden joints, such as those of ragdolls, stay as they were set.
     Overrides,
-    /// Root motion adds up over frames; a jump back does not undo it.
+    /// Root motion adds up over frames. A jump back does not undo it, and one by more than 6,087 s
+    /// forwards moves members for 6,087 s.
     RootMotion,
     /// State machines take at most one transition in a jump forwards, and stay in their state on a
     /// jump back.
@@ -46,13 +49,14 @@ pub struct SeekReport {
 }
 
 impl Crowd {
-    /// Advances the clock by `dt_secs`, starts what is scheduled by then, and evaluates every
-    /// member.
+    /// Advances the clock by `dt_secs`, at most 1e6, starts what is scheduled by then, and
+    /// evaluates every member. Longer times than 6,087 s take several frames of at most 6,087 s, in
+    /// each of which state machines can take a transition.
     ///
     /// # Errors
     ///
-    /// A time that is negative or not finite, or a failing device. The crowd's state survives a
-    /// failing device: [`move_to`](Self::move_to) continues on another.
+    /// A time that is negative, not finite or above 1e6 s, or a failing device. The crowd's state
+    /// survives a failing device: [`move_to`](Self::move_to) continues on another.
     pub fn update(&mut self, dt_secs: f32) -> Result<(), Error> {
         if !(0.0..=MAX_STEP_SECS).contains(&dt_secs) {
             let allowed = Allowed::Range { least: 0.0, most: MAX_STEP_SECS.into() };
@@ -66,7 +70,17 @@ impl Crowd {
             reason = "not negative; `as` saturates"
         )]
         let whole = ticks.round().max(0.0) as u64;
-        self.evaluate_at(clock.tick.wrapping_add(whole), ticks - whole as f64)
+        let (tick, left_over) = (clock.tick.wrapping_add(whole), ticks - whole as f64);
+        if whole <= MOST_TICKS {
+            return self.evaluate_at(tick, left_over);
+        }
+        // A failing device takes back the frame that failed, but not those before it.
+        let history = self.device.history(&self.state.base.tables)?;
+        let advanced = self.advance_to(tick, left_over);
+        if advanced.is_err() {
+            self.device.take_history(history);
+        }
+        advanced
     }
 
     /// Goes to a time in seconds since the crowd was built, and evaluates every member there.
@@ -113,18 +127,57 @@ impl Crowd {
         (self.state.base.clock.tick - FIRST_TICK) as f64 / TICKS_PER_SEC as f64
     }
 
+    /// Evaluates every member at a tick, in one frame.
     fn evaluate_at(&mut self, tick: u64, left_over: f64) -> Result<(), Error> {
-        let Self { state, device, view_ms } = self;
-        state.begin_due(tick)?;
+        self.prepare()?;
+        self.end_at((self.state.base.clock.tick, tick), left_over)
+    }
+
+    /// Evaluates every member at a tick, and on the way there as often as devices need it to count
+    /// all ticks.
+    fn advance_to(&mut self, tick: u64, left_over: f64) -> Result<(), Error> {
+        self.prepare()?;
+        let mut from = self.state.base.clock.tick;
+        while tick - from > MOST_TICKS {
+            let until = from + MOST_TICKS;
+            self.begin_frame(until)?;
+            self.device.run(&mut self.state.base.tables, frame((from, until)), false)?;
+            from = until;
+        }
+        self.end_at((from, tick), left_over)
+    }
+
+    fn prepare(&mut self) -> Result<(), Error> {
+        // An update that failed may have left some.
+        self.state.player.take_left();
+        // Devices that run ahead may have finished frames since the last update.
+        Ok(self.update_offsets()?)
+    }
+
+    fn begin_frame(&mut self, tick: u64) -> Result<(), Error> {
+        self.state.begin_due(tick)?;
         let start = Instant::now();
-        state.apply_view();
-        *view_ms = start.elapsed().as_secs_f64() * 1e3;
-        let elapsed = tick.saturating_sub(state.base.clock.tick);
-        let frame = Frame::of_all(tick).after_ticks(u32::try_from(elapsed).unwrap_or(u32::MAX));
-        device.run(&mut state.base.tables, frame, !state.readbacks.is_empty())?;
-        state.end_frame(tick, left_over);
+        self.state.apply_view();
+        self.view_ms = start.elapsed().as_secs_f64() * 1e3;
         Ok(())
     }
+
+    /// Runs the last frame of an update, which begins and ends at two ticks, and sets the clock.
+    fn end_at(&mut self, ticks: (u64, u64), left_over: f64) -> Result<(), Error> {
+        self.begin_frame(ticks.1)?;
+        let Self { state, device, .. } = self;
+        device.run(&mut state.base.tables, frame(ticks), !state.readbacks.is_empty())?;
+        state.end_frame(ticks.1, left_over);
+        // The frame is done: a failing device is reported by the next call.
+        let _ = self.update_offsets();
+        Ok(())
+    }
+}
+
+/// Returns a frame of all members from one tick to another. It takes no time after a jump back.
+fn frame((from, until): (u64, u64)) -> Frame {
+    let elapsed = u32::try_from(until.saturating_sub(from)).unwrap_or(u32::MAX);
+    Frame::of_all(until).after_ticks(elapsed)
 }
 
 impl State {
@@ -165,6 +218,9 @@ impl State {
             report(History::Playbacks, &|member| any_slot(member, &is_later));
             report(History::LiveClips, &|member| any_slot(member, &is_live));
         } else {
+            if tick - now > MOST_TICKS {
+                report(History::RootMotion, &|member| self.constraints.motion(member).is_some());
+            }
             report(History::StateMachines, &runs_machine);
         }
         SeekReport { inexact }

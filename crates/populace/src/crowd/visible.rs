@@ -1,7 +1,7 @@
 //! The list of members to draw, for renderers of your own.
 
-use populace_device::Visibility;
 use populace_device::layout::PAGE_ENTRIES;
+use populace_device::{MemberLook, Visibility};
 use populace_model::Affine;
 use populace_settings::parts::Parts as _;
 
@@ -24,8 +24,13 @@ pub struct VisibleMember {
     pub palette_first: u32,
     /// Its placement in the world.
     pub world_from_model: Affine,
+    /// Offset in world space, in metres, by which root motion has taken it from its placement.
+    /// Palettes hold it already.
+    pub moved: [f32; 3],
+    /// Its tints, and the options of its character that it does not show.
+    pub look: MemberLook,
     /// Centre in world space of the sphere around all its poses, in metres; see
-    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere).
+    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere), also for root motion.
     pub center: [f32; 3],
     /// Radius of that sphere, in metres.
     pub radius_m: f32,
@@ -53,6 +58,8 @@ impl Crowd {
                 visibility: instance.visibility,
                 palette_first: instance.palette_first,
                 world_from_model: instance.world_from_model,
+                moved: instance.moved,
+                look: instance.look,
                 center,
                 radius_m,
             })

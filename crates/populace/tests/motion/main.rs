@@ -10,10 +10,12 @@
 )]
 #![expect(clippy::print_stdout, reason = "measured values are shown with --nocapture")]
 
+mod far;
 #[path = "../controls/fixture.rs"]
 mod fixture;
 mod inertialization;
 mod parts;
+mod view;
 
 use std::cell::RefCell;
 use std::sync::Arc;

@@ -43,7 +43,7 @@ pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "gaze and reach", start: gaze_and_reach, hash: 0x9b93_f4f5_f83c_0cf9 },
     Scene { name: "feet", start: feet, hash: 0xb7a7_d673_b5c5_0014 },
     Scene { name: "overrides and proportions", start: overrides, hash: 0xdc81_67b5_5b47_e824 },
-    Scene { name: "attachments and root motion", start: attachments, hash: 0xc4ad_a411_8508_8982 },
+    Scene { name: "attachments and root motion", start: attachments, hash: 0x85f2_c0b5_1b22_a78b },
     Scene { name: "user stages", start: user_stages, hash: 0xd463_6b0f_d6dd_e337 },
 ];
 

@@ -231,6 +231,9 @@ impl Program {
             return bad(ConstraintFault::GazeRange);
         }
         check_finite(ConstraintPart::GazeFacing, &gaze.facing)?;
+        if gaze.facing == [0.0; 3] {
+            return bad(ConstraintFault::GazeFacing);
+        }
         let joints = path(skeleton, first, last)?;
         let share_of = |joint: &JointIndex| {
             let parts = gaze.chain.iter().filter(|(j, _)| j == joint);

@@ -9,6 +9,9 @@ use populace_retarget::Binding;
 const ROW_STEPS: f32 = 65_535.0;
 /// Growth of a sphere, for what foot constraints lower the body by.
 const MARGIN: f32 = 1.1;
+/// The largest radius in metres, as far as joints can be. Products of scales along chains of joints
+/// are larger in the worst case, which no pose comes to.
+const LARGEST_M: f32 = 1e18;
 const AXES: [usize; 3] = [0, 1, 2];
 
 /// A sphere around a body in every pose that its clips can give it, in model space.
@@ -97,7 +100,7 @@ impl Reach {
         }
         let [x, y, z] = at(center);
         let aside = length([x, 0.0, z]);
-        Self { height_m: y, radius_m: MARGIN * (away + most + aside) }
+        Self { height_m: y, radius_m: (MARGIN * (away + most + aside)).min(LARGEST_M) }
     }
 
     /// Returns a reach around both.
@@ -210,6 +213,22 @@ mod tests {
         let reach = Reach::with_clip(&skeleton, &Binding::new(&clip, &skeleton));
         assert!(reach.radius_m >= 10.4, "{reach:?}");
         assert!(Reach::at_rest(&skeleton).radius_m < 2.0);
+    }
+
+    #[test]
+    fn the_sphere_of_scales_that_undo_each_other_is_finite() {
+        let joint = |n: usize| JointSource {
+            name: format!("joint {n}"),
+            parent: n.checked_sub(1),
+            rest: Trs {
+                translation: [0.0, 1.0, 0.0],
+                scale: if n.is_multiple_of(2) { [1e5, 1.0, 1.0] } else { [1e-5, 1.0, 1.0] },
+                ..Trs::IDENTITY
+            },
+        };
+        let skeleton = Skeleton::new(&(0..12).map(joint).collect::<Vec<_>>()).unwrap();
+        let radius_m = Reach::at_rest(&skeleton.with_reach(&[1.0; 12])).radius_m;
+        assert!((12.0..=1e18).contains(&radius_m), "{radius_m}");
     }
 
     #[test]

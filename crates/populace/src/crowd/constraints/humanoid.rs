@@ -20,12 +20,6 @@ const SHARES: [(Role, f32); 5] = [
     (Role::Neck, 0.25),
     (Role::Head, 0.45),
 ];
-/// The limits of the head's direction relative to the hips, including the spine's share.
-const HEAD: GazeLimits = GazeLimits {
-    yaw_rad: 85.0 / 180.0 * PI,
-    up_rad: 45.0 / 180.0 * PI,
-    down_rad: 50.0 / 180.0 * PI,
-};
 /// The limits of the eyes' direction relative to the head.
 const EYES: GazeLimits = GazeLimits {
     yaw_rad: 30.0 / 180.0 * PI,
@@ -90,13 +84,13 @@ fn usual_gaze(base: &Base, character: CharacterId) -> Result<Vec<Gaze>, Error> {
         |chain: Vec<(JointIndex, f32)>, limits| Gaze { chain, facing: [0.0, 0.0, 1.0], limits };
     let Some(roles) = base.roles(character)? else {
         let head = head_by_name(skeleton).ok_or_else(|| no_roles(base, character, "head"))?;
-        return Ok(vec![gaze(vec![(head, 1.0)], HEAD)]);
+        return Ok(vec![gaze(vec![(head, 1.0)], GazeLimits::HEAD)]);
     };
     let trunk = SHARES.iter().filter_map(|(role, share)| Some((roles.joint(*role)?, *share)));
     let eyes =
         [Side::Left, Side::Right].into_iter().filter_map(|side| roles.joint(Role::Eye(side)));
     let eyes = eyes.map(|eye| gaze(vec![(eye, 1.0)], EYES));
-    Ok([gaze(trunk.collect(), HEAD)].into_iter().chain(eyes).collect())
+    Ok([gaze(trunk.collect(), GazeLimits::HEAD)].into_iter().chain(eyes).collect())
 }
 
 fn no_roles(base: &Base, character: CharacterId, part: &'static str) -> Error {

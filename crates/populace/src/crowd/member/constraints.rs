@@ -70,11 +70,13 @@ impl MemberMut<'_> {
     }
 
     /// Makes the member look at a target with a chain of joints of the caller's choice, in place of
-    /// the earlier target of the same last joint.
+    /// the earlier target of the same last joint. [`GazeLimits::HEAD`](crate::GazeLimits::HEAD) are
+    /// the limits of [`look_at`](Self::look_at).
     ///
     /// # Errors
     ///
-    /// Joints that form no chain, or a target or weight that is out of its range.
+    /// Joints that form no chain, a facing direction of no length, or a target or weight that is
+    /// out of its range.
     pub fn look_at_with(
         &mut self,
         gaze: &Gaze,

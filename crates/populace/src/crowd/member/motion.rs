@@ -27,6 +27,9 @@ impl MemberMut<'_> {
     /// unless its slot is taken over within the same update. Fused schedules do not evaluate
     /// members without a mesh, so these do not move.
     ///
+    /// The way is summed up with what rounding leaves out of it: after a run of 16 km in an hour,
+    /// at 60 or 144 updates per second, the member is where it should be to within 4 mm.
+    ///
     /// # Errors
     ///
     /// More data than devices can address.
@@ -57,6 +60,10 @@ impl MemberMut<'_> {
     /// Sets the placement to which root motion has moved the member, and returns it. Root motion
     /// continues from there. Waits for the device. Update the crowd before the next draw: until
     /// then the palette still holds the way that the member has moved.
+    ///
+    /// Each call rounds the position to single precision, which the way from the placement is not:
+    /// after a call per frame, a run at 100 km from the origin is 4 % too fast. Call it now and
+    /// then.
     ///
     /// # Errors
     ///

@@ -144,12 +144,12 @@ impl MemberMut<'_> {
         if playback.member() == self.id { Ok(()) } else { Err(Error::StalePlayback) }
     }
 
-    /// Sets how a layer above 0 is laid over the layers beneath it: for all joints, or through a
-    /// mask.
+    /// Sets how a layer, 1 to 3, is laid over the layers beneath it: for all joints, or through a
+    /// mask. Layer 0 lies over nothing and has no settings.
     ///
     /// # Errors
     ///
-    /// A mask of another character, or a setting that is out of its range.
+    /// A mask of another character, or a layer or setting that is out of its range.
     pub fn set_layer(
         &mut self,
         layer: usize,

@@ -13,7 +13,7 @@ use super::{Player, tick_after};
 use crate::crowd::base::Base;
 use crate::crowd::live::LiveClips;
 use crate::crowd::{CharacterId, ClipId, MaskId, MemberId, PlaybackId, u32_from};
-use crate::{ActiveClip, Error, IdKind};
+use crate::{ActiveClip, Allowed, Error, IdKind};
 
 impl Player {
     pub(crate) fn play(
@@ -195,6 +195,10 @@ impl Player {
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         check_layer(layer)?;
+        if layer == 0 {
+            let (what, allowed) = ("the layer to set", Allowed::Range { least: 1.0, most: 3.0 });
+            return Err(Error::BadValue { what, value: 0.0, allowed });
+        }
         check_weight("the weight of a layer", settings.weight)?;
         let first = mask.map(|mask| base.first_of_mask(character, mask)).transpose()?;
         let value = Layer::new(settings, first);
