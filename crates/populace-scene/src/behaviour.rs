@@ -16,17 +16,20 @@ mod phones;
 mod seats;
 mod settled;
 mod settling;
+mod standers;
+mod standing;
 mod stands;
 mod stroll;
 mod talks;
 mod things;
 mod traffic;
+mod ways;
 mod windows;
 mod world;
 
 use glam::Vec2;
 use populace::{Crowd, MemberId};
-use populace_locomotion::avoidance::{Avoidance, AvoidanceSettings, Obstacle};
+use populace_locomotion::avoidance::{self, Avoidance, AvoidanceSettings, Bystander, Obstacle};
 use populace_locomotion::{GaitSpace, WalkerSettings, Walkers};
 use populace_physics::Ragdolls;
 
@@ -38,6 +41,7 @@ use crate::stage::{Lights, PHONE, Stage};
 use arrival::Arrival;
 use footways::Footway;
 use hands::Phones;
+use standing::Standing;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
@@ -78,9 +82,8 @@ impl Behaviours {
         let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, &stage.vehicles)?;
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
-        let mut avoidance = Avoidance::new(AvoidanceSettings::default())
-            .map_err(populace_locomotion::Error::from)?;
-        avoidance.set_obstacles(&obstacles(plan)).map_err(populace_locomotion::Error::from)?;
+        let bystanders = standers::bystanders(crowd, plan, people)?;
+        let avoidance = avoidance(plan, &bystanders).map_err(populace_locomotion::Error::from)?;
         walkers.set_avoidance(Some(avoidance));
         walkers.set_ground(stage.ground().clone());
         let mut ragdolls = Ragdolls::new(GRAVITY)?;
@@ -98,6 +101,7 @@ impl Behaviours {
             people: Vec::new(),
             crossings: crossings.collect(),
             footways,
+            standing: Standing::new(&bystanders),
             spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
             leans: stage.leans.iter().map(|lean| (lean.clone(), None)).collect(),
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
@@ -116,7 +120,8 @@ impl Behaviours {
             let cast = plan.casts.iter().find(|cast| cast.name == crowd_plan.cast);
             let names = plan.casts.iter().map(|cast| &cast.name);
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
-            let arrival = Arrival { plan, stage, cast, of: crowd_plan };
+            let bystanders = &bystanders;
+            let arrival = Arrival { plan, stage, cast, of: crowd_plan, bystanders };
             arrival.bring(&mut behaviours.world, crowd, people)?;
         }
         arrival::set_out(&mut behaviours.world)?;
@@ -173,6 +178,14 @@ impl Behaviours {
         let lights = |crossing: &Crossing| crossings::lights(crossing, world.now).0;
         world.crossings.iter().map(move |at| at.plan.lights.then(|| lights(at)))
     }
+}
+
+/// Returns how walkers avoid walls and those who stand.
+fn avoidance(plan: &ScenePlan, bystanders: &[Bystander]) -> Result<Avoidance, avoidance::Error> {
+    let mut avoidance = Avoidance::new(AvoidanceSettings::default())?;
+    avoidance.set_obstacles(&obstacles(plan))?;
+    avoidance.set_bystanders(bystanders)?;
+    Ok(avoidance)
 }
 
 fn obstacles(plan: &ScenePlan) -> Vec<Obstacle> {

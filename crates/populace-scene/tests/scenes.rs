@@ -298,3 +298,36 @@ fn vehicles_begin_one_behind_the_other() {
         "one stands on the crossing: {along:?}"
     );
 }
+
+/// People who stroll go around those who stand, also those who read a message.
+#[test]
+fn strollers_go_around_people_who_stand() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[footway]]\n\
+                name = \"plaza\"\npoints = [[-12, 0], [12, 0]]\nwidth_m = 8\n[[crowd]]\n\
+                cast = \"a\"\ncount = 24\ndoes.stroll = { text = 2 }\n[[crowd]]\n\
+                cast = \"a\"\ncount = 40\ndoes.stand = { at = [0, 2], row = 8 }\n";
+    let mut live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    let people: Vec<_> = live.behaviours.people().collect();
+    let at = |live: &Live, who: MemberId| {
+        let [x, _, z] = live.crowd.member(who).unwrap().placement().position();
+        glam::Vec2::new(x, z)
+    };
+    let start: Vec<_> = people[..24].iter().map(|who| at(&live, *who)).collect();
+    let mut farthest = [0.0_f32; 24];
+    let mut passed = 0;
+    for step in 0..400 {
+        for (nth, walker) in people[..24].iter().enumerate() {
+            let walker = at(&live, *walker);
+            farthest[nth] = farthest[nth].max(walker.distance(start[nth]));
+            passed += usize::from(walker.x.abs() < 3.5 && (-3.0..3.0).contains(&walker.y));
+            for stander in &people[24..] {
+                let apart = at(&live, *stander).distance(walker);
+                assert!(apart > 0.36, "{apart} m apart at step {step}");
+            }
+        }
+        live.run(0.1);
+    }
+    assert!(passed > 100, "they go through the crowd: {passed}");
+    let stuck = farthest.iter().filter(|way| **way < 4.0).count();
+    assert!(stuck < 3, "nobody stays: {farthest:?}");
+}

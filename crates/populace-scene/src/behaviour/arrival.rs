@@ -4,6 +4,7 @@ use glam::Vec2;
 use populace::{
     CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Placement, Target, Weight,
 };
+use populace_locomotion::avoidance::Bystander;
 use populace_random::Rng;
 
 use super::body::{Body, Use};
@@ -11,7 +12,7 @@ use super::falls::direction;
 use super::person::{Doing, Kind, Person};
 use super::settling::Settling;
 use super::world::{Stand, WHOLE, World};
-use super::{armies, driving, settled, traffic};
+use super::{armies, driving, settled, standers, traffic};
 use crate::Error;
 use crate::plan::{
     BehaviourPlan, CastPlan, CrowdPlan, FightPlan, LayerPlan, ScenePlan, SpectatePlan, StandPlan,
@@ -29,6 +30,8 @@ pub(super) struct Arrival<'a> {
     pub(super) stage: &'a Stage,
     pub(super) cast: &'a CastPlan,
     pub(super) of: &'a CrowdPlan,
+    /// Everybody of the plan who stands.
+    pub(super) bystanders: &'a [Bystander],
 }
 
 /// Where and how a person begins.
@@ -109,7 +112,8 @@ impl Arrival<'_> {
                 }
             }
         }
-        let settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
+        let mut settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
+        self.bystanders.iter().for_each(|of| settling.take(of.position.into()));
         settled::settle(world, crowd, (settling, habits), &on_foot)
     }
 
@@ -201,15 +205,8 @@ impl Arrival<'_> {
         people: &[CastPerson],
     ) -> Result<(), Error> {
         let yaw_rad = plan.facing_deg.to_radians();
-        let ahead = direction(plan.facing_deg);
-        let left = Vec2::new(ahead.y, -ahead.x);
-        // Fewer than fill a row stand around its middle.
-        let row = plan.row.min(people.len()).max(1);
-        for (nth, of) in people.iter().enumerate() {
+        for (of, at) in people.iter().zip(standers::places(plan, people.len())) {
             let mut random = self.random(world);
-            let aside = ((nth % row) as f32 - 0.5 * (row - 1) as f32) * plan.spacing_m;
-            let behind = (nth / row) as f32 * plan.spacing_m;
-            let at = Vec2::from(plan.at) + left * aside - ahead * behind;
             let height = self.stage.ground().height_at(at.x, at.y);
             let phase = random.unit();
             let start = Start::at([at.x, height, at.y], yaw_rad, (Kind::Stands, Doing::Stands));
@@ -254,6 +251,7 @@ impl Arrival<'_> {
             direction: 1.0,
             lane: 0.5,
             carries: false,
+            held_up: 0,
             goal,
             post,
             is_in_front,
