@@ -82,7 +82,8 @@ impl Behaviours {
         let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, &stage.vehicles)?;
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
-        let bystanders = standers::bystanders(crowd, plan, people)?;
+        let standers = standers::of_plan(crowd, plan, people)?;
+        let bystanders = standers::bystanders(&standers);
         let avoidance = avoidance(plan, &bystanders).map_err(populace_locomotion::Error::from)?;
         walkers.set_avoidance(Some(avoidance));
         walkers.set_ground(stage.ground().clone());
@@ -120,8 +121,9 @@ impl Behaviours {
             let cast = plan.casts.iter().find(|cast| cast.name == crowd_plan.cast);
             let names = plan.casts.iter().map(|cast| &cast.name);
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
-            let bystanders = &bystanders;
-            let arrival = Arrival { plan, stage, cast, of: crowd_plan, bystanders };
+            let standers = standers.get(nth).map_or(&[][..], Vec::as_slice);
+            let (bystanders, of) = (&bystanders[..], crowd_plan);
+            let arrival = Arrival { plan, stage, cast, of, standers, bystanders };
             arrival.bring(&mut behaviours.world, crowd, people)?;
         }
         arrival::set_out(&mut behaviours.world)?;

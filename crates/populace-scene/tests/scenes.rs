@@ -85,7 +85,7 @@ fn fewer_people_than_fill_a_row_stand_around_its_middle() {
     for (count, asides) in [(1, vec![0.0]), (3, vec![-2.0, 0.0, 2.0])] {
         let text = format!(
             "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
-             count = {count}\ndoes.stand = {{ at = [5, 6], spacing_m = 2 }}\n"
+             count = {count}\ndoes.stand = {{ at = [5, 6], spacing_m = 2, even = true }}\n"
         );
         let live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
         let mut xs = Vec::new();

@@ -11,8 +11,9 @@ use super::body::{Body, Use};
 use super::falls::direction;
 use super::person::{Doing, Kind, Person};
 use super::settling::Settling;
+use super::standers::Stander;
 use super::world::{Stand, WHOLE, World};
-use super::{armies, driving, settled, standers, traffic};
+use super::{armies, driving, settled, traffic};
 use crate::Error;
 use crate::plan::{
     BehaviourPlan, CastPlan, CrowdPlan, FightPlan, LayerPlan, ScenePlan, SpectatePlan, StandPlan,
@@ -30,7 +31,9 @@ pub(super) struct Arrival<'a> {
     pub(super) stage: &'a Stage,
     pub(super) cast: &'a CastPlan,
     pub(super) of: &'a CrowdPlan,
-    /// Everybody of the plan who stands.
+    /// The people of this crowd if they stand.
+    pub(super) standers: &'a [Stander],
+    /// Everybody of the plan who stands, as those see them who walk.
     pub(super) bystanders: &'a [Bystander],
 }
 
@@ -204,8 +207,7 @@ impl Arrival<'_> {
         plan: &StandPlan,
         people: &[CastPerson],
     ) -> Result<(), Error> {
-        let yaw_rad = plan.facing_deg.to_radians();
-        for (of, at) in people.iter().zip(standers::places(plan, people.len())) {
+        for (of, Stander { at, yaw_rad, .. }) in people.iter().zip(self.standers.iter().copied()) {
             let mut random = self.random(world);
             let height = self.stage.ground().height_at(at.x, at.y);
             let phase = random.unit();
