@@ -11,6 +11,7 @@ mod grips;
 mod hands;
 mod in_lanes;
 mod leans;
+mod loops;
 mod person;
 mod phones;
 mod seats;

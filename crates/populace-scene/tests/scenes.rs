@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use populace::model::Role;
 use populace::{Crowd, Device, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_scene::plan::{BehaviourPlan, ScenePlan};
@@ -330,4 +331,37 @@ fn strollers_go_around_people_who_stand() {
     assert!(passed > 100, "they go through the crowd: {passed}");
     let stuck = farthest.iter().filter(|way| **way < 4.0).count();
     assert!(stuck < 3, "nobody stays: {farthest:?}");
+}
+
+/// Who sits down stays on the floor, unless the scene says otherwise.
+#[test]
+fn clips_that_end_elsewhere_are_played_once() {
+    let heights = |keys: &str| {
+        let text = format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+             count = 1\ndoes.stand = {{ {keys} }}\n"
+        );
+        let mut live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
+        let who = live.behaviours.people().next().unwrap();
+        let head = live.crowd.member(who).unwrap().joint(Role::Head).unwrap();
+        let mut heights = Vec::new();
+        for _ in 0..120 {
+            live.run(0.1);
+            let mut models = [populace::Affine::IDENTITY];
+            live.crowd.read_joints(&[(who, head)], &mut models).unwrap();
+            heights.push(models[0].origin()[1]);
+        }
+        heights
+    };
+    let falls =
+        |heights: &[f32]| heights.windows(2).filter(|pair| pair[0] - pair[1] > 1e-3).count();
+    let rises = |heights: &[f32]| heights.windows(2).any(|pair| pair[1] - pair[0] > 0.2);
+    let once = heights("clip = \"Sit_Down\"");
+    assert!(falls(&once[..40]) > 5 && !rises(&once), "{once:?}");
+    let late = heights("clip = \"Sit_Down\", start_s = 5");
+    assert!(falls(&late[..48]) == 0 && falls(&late[48..90]) > 5 && !rises(&late), "{late:?}");
+    assert!((once[119] - late[119]).abs() < 1e-3);
+    assert!(rises(&heights("clip = \"Sit_Down\", loop = true")));
+    let walks = heights("clip = \"Walk\"");
+    assert!(falls(&walks[60..]) > 5, "{walks:?}");
 }

@@ -1,5 +1,8 @@
 //! Bringing the people of a plan into a crowd, each to where its behaviour begins.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::Vec2;
 use populace::{
     CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Placement, Target, Weight,
@@ -9,6 +12,7 @@ use populace_random::Rng;
 
 use super::body::{Body, Use};
 use super::falls::direction;
+use super::loops::loops;
 use super::person::{Doing, Kind, Person};
 use super::settling::Settling;
 use super::standers::Stander;
@@ -199,7 +203,7 @@ impl Arrival<'_> {
         Ok(())
     }
 
-    /// Brings people who stand in rows and play a clip.
+    /// Brings people who stand in rows and play a clip, once if it does not loop.
     fn standers(
         &self,
         world: &mut World,
@@ -207,6 +211,7 @@ impl Arrival<'_> {
         plan: &StandPlan,
         people: &[CastPerson],
     ) -> Result<(), Error> {
+        let mut known = HashMap::new();
         for (of, Stander { at, yaw_rad, .. }) in people.iter().zip(self.standers.iter().copied()) {
             let mut random = self.random(world);
             let height = self.stage.ground().height_at(at.x, at.y);
@@ -214,8 +219,20 @@ impl Arrival<'_> {
             let start = Start::at([at.x, height, at.y], yaw_rad, (Kind::Stands, Doing::Stands));
             let who = self.spawn(world, crowd, (of, random), start)?;
             let clip = crowd.clip(world.body(who).character, &plan.clip)?;
-            let playback = ClipPlayback::looping().phase(phase);
-            crowd.member_mut(world.member(who))?.play(clip, playback)?;
+            let asset = Arc::clone(crowd.clip_mut(clip)?.asset());
+            let (first_secs, is_looped) = match (known.get(&clip), plan.looping) {
+                (Some(known), _) => *known,
+                (None, Some(is_looped)) => (asset.start_secs(), is_looped),
+                (None, None) => (asset.start_secs(), loops(&asset)),
+            };
+            known.insert(clip, (first_secs, is_looped));
+            let mut member = crowd.member_mut(world.member(who))?;
+            if is_looped {
+                member.play(clip, ClipPlayback::looping().phase(phase))?;
+            } else {
+                member.play(clip, ClipPlayback::held_at_secs(first_secs))?;
+                member.play(clip, ClipPlayback::once().after_secs(plan.start_s))?;
+            }
         }
         Ok(())
     }

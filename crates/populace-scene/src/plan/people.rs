@@ -201,6 +201,13 @@ pub struct StandPlan {
     pub even: bool,
     /// The clip that they play.
     pub clip: String,
+    /// True to play the clip again and again, false to play it once and hold its end. Without it,
+    /// a clip whose last pose is far from its first, such as a fall, is played once.
+    #[serde(rename = "loop")]
+    pub looping: Option<bool>,
+    /// Seconds of the scene at which a clip that is played once begins. Its first pose is held
+    /// until then.
+    pub start_s: f32,
 }
 
 impl Default for StandPlan {
@@ -212,6 +219,8 @@ impl Default for StandPlan {
             spacing_m: 1.0,
             even: false,
             clip: "Idle".into(),
+            looping: None,
+            start_s: 0.0,
         }
     }
 }
