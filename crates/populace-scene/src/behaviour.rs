@@ -8,6 +8,7 @@ mod driving;
 mod falls;
 mod footways;
 mod grips;
+mod habits;
 mod hands;
 mod in_lanes;
 mod leans;
@@ -35,7 +36,7 @@ use populace_locomotion::{GaitSpace, WalkerSettings, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
-use crate::plan::ScenePlan;
+use crate::plan::{CrowdPlan, ScenePlan};
 use crate::replay::Person as CastPerson;
 use crate::stage::{Lights, PHONE, Stage};
 
@@ -151,6 +152,25 @@ impl Behaviours {
         world.phones.step(crowd, (world.now, world.step_secs))?;
         world.walkers.update(crowd, secs)?;
         Ok(world.ragdolls.step(crowd, secs)?)
+    }
+
+    /// Returns which habits the plan asks for, with other rates than the usual ones, that nobody of
+    /// a crowd has the clips for, and how to mend it. The plan is that of [`new`](Self::new).
+    #[must_use]
+    pub fn doubts(&self, plan: &ScenePlan) -> Vec<String> {
+        let mut first = 0;
+        let doubt = |of: &CrowdPlan| {
+            let people = self.world.people.iter().skip(first).take(of.count);
+            first += of.count;
+            let mut bodies: Vec<usize> = people.map(|person| person.body).collect();
+            bodies.sort_unstable();
+            bodies.dedup();
+            let bodies: Vec<_> =
+                bodies.into_iter().filter_map(|body| self.world.bodies.get(body)).collect();
+            let cast = plan.casts.iter().find(|cast| cast.name == of.cast)?;
+            habits::doubt(of, cast, &bodies)
+        };
+        plan.crowds.iter().filter_map(doubt).collect()
     }
 
     /// The time in seconds since the beginning.
