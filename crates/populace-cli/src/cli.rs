@@ -99,7 +99,8 @@ pub(crate) enum Command {
     /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
     /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from
     /// the rows of the file, `max_raw_m`, and from rows without the sway of steps, `max_m`.
-    /// Elevations count. With a scene, `counts` says how often each thing has happened.
+    /// Elevations count. With a scene, `counts` says how often each thing has happened, and
+    /// `crowds` which numbers the people of each [[crowd]] have.
     ///
     /// SIGINT and SIGTERM end the program at once. Pictures are written atomically, so no
     /// incomplete one is left behind. A film grows as NAME.part.mp4, which plays, and is renamed

@@ -36,10 +36,11 @@ pub(crate) fn eyes(crowd: &mut Crowd, member: MemberId) -> Result<Option<Vec3>, 
 }
 
 /// Returns the gaits of each role, or why it cannot walk. A humanoid without clips that walk gets
-/// those of the built-in people.
+/// those of the built-in people. `source` is where users name files with more clips.
 pub(crate) fn gaits(
     crowd: &mut Crowd,
     roles: &[CrowdRole],
+    source: &str,
 ) -> Result<Vec<Result<GaitSpace, anyhow::Error>>, Failure> {
     let ids: Vec<_> = roles.iter().map(|role| role.id).collect();
     let own = GaitSpace::of_all(crowd, &ids);
@@ -52,10 +53,17 @@ pub(crate) fn gaits(
             let _ = crowd.character_mut(role.id)?.add_clip(clip);
         }
         let name = &role.character.name;
+        let cure = if crowd.character(role.id)?.roles().is_some() {
+            format!("add some with {source}")
+        } else {
+            "its joints have no names that are known, so that clips of other rigs do not fit it: \
+             name them as in a known rig, such as Mixamo's, or take clips that were made for it"
+                .to_owned()
+        };
         Ok(GaitSpace::of(crowd, role.id).map_err(|error| match error {
             populace_locomotion::Error::NoGaitClips { .. } => anyhow::anyhow!(
                 "\"{name}\" has no clips to walk with: one in which both feet stand, and one \
-                 that walks or runs forwards; add some with --clips FILE"
+                 that walks or runs forwards; {cure}"
             ),
             error => anyhow::anyhow!("\"{name}\" cannot walk: {error}"),
         }))

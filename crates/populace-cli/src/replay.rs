@@ -183,7 +183,9 @@ impl ReplayJob<'_> {
         if are_drawn {
             check_hidden(roles, &args.hide)?;
         }
-        let gaits = crate::people::gaits(crowd, roles)?.into_iter().collect::<Result<_, _>>();
+        let gaits = crate::people::gaits(crowd, roles, "--clips FILE")?
+            .into_iter()
+            .collect::<Result<_, _>>();
         let gaits: Vec<GaitSpace> = gaits.map_err(Failure::Input)?;
         let settings = CastSettings { seed: args.seed, plain: args.plain, height_m: args.height };
         let people = people::cast(&recording, roles, &settings);

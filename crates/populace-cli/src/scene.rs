@@ -1,5 +1,6 @@
 //! Draws scenes: `populace render street.toml`, and the street of `populace demo`.
 
+mod clips;
 mod counts;
 mod live;
 mod past;
@@ -132,7 +133,9 @@ impl SceneJob<'_> {
         });
         let played = (&mut action as &mut dyn Action, &scene, 0);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
-        filmed.report(&crowd, args.json, json!({"counts": counts::as_json(action.counts())}))
+        let counts = counts::as_json(action.counts());
+        let more = json!({"counts": counts, "crowds": counts::crowds(&source.plan)});
+        filmed.report(&crowd, args.json, more)
     }
 
     fn frames(&self) -> Result<Frames, Failure> {
@@ -186,9 +189,7 @@ impl SceneSource<'_> {
 
     /// Brings the plan into a crowd. Errors and warnings begin with the scene file's name.
     fn live(&self, crowd: &mut Crowd) -> Result<(LiveScene, LoadedRoles), Failure> {
-        for doubt in self.plan.doubts() {
-            message!("warning: {}{doubt}", self.prefix());
-        }
+        self.warn(self.plan.doubts());
         let (live, loaded) = LiveScene::new(crowd, self).map_err(|failure| match failure {
             Failure::Input(reason) | Failure::Usage(reason) if self.cast.is_empty() => {
                 self.named(format!("{reason:#}"))
@@ -197,6 +198,13 @@ impl SceneSource<'_> {
         })?;
         check_hidden(&loaded.roles, &self.picture.hide)?;
         Ok((live, loaded))
+    }
+
+    /// Warns of what looks wrong in the plan.
+    fn warn(&self, doubts: Vec<String>) {
+        for doubt in doubts {
+            message!("warning: {}{doubt}", self.prefix());
+        }
     }
 
     /// Returns an error about the scene file, if there is one.

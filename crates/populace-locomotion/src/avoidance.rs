@@ -41,6 +41,7 @@
 //! ```
 
 mod barriers;
+mod bystanders;
 mod error;
 mod geometry;
 mod grid;
@@ -55,6 +56,8 @@ mod walls;
 use glam::Vec2;
 use rayon::prelude::*;
 
+pub use bystanders::Bystander;
+use bystanders::Bystanders;
 pub use error::Error;
 use grid::Grid;
 use groups::Groups;
@@ -119,11 +122,12 @@ impl Obstacle {
     }
 }
 
-/// Steers walkers. Holds settings, obstacles, and memory that calls use again.
+/// Steers walkers. Holds settings, obstacles, bystanders, and memory that calls use again.
 #[derive(Clone, Debug)]
 pub struct Avoidance {
     settings: AvoidanceSettings,
     walls: Walls,
+    bystanders: Bystanders,
     grid: Grid,
     groups: Groups,
     /// Places in the grid of the walkers to steer.
@@ -155,6 +159,7 @@ impl Avoidance {
         Ok(Self {
             settings,
             walls: Walls::default(),
+            bystanders: Bystanders::default(),
             grid: Grid::default(),
             groups: Groups::default(),
             steered: Vec::new(),
@@ -170,6 +175,19 @@ impl Avoidance {
     /// with two equal points in a row. The obstacles from before stay.
     pub fn set_obstacles(&mut self, obstacles: &[Obstacle]) -> Result<(), Error> {
         self.walls = Walls::new(obstacles)?;
+        Ok(())
+    }
+
+    /// Replaces all bystanders. Walkers steer around them as around each other, and make the whole
+    /// change of velocity. The cost of a step does not grow with the number of bystanders, but with
+    /// how many are near.
+    ///
+    /// # Errors
+    ///
+    /// A coordinate that is not from -1e6 to 1e6, or a radius that is not above 0 and at most 3.
+    /// The bystanders from before stay.
+    pub fn set_bystanders(&mut self, bystanders: &[Bystander]) -> Result<(), Error> {
+        self.bystanders = Bystanders::new(bystanders)?;
         Ok(())
     }
 
@@ -214,7 +232,8 @@ impl Avoidance {
     /// Moves a disc from one point towards another and returns where it comes to. It slides along
     /// walls and never crosses one, however long the step. A disc that is not in a wall at `from`
     /// is not in one afterwards. A disc that is in a wall comes no nearer to it, and is led out by
-    /// up to 5 cm in a call.
+    /// up to 5 cm in a call. It slides along bystanders too: where no wall is near, it ends no
+    /// nearer to one than 0.8 of the sum of both radii, or than it was.
     ///
     /// Returns `from` if an argument is not finite. A negative radius counts as 0.
     #[must_use]
@@ -223,7 +242,9 @@ impl Avoidance {
         if !numbers.iter().all(|number| number.is_finite()) {
             return from;
         }
-        self.walls.slide(from.into(), to.into(), radius_m.max(0.0)).to_array()
+        let (from, radius_m) = (from.into(), radius_m.max(0.0));
+        let to = self.bystanders.slide(from, to.into(), radius_m);
+        self.walls.slide(from, to, radius_m).to_array()
     }
 }
 

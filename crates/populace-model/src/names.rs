@@ -3,6 +3,9 @@
 use std::collections::HashSet;
 use std::fmt;
 
+/// Letters of a word, at least.
+const WORD: usize = 3;
+
 /// Returns up to three of `names` that are most similar to `name`, nearest first. Names without
 /// similarity are left out.
 #[must_use]
@@ -10,9 +13,12 @@ pub fn nearest_names<'a>(name: &str, names: impl IntoIterator<Item = &'a str>) -
     let wanted = name.to_lowercase();
     let likeness = |candidate: &str| {
         let candidate = candidate.to_lowercase();
-        let inside =
+        let has_word = wanted.chars().count() >= WORD && candidate.contains(&wanted);
+        let is_part =
             !wanted.is_empty() && (candidate.contains(&wanted) || wanted.contains(&candidate));
-        strsim::jaro_winkler(&wanted, &candidate) + if inside { 0.5 } else { 0.0 }
+        // A longer name is like the word that it contains, wherever that stands.
+        let inside = if has_word { 0.65 } else { 0.5 * f64::from(u8::from(is_part)) };
+        strsim::jaro_winkler(&wanted, &candidate) + inside
     };
     let mut seen = HashSet::new();
     let different = names.into_iter().filter(|name| seen.insert(*name));
@@ -45,5 +51,18 @@ pub struct UnknownName {
 impl fmt::Display for UnknownName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "there is no joint \"{}\"{}", self.name, did_you_mean(&self.nearest))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_contain_the_word_are_near() {
+        let names = ["Robot_Walking", "Robot_Dance", "Robot_Idle"];
+        assert_eq!(nearest_names("Dance", names), ["Robot_Dance"]);
+        assert_eq!(nearest_names("dance", names), ["Robot_Dance"]);
+        assert_eq!(nearest_names("Swim", names), [""; 0]);
     }
 }

@@ -8,36 +8,42 @@ mod driving;
 mod falls;
 mod footways;
 mod grips;
+mod habits;
 mod hands;
 mod in_lanes;
 mod leans;
+mod loops;
 mod person;
 mod phones;
 mod seats;
 mod settled;
 mod settling;
+mod standers;
+mod standing;
 mod stands;
 mod stroll;
 mod talks;
 mod things;
 mod traffic;
+mod ways;
 mod windows;
 mod world;
 
 use glam::Vec2;
 use populace::{Crowd, MemberId};
-use populace_locomotion::avoidance::{Avoidance, AvoidanceSettings, Obstacle};
+use populace_locomotion::avoidance::{self, Avoidance, AvoidanceSettings, Bystander, Obstacle};
 use populace_locomotion::{GaitSpace, WalkerSettings, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
-use crate::plan::ScenePlan;
+use crate::plan::{CrowdPlan, ScenePlan};
 use crate::replay::Person as CastPerson;
 use crate::stage::{Lights, PHONE, Stage};
 
 use arrival::Arrival;
 use footways::Footway;
 use hands::Phones;
+use standing::Standing;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
@@ -78,9 +84,9 @@ impl Behaviours {
         let traffic = Traffic::new(crowd, &plan.lanes, &plan.bays, &stage.vehicles)?;
         let mut walkers = Walkers::new(WalkerSettings::default())?;
         gaits.into_iter().for_each(|gaits| walkers.add_gaits(gaits));
-        let mut avoidance = Avoidance::new(AvoidanceSettings::default())
-            .map_err(populace_locomotion::Error::from)?;
-        avoidance.set_obstacles(&obstacles(plan)).map_err(populace_locomotion::Error::from)?;
+        let standers = standers::of_plan(crowd, plan, people)?;
+        let bystanders = standers::bystanders(&standers);
+        let avoidance = avoidance(plan, &bystanders).map_err(populace_locomotion::Error::from)?;
         walkers.set_avoidance(Some(avoidance));
         walkers.set_ground(stage.ground().clone());
         let mut ragdolls = Ragdolls::new(GRAVITY)?;
@@ -98,6 +104,7 @@ impl Behaviours {
             people: Vec::new(),
             crossings: crossings.collect(),
             footways,
+            standing: Standing::new(&bystanders),
             spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
             leans: stage.leans.iter().map(|lean| (lean.clone(), None)).collect(),
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
@@ -116,7 +123,9 @@ impl Behaviours {
             let cast = plan.casts.iter().find(|cast| cast.name == crowd_plan.cast);
             let names = plan.casts.iter().map(|cast| &cast.name);
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
-            let arrival = Arrival { plan, stage, cast, of: crowd_plan };
+            let standers = standers.get(nth).map_or(&[][..], Vec::as_slice);
+            let (bystanders, of) = (&bystanders[..], crowd_plan);
+            let arrival = Arrival { plan, stage, cast, of, standers, bystanders };
             arrival.bring(&mut behaviours.world, crowd, people)?;
         }
         arrival::set_out(&mut behaviours.world)?;
@@ -143,6 +152,25 @@ impl Behaviours {
         world.phones.step(crowd, (world.now, world.step_secs))?;
         world.walkers.update(crowd, secs)?;
         Ok(world.ragdolls.step(crowd, secs)?)
+    }
+
+    /// Returns which habits the plan asks for, with other rates than the usual ones, that nobody of
+    /// a crowd has the clips for, and how to mend it. The plan is that of [`new`](Self::new).
+    #[must_use]
+    pub fn doubts(&self, plan: &ScenePlan) -> Vec<String> {
+        let mut first = 0;
+        let doubt = |of: &CrowdPlan| {
+            let people = self.world.people.iter().skip(first).take(of.count);
+            first += of.count;
+            let mut bodies: Vec<usize> = people.map(|person| person.body).collect();
+            bodies.sort_unstable();
+            bodies.dedup();
+            let bodies: Vec<_> =
+                bodies.into_iter().filter_map(|body| self.world.bodies.get(body)).collect();
+            let cast = plan.casts.iter().find(|cast| cast.name == of.cast)?;
+            habits::doubt(of, cast, &bodies)
+        };
+        plan.crowds.iter().filter_map(doubt).collect()
     }
 
     /// The time in seconds since the beginning.
@@ -173,6 +201,14 @@ impl Behaviours {
         let lights = |crossing: &Crossing| crossings::lights(crossing, world.now).0;
         world.crossings.iter().map(move |at| at.plan.lights.then(|| lights(at)))
     }
+}
+
+/// Returns how walkers avoid walls and those who stand.
+fn avoidance(plan: &ScenePlan, bystanders: &[Bystander]) -> Result<Avoidance, avoidance::Error> {
+    let mut avoidance = Avoidance::new(AvoidanceSettings::default())?;
+    avoidance.set_obstacles(&obstacles(plan))?;
+    avoidance.set_bystanders(bystanders)?;
+    Ok(avoidance)
 }
 
 fn obstacles(plan: &ScenePlan) -> Vec<Obstacle> {

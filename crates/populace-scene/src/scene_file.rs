@@ -29,9 +29,19 @@ impl SceneFileError {
     /// Names the line of `file` of the prop `nth` of a file's text, from 0 on.
     #[must_use]
     pub fn of_prop_file(text: &str, nth: usize, reason: &str) -> Self {
-        let fault = Fault::of("file", "").nth("prop", nth);
-        let message = format!("`file` of a [[prop]]: {reason}");
-        Self { message, ..fault.at_its_line(text) }
+        Fault::of("file", "").nth("prop", nth).because(text, reason)
+    }
+
+    /// Names the line of `clip` of the crowd `nth` of a file's text, from 0 on: that of its layer
+    /// with a number from 0 on, or that of `does.stand`.
+    #[must_use]
+    pub fn of_clip(text: &str, (nth, layer): (usize, Option<usize>), reason: &str) -> Self {
+        let clip = Fault::of("clip", "");
+        let clip = match layer {
+            Some(layer) => clip.nth("layers", layer),
+            None => clip.within("does.stand"),
+        };
+        clip.nth("crowd", nth).because(text, reason)
     }
 }
 
@@ -116,9 +126,33 @@ fn refused(text: &str, error: &toml::de::Error) -> SceneFileError {
     if let Some(rule) = of_another_type(&message)
         && let Some(key) = fault::key_at(text, span.start)
     {
-        message = format!("`{key}` must be {rule}");
+        message = format!("`{key}` must be {rule}{}", in_double_brackets(&key));
+        if let (Some((whole, seen)), true) = (rule.split_once(" from 0 on"), is_from_1(&key)) {
+            message = format!("`{key}` must be {whole} from 1 on{seen}");
+        }
+    }
+    if message == "duplicate key" {
+        let key = text.get(span.clone()).unwrap_or_default().trim_matches(['[', ']', ' ']);
+        message = format!("`{key}` is written a second time here{}", in_double_brackets(key));
     }
     SceneFileError { line: line(text, span), message }
+}
+
+/// Tables of which a scene has any number.
+const LISTS: [&str; 12] = [
+    "cast", "crowd", "footway", "spot", "lean", "seat", "crossing", "lane", "bay", "wall", "prop",
+    "camera",
+];
+
+/// Says how a table of a list is written; nothing for other keys.
+fn in_double_brackets(key: &str) -> String {
+    let is_list = LISTS.contains(&key);
+    if is_list { format!("; each is written as `[[{key}]]`") } else { String::new() }
+}
+
+/// Returns true for numbers of members, of which there is at least one.
+fn is_from_1(key: &str) -> bool {
+    ["count", "row", "rank"].contains(&key)
 }
 
 /// Returns the rule that a value of another type or length breaks, from a message of the reader,

@@ -62,12 +62,23 @@ fn misspelt_keys_are_named_with_their_line_and_the_nearest() {
     refused(&GOOD.replace("[[crowd]]", "[[crowds]]"), 12, "did you mean \"crowd\"");
     refused(&GOOD.replace("count = 20\n", ""), 12, "missing field `count`");
     refused("schema = 1\nseed = x\n", 2, "");
+    let single = GOOD.replace("[[crowd]]", "[crowd]");
+    refused(&single, 12, "`crowd` must be a list, not a table; each is written as `[[crowd]]`");
+    let twice = format!("{single}\n[crowd]\ncast = \"people\"\n");
+    refused(&twice, 17, "`crowd` is written a second time here; each is written as `[[crowd]]`");
+    refused(
+        &GOOD.replace("seed", "").replace("schema = 1", "schema = 1\nseed = 1\nseed = 2"),
+        3,
+        "`seed` is written a second time here",
+    );
 }
 
 #[test]
 fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
     refused(&GOOD.replace("schema = 1", "schema = 2"), 1, "`schema` must be 1");
     refused(&GOOD.replace("count = 20", "count = 0"), 14, "`count` of a [[crowd]] must be from 1");
+    let negative = "`count` must be a whole number from 1 on, not -9";
+    refused(&GOOD.replace("count = 20", "count = -9"), 14, negative);
     refused(
         &GOOD.replace("cast = \"people\"", "cast = \"poeple\""),
         13,
@@ -143,7 +154,7 @@ fn values_of_another_type_are_named_with_their_key_and_what_is_expected() {
         "`seed` must be a whole number from 0 on, not -3",
     );
     refused(&GOOD.replace("count = 20", "count = -3"), 14, "`count` must be a whole number");
-    refused(&GOOD.replace("count = 20", "count = 2.5"), 14, "from 0 on, not 2.5");
+    refused(&GOOD.replace("count = 20", "count = 2.5"), 14, "from 1 on, not 2.5");
     refused(
         &GOOD.replace("speed = 1.2", "speed = [1]"),
         15,

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use populace::model::Role;
 use populace::{Crowd, Device, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_scene::plan::{BehaviourPlan, ScenePlan};
@@ -85,7 +86,7 @@ fn fewer_people_than_fill_a_row_stand_around_its_middle() {
     for (count, asides) in [(1, vec![0.0]), (3, vec![-2.0, 0.0, 2.0])] {
         let text = format!(
             "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
-             count = {count}\ndoes.stand = {{ at = [5, 6], spacing_m = 2 }}\n"
+             count = {count}\ndoes.stand = {{ at = [5, 6], spacing_m = 2, even = true }}\n"
         );
         let live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
         let mut xs = Vec::new();
@@ -297,4 +298,70 @@ fn vehicles_begin_one_behind_the_other() {
         along.iter().all(|x| !(-3.0..3.0).contains(x)),
         "one stands on the crossing: {along:?}"
     );
+}
+
+/// People who stroll go around those who stand, also those who read a message.
+#[test]
+fn strollers_go_around_people_who_stand() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[footway]]\n\
+                name = \"plaza\"\npoints = [[-12, 0], [12, 0]]\nwidth_m = 8\n[[crowd]]\n\
+                cast = \"a\"\ncount = 24\ndoes.stroll = { text = 2 }\n[[crowd]]\n\
+                cast = \"a\"\ncount = 40\ndoes.stand = { at = [0, 2], row = 8 }\n";
+    let mut live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    let people: Vec<_> = live.behaviours.people().collect();
+    let at = |live: &Live, who: MemberId| {
+        let [x, _, z] = live.crowd.member(who).unwrap().placement().position();
+        glam::Vec2::new(x, z)
+    };
+    let start: Vec<_> = people[..24].iter().map(|who| at(&live, *who)).collect();
+    let mut farthest = [0.0_f32; 24];
+    let mut passed = 0;
+    for step in 0..400 {
+        for (nth, walker) in people[..24].iter().enumerate() {
+            let walker = at(&live, *walker);
+            farthest[nth] = farthest[nth].max(walker.distance(start[nth]));
+            passed += usize::from(walker.x.abs() < 3.5 && (-3.0..3.0).contains(&walker.y));
+            for stander in &people[24..] {
+                let apart = at(&live, *stander).distance(walker);
+                assert!(apart > 0.36, "{apart} m apart at step {step}");
+            }
+        }
+        live.run(0.1);
+    }
+    assert!(passed > 100, "they go through the crowd: {passed}");
+    let stuck = farthest.iter().filter(|way| **way < 4.0).count();
+    assert!(stuck < 3, "nobody stays: {farthest:?}");
+}
+
+/// Who sits down stays on the floor, unless the scene says otherwise.
+#[test]
+fn clips_that_end_elsewhere_are_played_once() {
+    let heights = |keys: &str| {
+        let text = format!(
+            "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+             count = 1\ndoes.stand = {{ {keys} }}\n"
+        );
+        let mut live = live(&ScenePlan::parse(&text).unwrap()).unwrap();
+        let who = live.behaviours.people().next().unwrap();
+        let head = live.crowd.member(who).unwrap().joint(Role::Head).unwrap();
+        let mut heights = Vec::new();
+        for _ in 0..120 {
+            live.run(0.1);
+            let mut models = [populace::Affine::IDENTITY];
+            live.crowd.read_joints(&[(who, head)], &mut models).unwrap();
+            heights.push(models[0].origin()[1]);
+        }
+        heights
+    };
+    let falls =
+        |heights: &[f32]| heights.windows(2).filter(|pair| pair[0] - pair[1] > 1e-3).count();
+    let rises = |heights: &[f32]| heights.windows(2).any(|pair| pair[1] - pair[0] > 0.2);
+    let once = heights("clip = \"Sit_Down\"");
+    assert!(falls(&once[..40]) > 5 && !rises(&once), "{once:?}");
+    let late = heights("clip = \"Sit_Down\", start_s = 5");
+    assert!(falls(&late[..48]) == 0 && falls(&late[48..90]) > 5 && !rises(&late), "{late:?}");
+    assert!((once[119] - late[119]).abs() < 1e-3);
+    assert!(rises(&heights("clip = \"Sit_Down\", loop = true")));
+    let walks = heights("clip = \"Walk\"");
+    assert!(falls(&walks[60..]) > 5, "{walks:?}");
 }

@@ -1,6 +1,7 @@
-//! The things that happened in a scene, as JSON.
+//! The things that happened in a scene, and who is in it, as JSON.
 
 use populace_scene::Counts;
+use populace_scene::plan::{CrowdPlan, ScenePlan};
 use serde_json::{Value, json};
 
 /// Returns the counts by their names.
@@ -26,4 +27,15 @@ pub(super) fn as_json(counts: Counts) -> Value {
         "thrust": counts.thrust,
         "hit": counts.hit,
     })
+}
+
+/// Returns each crowd of a plan with the number of its first person and how many there are.
+pub(super) fn crowds(plan: &ScenePlan) -> Value {
+    let mut first = 0;
+    let crowd = |of: &CrowdPlan| {
+        let listed = json!({"cast": of.cast, "first": first, "count": of.count});
+        first += of.count;
+        listed
+    };
+    plan.crowds.iter().map(crowd).collect()
 }

@@ -12,8 +12,8 @@ use populace_render::Camera;
 use populace_scene::plan::{BehaviourPlan, CastPlan, ScenePlan};
 use populace_scene::{Behaviours, Counts, Person, Stage};
 
-use super::SceneSource;
 use super::past::Past;
+use super::{SceneSource, clips};
 use crate::built_in::Clothes;
 use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
@@ -72,9 +72,13 @@ impl LiveScene {
         let stage = Stage::new(crowd, plan, &props, &prepare)?;
         let things = things(crowd)?;
         let gaits = walks(crowd, plan, &casts)?;
+        clips::check(crowd, source, |cast| casts.get(cast).map_or(&[][..], Vec::as_slice))?;
         let players = players(source, &casts);
         let people: Vec<Vec<Person>> = players.iter().map(|of| of.people(&casts)).collect();
         let behaviours = Behaviours::new(crowd, plan, &stage, &people, gaits)?;
+        if source.file.is_some() {
+            source.warn(behaviours.doubts(plan));
+        }
         let people: Vec<MemberId> = behaviours.people().collect();
         dress(crowd, &players, &casts, &people)?;
         let mut eyes_m = Vec::new();
@@ -174,7 +178,7 @@ fn walks(crowd: &mut Crowd, plan: &ScenePlan, casts: &Casts) -> Result<Vec<GaitS
     let mut all = Vec::new();
     for (cast, roles) in casts {
         let mut refused: Vec<(&str, anyhow::Error)> = Vec::new();
-        for (nth, gaits) in gaits(crowd, roles)?.into_iter().enumerate() {
+        for (nth, gaits) in gaits(crowd, roles, "`clips_from`")?.into_iter().enumerate() {
             match (gaits, walk_of(plan, cast, nth)) {
                 (Ok(gaits), _) => all.push(gaits),
                 (Err(reason), Some(does)) => refused.push((does, reason)),

@@ -13,6 +13,8 @@ fn the_street_says_what_happened() {
     let d = json_of(&[&["demo", "--json", "--at", "1", "--out", &out][..], &SMALL].concat());
     assert!(d["members"].as_u64() > Some(40), "people, props and vehicles: {d}");
     assert!(d["counts"]["crossed"].is_u64() && d["counts"]["sat"].is_u64(), "{d}");
+    let [crowd] = &d["crowds"].as_array().expect("a list")[..] else { panic!("{d}") };
+    assert_eq!([&crowd["first"], &crowd["count"]], [0, 8], "{crowd}");
     assert!(d["ms_median"]["behave"].as_f64() > Some(0.0), "{d}");
     assert!(std::path::Path::new(&out).is_file(), "--at writes the file that was named");
 }
@@ -131,7 +133,12 @@ fn who_must_walk_and_cannot_is_named_with_the_cast() {
                 [[crowd]]\ncast = \"posts\"\ncount = 2\ndoes.stand = { clip = \"Bend\" }\n\
                 [[crowd]]\ncast = \"posts\"\ncount = 2\ndoes.stroll = {}\n";
     std::fs::write(&scene, text).expect("a file");
-    let wanted = ["scene.toml", "the cast \"posts\"", "a [[crowd]] of it does `stroll`: \"post\""];
+    let wanted = [
+        "scene.toml",
+        "the cast \"posts\"",
+        "a [[crowd]] of it does `stroll`: \"post\"",
+        "no names that are known",
+    ];
     refused(&["render", &scene, "--out", &out, "--device", "native"], 1, &wanted);
 }
 
@@ -279,4 +286,66 @@ fn wrong_scenes_are_refused_with_line_and_key() {
     refused(&["render", "@man", "--camera", "pitch", "--out", "x.png"], 2, &["only scene files"]);
     let missing = folder.text("none.toml");
     refused(&["render", &missing, "--out", "x.png"], 1, &["none.toml"]);
+}
+
+/// Clips that nobody has are named with their line, and with what is like them or where they are.
+#[cfg_attr(no_test_data, ignore = "no test data")]
+#[test]
+fn missing_clips_are_named_with_their_line_and_a_cure() {
+    let folder = Folder::new();
+    let data = std::env::var("POPULACE_TEST_DATA").expect("ignored without it");
+    let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+    let cast = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = ['{}']\n[[crowd]]\ncast = \"a\"\n";
+    let robot = "quaternius_robot.glb";
+    let human = "m2m_human_base.glb";
+    for (file, crowd, wanted) in [
+        (
+            robot,
+            "does.stand.clip = \"Dance\"",
+            &["line 8: `clip` of `does.stand` of a [[crowd]]", "did you mean \"Robot_Dance\""][..],
+        ),
+        (
+            human,
+            "does.stand = { clip = \"Idle_Loop\" }\nlayers = [{ clip = \"Carry\" }]",
+            &["line 9: `clip` of `layers` of a [[crowd]]", "`clips_from = [\"@people\"]`"],
+        ),
+    ] {
+        let cast = cast.replace("{}", &format!("{data}/characters/{file}"));
+        std::fs::write(&scene, format!("{cast}count = 1\n{crowd}\n")).expect("a file");
+        let args = ["render", &scene, "--out", &out, "--device", "native"];
+        refused(&args, 1, &[&["scene.toml: line"], wanted].concat());
+    }
+}
+
+/// Habits that nobody can have are warned of, with the cure, if the scene asks for them.
+#[cfg_attr(any(skip_gl, no_test_data), ignore = "no test data, or POPULACE_SKIP names gl")]
+#[test]
+fn habits_that_nobody_can_have_are_warned_of() {
+    let data = std::env::var("POPULACE_TEST_DATA").expect("ignored without it");
+    let warned = |keys: &str, habits: &str| {
+        let folder = Folder::new();
+        let [scene, out] = ["scene.toml", "out.png"].map(|name| folder.text(name));
+        let text = format!(
+            "schema = 1\n[output]\nsize = [32, 32]\n[[cast]]\nname = \"mixed\"\n\
+             from = ['{data}/characters/kaykit_knight.glb']\n{keys}\n[[footway]]\nname = \"f\"\n\
+             points = [[0, 0], [20, 0]]\nwidth_m = 3\n[[crowd]]\ncast = \"mixed\"\ncount = 2\n\
+             does.stroll = {{ {habits} }}\n"
+        );
+        std::fs::write(&scene, text).expect("a file");
+        let drawn = populace(&["render", &scene, "--out", &out, "--device", "native"]);
+        let stderr = String::from_utf8_lossy(&drawn.stderr).into_owned();
+        assert!(drawn.status.success(), "{stderr}");
+        stderr.lines().find(|line| line.contains("`stroll`")).unwrap_or_default().to_owned()
+    };
+    let warning = warned("", "talk = 2, phone = 1, carry = 0.2");
+    for words in [
+        "warning: ",
+        "scene.toml: nobody of the cast \"mixed\" can do `talk`, `phone` and `carry`",
+        "\"Talk\", \"Talk_Listen\", \"Phone\" and \"Carry\"",
+        "`clips_from = [\"@people\"]`",
+    ] {
+        assert!(warning.contains(words), "no {words} in: {warning}");
+    }
+    assert_eq!(warned("", ""), "", "usual habits are asked for by nobody");
+    assert_eq!(warned("clips_from = [\"@people\"]", "talk = 2, phone = 1, carry = 0.2"), "");
 }

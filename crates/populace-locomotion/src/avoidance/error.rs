@@ -28,6 +28,18 @@ pub enum Error {
         /// The values that are allowed.
         rule: &'static str,
     },
+    /// A number of a bystander out of its range.
+    #[error("{what} of bystander {bystander} is {value}; it must be {rule}")]
+    BadBystander {
+        /// The quantity.
+        what: &'static str,
+        /// Index of the bystander.
+        bystander: usize,
+        /// The value.
+        value: f32,
+        /// The values that are allowed.
+        rule: &'static str,
+    },
     /// A slice of another length than the positions.
     #[error("there are {positions} positions, but {found} {what}; give one for each walker")]
     UnequalLengths {
@@ -79,12 +91,23 @@ pub enum Error {
 }
 
 impl Error {
+    /// An error of a bystander that was checked like a walker.
+    pub(crate) fn of_bystander(self) -> Self {
+        match self {
+            Self::BadValue { what, walker: bystander, value, rule } => {
+                Self::BadBystander { what, bystander, value, rule }
+            }
+            other => other,
+        }
+    }
+
     /// Returns the kind of the error.
     #[must_use]
     pub const fn kind(&self) -> ErrorKind {
         match self {
             Self::BadSetting { .. }
             | Self::BadValue { .. }
+            | Self::BadBystander { .. }
             | Self::UnequalLengths { .. }
             | Self::BadStagger { .. }
             | Self::TooFewPoints { .. }

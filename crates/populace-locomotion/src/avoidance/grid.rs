@@ -83,6 +83,11 @@ impl Grid {
         self.highest_speed = root(squares.fold(0.0, f32::max));
     }
 
+    /// Sets bits of the indices of all walkers.
+    pub(crate) fn mark(&mut self, bits: u32) {
+        self.seen.iter_mut().for_each(|walker| walker.index |= bits);
+    }
+
     fn cell(&self, x: f32, z: f32) -> u32 {
         self.row(cell(z, 1.0 / CELL_M)) + self.column(cell(x, 1.0 / CELL_M))
     }
@@ -116,6 +121,9 @@ impl Grid {
     /// Calls `visit` with place and walker for all walkers in cells within a distance, at most
     /// [`Self::FARTHEST_M`], and some farther ones.
     pub(crate) fn around(&self, position: Vec2, distance: f32, mut visit: impl FnMut(u32, &Seen)) {
+        if self.seen.is_empty() {
+            return;
+        }
         let low = position - Vec2::splat(distance);
         let high = position + Vec2::splat(distance);
         let [first, last] =

@@ -35,8 +35,10 @@ impl<'a> Neighbours<'a> {
     /// Chooses the neighbours in sight that a walker would meet soonest: by the time to a
     /// collision, or by the gap between them if that is shorter. They are in order of distance, and
     /// of indices at the same distance.
+    ///
+    /// The first grid has the walkers, the second the bystanders.
     pub(crate) fn choose(
-        grid: &'a Grid,
+        grids: [&'a Grid; 2],
         body: &Body,
         (distance, most): (f32, usize),
         hidden: impl Fn(Vec2) -> bool,
@@ -44,11 +46,13 @@ impl<'a> Neighbours<'a> {
         let mut nearest = Ranking { all: [Ranked::LAST; MOST_NEIGHBOURS], most };
         let mut soonest = Ranking { all: [Ranked::LAST; MOST_NEIGHBOURS], most };
         let mut oncoming = 0.0;
-        let widest = body.radius + grid.largest_radius() + COMFORT_M;
-        let fastest = (body.velocity.length() + grid.highest_speed()).max(APPROACH_M_PER_SEC);
+        let [walkers, bystanders] = grids;
+        let largest = walkers.largest_radius().max(bystanders.largest_radius());
+        let widest = body.radius + largest + COMFORT_M;
+        let fastest = (body.velocity.length() + walkers.highest_speed()).max(APPROACH_M_PER_SEC);
         // Beyond this distance nobody is more urgent than those who are chosen.
         let mut square_limit = distance * distance;
-        grid.around(body.position, distance, |place, other| {
+        let mut see = |nth: usize, place: u32, other: &Seen| {
             let square = other.position.distance_squared(body.position);
             if square > distance * distance || other.index == body.index {
                 return;
@@ -57,23 +61,27 @@ impl<'a> Neighbours<'a> {
                 oncoming += 1.0;
             }
             if square <= square_limit {
-                let ranked =
-                    Ranked { key: urgency(body, other, square), index: other.index, place };
+                let key = urgency(body, other, square);
+                let ranked = Ranked { key, index: other.index, place, nth };
                 if soonest.takes(&ranked) && !hidden(other.position) {
                     soonest.insert(ranked);
                     let limit = widest + 1.01 * fastest * soonest.all[most - 1].key;
                     square_limit = square_limit.min(limit * limit);
                 }
             }
-        });
+        };
+        for (nth, grid) in grids.into_iter().enumerate() {
+            grid.around(body.position, distance, |place, other| see(nth, place, other));
+        }
+        let seen = |ranked: &Ranked| &grids[ranked.nth].walkers()[ranked.place as usize];
         for ranked in soonest.iter() {
-            let other = &grid.walkers()[ranked.place as usize];
+            let other = seen(ranked);
             let key = other.position.distance_squared(body.position);
             nearest.insert(Ranked { key, ..*ranked });
         }
         let mut all = [None; MOST_NEIGHBOURS];
         for (other, ranked) in all.iter_mut().zip(nearest.iter()) {
-            *other = Some(&grid.walkers()[ranked.place as usize]);
+            *other = Some(seen(ranked));
         }
         Self { all, oncoming }
     }
@@ -89,12 +97,13 @@ impl<'a> Neighbours<'a> {
 struct Ranked {
     key: f32,
     index: u32,
-    /// Where it is in the grid.
+    /// Where it is in its grid, and which grid that is.
     place: u32,
+    nth: usize,
 }
 
 impl Ranked {
-    const LAST: Self = Self { key: f32::INFINITY, index: u32::MAX, place: 0 };
+    const LAST: Self = Self { key: f32::INFINITY, index: u32::MAX, place: 0, nth: 0 };
 
     fn is_before(&self, other: &Self) -> bool {
         self.key < other.key || (self.key == other.key && self.index < other.index)

@@ -60,11 +60,13 @@ impl Avoidance {
         let speed = body.velocity.length().max(preferred.length());
         let farthest_wall = body.radius + speed * DETOUR_SECS.max(settings.wall_horizon_secs);
         let barriers = Barriers::near(&self.walls, body.position, farthest_wall);
-        let distance = body.radius + self.grid.largest_radius();
+        let grids = [&self.grid, &self.bystanders.grid];
+        let [largest, standing] = grids.map(|grid| grid.largest_radius());
+        let distance = body.radius + largest.max(standing);
         let distance = distance + (speed + BRISK) * settings.horizon_secs;
         let hidden = |other: Vec2| barriers.hide(body.position, other);
         let sight = (distance.min(settings.sight_m), settings.neighbours);
-        let neighbours = Neighbours::choose(&self.grid, &body, sight, hidden);
+        let neighbours = Neighbours::choose(grids, &body, sight, hidden);
         let wished = self.groups.preferred(&body, preferred, neighbours.iter(), &settings.groups);
         let sidestep = settings.keep_right * (neighbours.oncoming / MANY).min(1.0);
         let wished = wished + body.ahead.perp() * sidestep;
@@ -88,7 +90,7 @@ impl Avoidance {
     }
 
     /// Returns how a walker avoids a neighbour. Both find the same horizon, and shares that sum
-    /// to 1 but for rounding.
+    /// to 1 but for rounding. A bystander leaves the whole change to the walker.
     fn manner(&self, body: &Body, other: &Seen) -> Manner {
         let settings = &self.settings;
         if body.group != 0 && body.group == other.group {
@@ -103,6 +105,7 @@ impl Avoidance {
         let is_even = (body.index ^ other.index) & 1 == 0;
         let politeness = if is_even == (body.index < other.index) { UNEQUAL } else { -UNEQUAL };
         let share = (0.5 + VIEW * in_view + politeness).clamp(0.0, 1.0);
+        let share = if other.is_bystander() { 1.0 } else { share };
         let side_bias = settings.keep_right * opposition(body, other);
         Manner { horizon_secs, share, side_bias, comfort_m: settings.comfort_m }
     }

@@ -204,8 +204,9 @@ impl Walkers {
     }
 
     /// Makes a walker go straight to its goal, like somebody who reads a message. It steers around
-    /// nobody, and others steer around it. Walls still stop it. `false` ends this. A walker that
-    /// [rests](Self::rest) goes on resting, and heeds others once it resumes.
+    /// nobody, and others steer around it. Walls still stop it, and it slides along bystanders.
+    /// `false` ends this. A walker that [rests](Self::rest) goes on resting, and heeds others once
+    /// it resumes.
     ///
     /// # Errors
     ///

@@ -2,6 +2,7 @@
 
 #![expect(clippy::cast_possible_truncation, reason = "numbers of scenes are small")]
 
+mod bystanders;
 mod flows;
 mod groups;
 mod inputs;

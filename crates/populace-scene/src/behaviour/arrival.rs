@@ -1,15 +1,21 @@
 //! Bringing the people of a plan into a crowd, each to where its behaviour begins.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::Vec2;
 use populace::{
     CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Placement, Target, Weight,
 };
+use populace_locomotion::avoidance::Bystander;
 use populace_random::Rng;
 
 use super::body::{Body, Use};
 use super::falls::direction;
+use super::loops::loops;
 use super::person::{Doing, Kind, Person};
 use super::settling::Settling;
+use super::standers::Stander;
 use super::world::{Stand, WHOLE, World};
 use super::{armies, driving, settled, traffic};
 use crate::Error;
@@ -29,6 +35,10 @@ pub(super) struct Arrival<'a> {
     pub(super) stage: &'a Stage,
     pub(super) cast: &'a CastPlan,
     pub(super) of: &'a CrowdPlan,
+    /// The people of this crowd if they stand.
+    pub(super) standers: &'a [Stander],
+    /// Everybody of the plan who stands, as those see them who walk.
+    pub(super) bystanders: &'a [Bystander],
 }
 
 /// Where and how a person begins.
@@ -109,7 +119,8 @@ impl Arrival<'_> {
                 }
             }
         }
-        let settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
+        let mut settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
+        self.bystanders.iter().for_each(|of| settling.take(of.position.into()));
         settled::settle(world, crowd, (settling, habits), &on_foot)
     }
 
@@ -192,7 +203,7 @@ impl Arrival<'_> {
         Ok(())
     }
 
-    /// Brings people who stand in rows and play a clip.
+    /// Brings people who stand in rows and play a clip, once if it does not loop.
     fn standers(
         &self,
         world: &mut World,
@@ -200,23 +211,28 @@ impl Arrival<'_> {
         plan: &StandPlan,
         people: &[CastPerson],
     ) -> Result<(), Error> {
-        let yaw_rad = plan.facing_deg.to_radians();
-        let ahead = direction(plan.facing_deg);
-        let left = Vec2::new(ahead.y, -ahead.x);
-        // Fewer than fill a row stand around its middle.
-        let row = plan.row.min(people.len()).max(1);
-        for (nth, of) in people.iter().enumerate() {
+        let mut known = HashMap::new();
+        for (of, Stander { at, yaw_rad, .. }) in people.iter().zip(self.standers.iter().copied()) {
             let mut random = self.random(world);
-            let aside = ((nth % row) as f32 - 0.5 * (row - 1) as f32) * plan.spacing_m;
-            let behind = (nth / row) as f32 * plan.spacing_m;
-            let at = Vec2::from(plan.at) + left * aside - ahead * behind;
             let height = self.stage.ground().height_at(at.x, at.y);
             let phase = random.unit();
             let start = Start::at([at.x, height, at.y], yaw_rad, (Kind::Stands, Doing::Stands));
             let who = self.spawn(world, crowd, (of, random), start)?;
             let clip = crowd.clip(world.body(who).character, &plan.clip)?;
-            let playback = ClipPlayback::looping().phase(phase);
-            crowd.member_mut(world.member(who))?.play(clip, playback)?;
+            let asset = Arc::clone(crowd.clip_mut(clip)?.asset());
+            let (first_secs, is_looped) = match (known.get(&clip), plan.looping) {
+                (Some(known), _) => *known,
+                (None, Some(is_looped)) => (asset.start_secs(), is_looped),
+                (None, None) => (asset.start_secs(), loops(&asset)),
+            };
+            known.insert(clip, (first_secs, is_looped));
+            let mut member = crowd.member_mut(world.member(who))?;
+            if is_looped {
+                member.play(clip, ClipPlayback::looping().phase(phase))?;
+            } else {
+                member.play(clip, ClipPlayback::held_at_secs(first_secs))?;
+                member.play(clip, ClipPlayback::once().after_secs(plan.start_s))?;
+            }
         }
         Ok(())
     }
@@ -254,6 +270,7 @@ impl Arrival<'_> {
             direction: 1.0,
             lane: 0.5,
             carries: false,
+            held_up: 0,
             goal,
             post,
             is_in_front,

@@ -69,6 +69,11 @@ pub(crate) fn use_keys() -> impl Iterator<Item = &'static str> {
     USES.iter().map(|(_, key, _)| *key)
 }
 
+/// Returns the name that the clip for a use has unless a scene file says otherwise.
+pub(crate) fn clip_name(usage: Use) -> &'static str {
+    USES.iter().find(|(other, ..)| *other == usage).map_or("", |(_, _, name)| name)
+}
+
 /// A clip and its length.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct UsedClip {

@@ -125,6 +125,8 @@ pub(crate) struct Person {
     pub(crate) direction: f32,
     /// Distance to the right of the line in its direction, as a part of half the width.
     pub(crate) lane: f32,
+    /// The number of turns for which people who stand have held it up.
+    pub(crate) held_up: u8,
     /// Where it is sent.
     pub(crate) goal: Vec2,
     /// The place of who has one: in a line of battle, or on a stand.

@@ -139,8 +139,13 @@ impl<'a> Settling<'a> {
             world.walkers.add(crowd, member)?;
         }
         world.people[who].goal = at;
-        self.taken.entry(cell(at)).or_default().push(at);
+        self.take(at);
         Ok(())
+    }
+
+    /// Notes a point at which somebody is.
+    pub(crate) fn take(&mut self, at: Vec2) {
+        self.taken.entry(cell(at)).or_default().push(at);
     }
 }
 

@@ -11,18 +11,16 @@ use crate::plan::{
 };
 
 use super::body::{Body, Use};
-use super::footways::{Footway, Place};
+use super::footways::Footway;
 use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
+use super::standing::Standing;
 use super::traffic::Traffic;
 
 /// The layer of motions of the whole body.
 pub(crate) const WHOLE: usize = 1;
 /// The layer of motions of the upper body.
 pub(crate) const UPPER: usize = 2;
-/// How far ahead on a footway people are sent, and how near they come before they are sent on.
-const SENT_M: f32 = 14.0;
-const SENT_ON_M: f32 = 5.0;
 /// Distance from a goal at which somebody has arrived, and speed below which somebody stands.
 const ARRIVED_M: f32 = 0.12;
 const STANDS_M_PER_SEC: f32 = 0.05;
@@ -126,6 +124,7 @@ pub(crate) struct World {
     pub(crate) armies: Vec<FightPlan>,
     pub(crate) people: Vec<Person>,
     pub(crate) footways: Vec<Footway>,
+    pub(crate) standing: Standing,
     pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
     pub(crate) leans: Vec<(LeanPlan, Option<usize>)>,
     pub(crate) seats: Vec<(SeatPlan, Option<usize>)>,
@@ -156,7 +155,7 @@ impl World {
         self.now > 0.0
     }
 
-    fn velocity(&self, who: usize) -> Vec2 {
+    pub(crate) fn velocity(&self, who: usize) -> Vec2 {
         let walker = self.walkers.index(self.people[who].member);
         walker.map_or(Vec2::ZERO, |at| self.walkers.velocities()[at].into())
     }
@@ -224,31 +223,6 @@ impl World {
         self.walkers.set_facing(member, None)?;
         self.walkers.set_speed(member, pace)?;
         self.send_along(who)
-    }
-
-    /// Sends a person on along its footway, and back from its end.
-    pub(crate) fn send_along(&mut self, who: usize) -> Result<(), Error> {
-        let at = self.position(who);
-        let person = &mut self.people[who];
-        let footway = &self.footways[person.footway];
-        let along = footway.place(at).along_m;
-        let left = if person.direction > 0.0 { footway.length_m() - along } else { along };
-        if left < SENT_ON_M {
-            person.direction = -person.direction;
-            person.lane = person.random.between_f32(0.1, 0.95);
-        }
-        let along_m = (along + SENT_M * person.direction).clamp(0.0, footway.length_m());
-        let aside_m = -person.direction * person.lane * footway.half_m;
-        let (to, _) = footway.at(Place { along_m, aside_m });
-        self.send(who, to)
-    }
-
-    /// Keeps a person going along its footway.
-    pub(crate) fn keep_going(&mut self, who: usize) -> Result<(), Error> {
-        if self.position(who).distance(self.people[who].goal) < SENT_ON_M {
-            self.send_along(who)?;
-        }
-        Ok(())
     }
 
     /// Plays a motion on a layer for as long as it is or until it is ended, and returns its length

@@ -195,13 +195,33 @@ pub struct StandPlan {
     pub row: usize,
     /// Distance between neighbours.
     pub spacing_m: f32,
+    /// True for exact rows and one heading. Otherwise, unless there is only one, each stands up to
+    /// a quarter of the spacing off its place, not within its neighbours, and is turned by up to
+    /// 15 degrees.
+    pub even: bool,
     /// The clip that they play.
     pub clip: String,
+    /// True to play the clip again and again, false to play it once and hold its end. Without it,
+    /// a clip whose last pose is far from its first, such as a fall, is played once.
+    #[serde(rename = "loop")]
+    pub looping: Option<bool>,
+    /// Seconds of the scene at which a clip that is played once begins. Its first pose is held
+    /// until then.
+    pub start_s: f32,
 }
 
 impl Default for StandPlan {
     fn default() -> Self {
-        Self { at: [0.0; 2], facing_deg: 0.0, row: 10, spacing_m: 1.0, clip: "Idle".into() }
+        Self {
+            at: [0.0; 2],
+            facing_deg: 0.0,
+            row: 10,
+            spacing_m: 1.0,
+            even: false,
+            clip: "Idle".into(),
+            looping: None,
+            start_s: 0.0,
+        }
     }
 }
 

@@ -35,7 +35,12 @@ impl Fault {
     }
 
     pub(super) fn message(&self) -> String {
-        let Self { key, around, rule } = self;
+        format!("{} must be {}", self.place(), self.rule)
+    }
+
+    /// Returns the value's key and the tables around it.
+    fn place(&self) -> String {
+        let Self { key, around, .. } = self;
         let mut of = String::new();
         for (table, _) in around.split_last().map_or(&[][..], |(_, inner)| inner) {
             of += &format!(" of `{table}`");
@@ -45,7 +50,13 @@ impl Fault {
             Some((table, None)) => format!(" of [{table}]"),
             None => String::new(),
         };
-        format!("`{key}`{of} must be {rule}")
+        format!("`{key}`{of}")
+    }
+
+    /// Finds the line of a value that is refused for a reason which only its use shows.
+    pub(super) fn because(&self, text: &str, reason: &str) -> SceneFileError {
+        let message = format!("{}: {reason}", self.place());
+        SceneFileError { message, ..self.at_its_line(text) }
     }
 
     /// Finds the line of the value, or of the table around it if it is not written there.

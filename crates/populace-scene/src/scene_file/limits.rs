@@ -16,6 +16,7 @@ pub(super) const RATE: Limits<f32> = Limits::new(0.0, 120.0, " times in a minute
 pub(super) const WALKING_SPEED: Limits<f32> = Limits::new(0.1, 10.0, " metres in a second");
 pub(super) const WAVE_SPEED: Limits<f32> = Limits::new(0.1, 1000.0, " metres in a second");
 pub(super) const WAVE_EVERY: Limits<f32> = Limits::new(0.0, 1e6, " seconds");
+pub(super) const START: Limits<f32> = Limits::new(0.0, 1e6, " seconds");
 pub(super) const SPACING: Limits<f32> = Limits::new(0.1, 1000.0, " metres");
 pub(super) const ADVANCE: Limits<f32> = Limits::new(0.0, 10_000.0, " metres");
 

@@ -2,7 +2,7 @@
 
 use super::fault::{Fault, first, first_of, unknown};
 use super::limits::{
-    ADVANCE, BODY_HEIGHT, COORDINATE, HEADING, MEMBERS, PART, RATE, SPACING, WALKING_SPEED,
+    ADVANCE, BODY_HEIGHT, COORDINATE, HEADING, MEMBERS, PART, RATE, SPACING, START, WALKING_SPEED,
     WAVE_EVERY, WAVE_SPEED,
 };
 use crate::THING_KINDS;
@@ -144,5 +144,6 @@ fn check_stand(stand: &StandPlan) -> Option<Fault> {
         HEADING.check("facing_deg", stand.facing_deg),
         MEMBERS.check("row", stand.row),
         SPACING.check("spacing_m", stand.spacing_m),
+        START.check("start_s", stand.start_s),
     ])
 }

@@ -1,0 +1,67 @@
+//! The places of people who stand, as those see them who look for a way.
+
+use std::collections::HashMap;
+
+use glam::Vec2;
+use populace_locomotion::avoidance::Bystander;
+
+/// Side of a cell in metres.
+const CELL_M: f32 = 1.0;
+/// Distance from people who stand at which a way is free, in metres.
+const KEPT_M: f32 = 0.55;
+/// Distance between the points of a way that are looked at, in metres.
+const LOOKED_M: f32 = 0.5;
+
+/// The places of people who stand, by cells.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Standing {
+    cells: HashMap<[i32; 2], Vec<Vec2>>,
+}
+
+impl Standing {
+    pub(crate) fn new(bystanders: &[Bystander]) -> Self {
+        let mut cells: HashMap<_, Vec<Vec2>> = HashMap::new();
+        for at in bystanders.iter().map(|of| Vec2::from(of.position)) {
+            cells.entry(cell(at)).or_default().push(at);
+        }
+        Self { cells }
+    }
+
+    /// Returns those who stand within a distance of at most one cell.
+    fn near(&self, at: Vec2, distance_m: f32) -> impl Iterator<Item = Vec2> {
+        let [x, z] = cell(at);
+        let around = (x - 1..=x + 1).flat_map(move |x| (z - 1..=z + 1).map(move |z| [x, z]));
+        let all = around.filter_map(|cell| self.cells.get(&cell)).flatten().copied();
+        all.filter(move |other| other.distance_squared(at) < distance_m * distance_m)
+    }
+
+    pub(crate) fn is_empty(&self) -> bool {
+        self.cells.is_empty()
+    }
+
+    /// Returns true if somebody stands within a distance of at most one cell.
+    pub(crate) fn is_near(&self, at: Vec2, distance_m: f32) -> bool {
+        self.near(at, distance_m).next().is_some()
+    }
+
+    /// Returns how far the straight way to a point is free, in metres.
+    pub(crate) fn free_m(&self, from: Vec2, to: Vec2) -> f32 {
+        let whole_m = from.distance(to);
+        let ahead = (to - from).normalize_or_zero();
+        let mut way_m = LOOKED_M;
+        while way_m < whole_m {
+            let mut met = self.near(from + ahead * way_m, KEPT_M);
+            // Who is beside or behind is in nobody's way.
+            if met.any(|other| (other - from).dot(ahead) > 0.2) {
+                return way_m;
+            }
+            way_m += LOOKED_M;
+        }
+        whole_m
+    }
+}
+
+fn cell(at: Vec2) -> [i32; 2] {
+    #[expect(clippy::cast_possible_truncation, reason = "floats saturate")]
+    (at / CELL_M).floor().to_array().map(|value| value as i32)
+}
