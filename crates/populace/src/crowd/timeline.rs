@@ -150,7 +150,10 @@ impl Crowd {
     fn prepare(&mut self) -> Result<(), Error> {
         // An update that failed may have left some.
         self.state.player.take_left();
-        // Devices that run ahead may have finished frames since the last update.
+        // A view goes by where the last update has moved members, however fast the device is.
+        if self.state.base.view.is_some() && !self.state.motion.is_empty() {
+            self.device.backend_mut().finish()?;
+        }
         Ok(self.update_offsets()?)
     }
 

@@ -33,9 +33,9 @@ impl Crowd {
     /// watched or carry others, are posed and change their level all the same. Members with
     /// overrides, proportions, user stages or live clips, and attached ones, are never hidden.
     ///
-    /// The choice for a member with root motion goes by its
-    /// [`bounding_sphere`](crate::MemberRef::bounding_sphere) as `update` begins: it comes into
-    /// view one update late on the native device, and a few updates late on others.
+    /// The choice for a member with root motion goes by where the update before has moved it: it
+    /// comes into view one update late. With such members, an update with a view waits for the one
+    /// before.
     ///
     /// Levels depend on those of the update before: a level changes to a coarser one a little later
     /// than to a finer one. They are part of a [snapshot](Self::snapshot).
