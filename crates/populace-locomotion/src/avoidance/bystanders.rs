@@ -1,5 +1,4 @@
-//! People who stand and evade nobody: walkers steer around them, and come no nearer than their
-//! chests.
+//! People who stand and evade nobody: walkers steer around them, and do not walk through them.
 
 use glam::Vec2;
 
@@ -17,8 +16,8 @@ pub struct Bystander {
 
 /// The bit of an index that marks a bystander among the neighbours of a walker.
 const BYSTANDER: u32 = 1 << 31;
-/// The part of the distance at which two people touch that is kept in any case: who is squeezed
-/// through a crowd turns its shoulders.
+/// The part of the distance at which two people touch that is kept in any case: people who squeeze
+/// through a crowd turn their shoulders.
 const CORE: f32 = 0.8;
 /// How often a step is corrected that leads to several bystanders.
 const MOST_CORRECTIONS: usize = 3;

@@ -37,7 +37,7 @@ pub(super) struct Arrival<'a> {
     pub(super) of: &'a CrowdPlan,
     /// The people of this crowd if they stand.
     pub(super) standers: &'a [Stander],
-    /// Everybody of the plan who stands, as those see them who walk.
+    /// Everybody of the plan who stands, as walkers see them.
     pub(super) bystanders: &'a [Bystander],
 }
 

@@ -1,4 +1,4 @@
-//! Where people stand, and how others see them who walk.
+//! Where people stand, and how walkers see them.
 
 use glam::Vec2;
 use populace::Crowd;
@@ -32,14 +32,14 @@ pub(super) struct Stander {
 }
 
 impl Stander {
-    /// Returns it as those see it who walk; `None` where nobody comes.
+    /// Returns it as walkers see it; `None` where nobody comes.
     fn bystander(&self) -> Option<Bystander> {
         let bystander = Bystander { position: self.at.to_array(), radius_m: self.radius_m };
         (self.at.abs().max_element() <= FARTHEST_M).then_some(bystander)
     }
 }
 
-/// Returns those who stand, in a list for each crowd of the plan. `people` has such lists too.
+/// Returns the people who stand, in a list for each crowd of the plan. `people` has such lists too.
 pub(super) fn of_plan(
     crowd: &Crowd,
     plan: &ScenePlan,
@@ -64,7 +64,7 @@ pub(super) fn of_plan(
     Ok(all)
 }
 
-/// Returns all who stand, as those see them who walk.
+/// Returns all people who stand, as walkers see them.
 pub(super) fn bystanders(standers: &[Vec<Stander>]) -> Vec<Bystander> {
     standers.iter().flatten().filter_map(Stander::bystander).collect()
 }

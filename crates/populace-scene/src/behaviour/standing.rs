@@ -1,4 +1,4 @@
-//! The places of people who stand, as those see them who look for a way.
+//! The places of people who stand, for walkers that look for a way.
 
 use std::collections::HashMap;
 
@@ -27,7 +27,7 @@ impl Standing {
         Self { cells }
     }
 
-    /// Returns those who stand within a distance of at most one cell.
+    /// Returns the places of people who stand within a distance of at most one cell.
     fn near(&self, at: Vec2, distance_m: f32) -> impl Iterator<Item = Vec2> {
         let [x, z] = cell(at);
         let around = (x - 1..=x + 1).flat_map(move |x| (z - 1..=z + 1).map(move |z| [x, z]));
@@ -51,7 +51,7 @@ impl Standing {
         let mut way_m = LOOKED_M;
         while way_m < whole_m {
             let mut met = self.near(from + ahead * way_m, KEPT_M);
-            // Who is beside or behind is in nobody's way.
+            // People beside or behind are in nobody's way.
             if met.any(|other| (other - from).dot(ahead) > 0.2) {
                 return way_m;
             }

@@ -15,8 +15,8 @@ const SIDES: i8 = 5;
 const SIDE: f32 = 0.19;
 /// Metres of free way that the change from one edge of a footway to the middle is worth.
 const CHANGE_M: f32 = 2.0;
-/// Somebody slower, in metres per second, near somebody who stands is held up; after this number of
-/// turns it goes back.
+/// A person slower than this, in metres per second, within a distance in metres of somebody who
+/// stands is held up. It turns back after a number of turns.
 const HELD_UP_M_PER_SEC: f32 = 0.3;
 const NEAR_M: f32 = 0.9;
 const MOST_TURNS: u8 = 4;
@@ -54,7 +54,7 @@ impl World {
         to(best.map_or(own, |(_, side)| side))
     }
 
-    /// Keeps a person going along its footway. Who does not get through people who stand goes back.
+    /// Keeps a person going along its footway. It turns back if people who stand hold it up.
     pub(crate) fn keep_going(&mut self, who: usize) -> Result<(), Error> {
         if self.is_turn(who) {
             let is_held_up = self.is_held_up(who);
