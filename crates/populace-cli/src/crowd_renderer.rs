@@ -71,15 +71,12 @@ impl CrowdRenderer {
         scene: &Scene,
         person: &dyn Fn(MemberId) -> Option<u64>,
     ) -> Result<PixelFacts, Failure> {
+        // Things in hands belong to the person who holds them.
+        let holder = |of: &MemberId| Some(crowd.member(*of).ok()?.attached_to()?.0);
+        let whose = |member| std::iter::successors(Some(member), holder).find_map(person);
         // Instances are in the order of members.
-        let people: Vec<_> = crowd.members().map(|member| person(member.id())).collect();
-        // Things in hands count with who holds them.
-        let counts = |member: MemberId| {
-            let holder = |of: &MemberId| Some(crowd.member(*of).ok()?.attached_to()?.0);
-            std::iter::successors(Some(member), holder).any(|member| person(member).is_some())
-        };
-        let counting: Vec<bool> = crowd.members().map(|member| counts(member.id())).collect();
-        let covers = |index: u32| counting.get(index as usize).is_some_and(|counts| *counts);
+        let people: Vec<_> = crowd.members().map(|member| whose(member.id())).collect();
+        let covers = |index: u32| people.get(index as usize).is_some_and(Option::is_some);
         let marks = self.renderer.read_marks(camera, scene, &covers)?;
         Ok(PixelFacts { marks, people })
     }

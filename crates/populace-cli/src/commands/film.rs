@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::frame_loop::{FrameSink, Shot};
 use crate::output::{Outputs, check_inputs, check_writable};
 use crate::progress::Progress;
-use crate::report;
+use crate::report::{self, message};
 use crate::series::Series;
 use crate::sinks::Sink;
 use crate::unfinished;
@@ -28,6 +28,9 @@ pub(crate) fn run(args: &JoinArgs) -> Result<(), Failure> {
     let files: Vec<PathBuf> = frames.clone().map(|frame| series.path(frame)).collect();
     check_inputs(std::iter::once(args.out.clone()), &files)?;
     check_writable(&args.out)?;
+    // Pictures of an earlier, longer run may follow those of the last one.
+    let [first, last] = [frames.start(), frames.end()];
+    message!("joining {} pictures, {first} to {last}; --frames chooses others", files.len());
     join(args, &files, Outputs::new(&args.out, frames, true, &[])?)
 }
 

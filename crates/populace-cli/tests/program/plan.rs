@@ -119,6 +119,8 @@ fn chunks_in_any_order_hold_the_bytes_of_one_run_and_join_into_a_film() {
     let output = populace(&["film", &out, "--fps", "25", "--out", &film]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_eq!(String::from_utf8_lossy(&output.stdout), format!("{film}\n"));
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(stderr.contains("joining 12 pictures, 0 to 11"), "{stderr}");
     let direct = folder.text("direct.mp4");
     draw(&file, &direct, &["--frames", "12"]);
     let [joined, direct] = [film, direct].map(|film| std::fs::read(film).expect("a film"));

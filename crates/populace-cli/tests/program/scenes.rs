@@ -196,6 +196,30 @@ fn things_without_people_are_in_the_picture() {
     assert!((50..2000).contains(&seen), "{seen} of 4096 pixels show the bench");
 }
 
+/// Pixels of a box in somebody's hands have the number of who holds it.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn things_in_hands_have_the_number_of_their_holder() {
+    let numbered = |holds: &str| {
+        let folder = Folder::new();
+        let text = format!(
+            "[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n{holds}\n\
+             [[crowd]]\ncast = \"a\"\ncount = 1\ndoes.stand = {{ clip = \"Carry\" }}\n"
+        );
+        let args = ["--size", "90x90", "--images", "id,alpha", "--camera", "0,1.3,2.5,0,1,0"];
+        let out = draw(&folder, &text, &args);
+        let open = |kind: &str| image::open(out.replace(".png", kind)).expect("a picture");
+        let (ids, alpha) = (open(".id.png").to_rgb8(), open(".alpha.png").to_luma8());
+        let whole = ids.pixels().zip(alpha.pixels()).filter(|(_, alpha)| alpha.0[0] == 255);
+        let (of_first, others): (Vec<_>, Vec<_>) =
+            whole.map(|(id, _)| id.0).partition(|id| *id == [0, 0, 1]);
+        assert_eq!(others.len(), 0, "{holds:?}");
+        of_first.len()
+    };
+    let (alone, with_box) = (numbered(""), numbered("holds = [\"box\"]"));
+    assert!(with_box > alone + 50, "{alone} and {with_box} pixels");
+}
+
 /// Draws a meadow of a size under an evening sky, and returns its colour 3 m before the camera.
 fn meadow(size_m: u32, args: &[&str]) -> [u8; 3] {
     let folder = Folder::new();
