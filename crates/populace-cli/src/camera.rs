@@ -149,6 +149,13 @@ impl Cameras {
         self.least_visibility_m
     }
 
+    /// Returns `secs`, or a time just before the first cut after `start` if that is earlier: all
+    /// pictures of a frame with motion blur are taken from the shot that it begins in.
+    pub(crate) fn within_shot(&self, start: f64, secs: f64) -> f64 {
+        let Mode::Keys(keys) = &self.mode else { return secs };
+        keys.cut_between(start, secs).map_or(secs, f64::next_down)
+    }
+
     /// Returns the camera at a time in seconds since frame 0.
     pub(crate) fn at(&self, poses: &Poses<'_>, secs: f64) -> Camera {
         match &self.mode {

@@ -139,11 +139,16 @@ impl FrameLoop<'_> {
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
         let (mut now_secs, mut facts): (f64, Option<PixelFacts>) = (0.0, None);
-        let (mut frame, mut is_drawn) = (None, false);
+        let (mut frame, mut is_drawn, mut start_secs) = (None, false, 0.0);
         while let Some(moment) = moments.next() {
+            if moment.sample.is_none_or(|sample| sample == 0) {
+                start_secs = moment.secs;
+            }
+            let within = |cameras: &Cameras| cameras.within_shot(start_secs, moment.secs);
+            let camera_secs = action.cameras().map_or(moment.secs, within);
             // The lead-in ends at the first moment.
             if moment.secs > now_secs {
-                self.look(crowd, action, moment.secs)?;
+                self.look(crowd, action, camera_secs)?;
                 spent.add(&animate(crowd, action, single(moment.secs - now_secs))?);
                 now_secs = moment.secs;
             }
@@ -153,7 +158,7 @@ impl FrameLoop<'_> {
             }
             if let Some(sample) = moment.sample.filter(|_| is_drawn) {
                 let start = Instant::now();
-                let camera = action.camera(moment.secs)?;
+                let camera = action.camera(camera_secs)?;
                 exposure.add(renderer.picture(crowd, &camera, self.scene)?);
                 times.passes.push(renderer.pass_times()?);
                 if sample == 0 && (sink.needs_facts() || action.needs_depths()) {
@@ -170,7 +175,7 @@ impl FrameLoop<'_> {
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
                 let depths_m = facts.as_ref().map_or(&[][..], |facts| &facts.marks.depths_m[..]);
-                action.overlay(&mut picture, &action.camera(moment.secs)?, depths_m)?;
+                action.overlay(&mut picture, &action.camera(camera_secs)?, depths_m)?;
                 times.draw.push(spent.draw + ms_since(start));
                 let facts = facts.take().filter(|_| sink.needs_facts());
                 sink.take(moment.frame, Shot { picture, facts })?;

@@ -202,7 +202,7 @@ fn keys_of_cameras_are_in_order_and_look_somewhere() {
     for (after, key, value, words) in [
         (first, "time", "nan", "`time` of `key` of a [[camera]] must be from 0 to 1000000 seconds"),
         (first, "time", "-1", "seconds, not -1"),
-        (last, "time", "1", "later than that of the key before"),
+        (last, "time", "1", "not before that of the key before"),
         (first, "from", "[nan, 1, 2]", "metres, not NaN"),
         (first, "to", "[0, inf, 2]", "metres, not inf"),
         (first, "to", "[0, 1, 2]", "another point than `from`"),

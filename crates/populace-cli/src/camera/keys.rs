@@ -25,7 +25,8 @@ pub(crate) struct Key {
     pub(super) fov_deg: f64,
 }
 
-/// Key frames in the order of time, at least one.
+/// Key frames in the order of time, at least one. Two at one time are a cut: the camera comes to the
+/// first, and goes on from the second.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Keys(Vec<Key>);
 
@@ -88,10 +89,16 @@ impl Keys {
             if !(0.0..=1e6).contains(&key.time) {
                 return wrong(table.time.span(), "`time` must be from 0 to 1000000 seconds");
             }
-            if keys.last().is_some_and(|before| before.time >= key.time) {
+            if keys.last().is_some_and(|before| before.time > key.time) {
                 return wrong(
                     table.time.span(),
-                    "`time` must be later than that of the key before",
+                    "`time` must not be before that of the key before",
+                );
+            }
+            if keys.iter().rev().nth(1).is_some_and(|early| early.time >= key.time) {
+                return wrong(
+                    table.time.span(),
+                    "`time` must differ from that of the two keys before, which are a cut",
                 );
             }
             if from == to {
@@ -109,8 +116,14 @@ impl Keys {
         Ok(Self(keys))
     }
 
+    /// Returns the time of the first cut after `start` and up to `end`, in seconds.
+    pub(super) fn cut_between(&self, start: f64, end: f64) -> Option<f64> {
+        let cuts = self.0.iter().zip(self.0.iter().skip(1)).filter(|(a, b)| a.time >= b.time);
+        cuts.map(|(key, _)| key.time).find(|cut| start < *cut && *cut <= end)
+    }
+
     /// Returns the camera at a time. It passes through the keys without stops or detours, stays
-    /// where two keys are equal, and rests before the first and after the last.
+    /// where two keys are equal, and rests before the first, after the last, and at cuts.
     pub(super) fn at(&self, secs: f64) -> Key {
         let after = self.0.partition_point(|key| key.time <= secs);
         let (Some(low), Some(high)) = (after.checked_sub(1), self.0.get(after)) else {
@@ -138,7 +151,7 @@ impl Keys {
     /// Returns how fast a number changes at a key, so that it never leaves the range between two
     /// keys: the weighted harmonic mean of its speeds before and after (Fritsch and Butland, "A
     /// method for constructing local monotone piecewise cubic interpolants", SIAM J. Sci. Stat.
-    /// Comput. 5, 1984). It is 0 at both ends.
+    /// Comput. 5, 1984). It is 0 at both ends and at cuts.
     fn slope(&self, at: usize, of: &dyn Fn(&Key) -> f64) -> f64 {
         let [Some(before), Some(key), Some(after)] =
             [at.checked_sub(1), Some(at), Some(at + 1)].map(|i| i.and_then(|i| self.0.get(i)))
@@ -146,6 +159,9 @@ impl Keys {
             return 0.0;
         };
         let [early, late] = [key.time - before.time, after.time - key.time];
+        if early <= 0.0 || late <= 0.0 {
+            return 0.0;
+        }
         let [came, goes] = [(of(key) - of(before)) / early, (of(after) - of(key)) / late];
         if came * goes <= 0.0 {
             return 0.0;
@@ -182,6 +198,26 @@ mod tests {
     }
 
     #[test]
+    fn two_keys_at_one_time_are_a_cut() {
+        let key = |time: f64, x: f64| {
+            format!("[[key]]\ntime = {time}\nfrom = [{x}, 2, 8]\nto = [0, 1, 0]\n")
+        };
+        let shots = [key(0.0, 0.0), key(2.0, 4.0), key(2.0, -9.0), key(3.0, -8.0)].concat();
+        let keys = Keys::parse(&shots).unwrap();
+        let x = |secs: f64| keys.at(secs).from[0];
+        assert_eq!([x(1.0), x(2.0), x(2.5), x(9.0)], [2.0, -9.0, -8.5, -8.0]);
+        assert!((x(2.0_f64.next_down()) - 4.0).abs() < 1e-9);
+        let cuts = [(0.0, 1.9), (1.9, 2.0), (1.9, 2.1), (2.0, 9.0)];
+        let cuts = cuts.map(|(start, end)| keys.cut_between(start, end));
+        assert_eq!(cuts, [None, Some(2.0), Some(2.0), None]);
+        let early = Keys::parse(&[key(2.0, 0.0), key(1.0, 1.0)].concat()).unwrap_err();
+        assert!(early.starts_with("line 6: `time` must not be before"), "{early}");
+        let three = [key(2.0, 0.0), key(2.0, 1.0), key(2.0, 2.0)].concat();
+        let three = Keys::parse(&three).unwrap_err();
+        assert!(three.starts_with("line 10: `time` must differ"), "{three}");
+    }
+
+    #[test]
     fn cameras_pass_through_their_keys_smoothly() {
         let keys = Keys::parse(FILE).unwrap();
         for (secs, x) in [(-1.0, 0.0), (0.0, 0.0), (2.0, 4.0), (3.0, 5.0), (99.0, 5.0)] {
@@ -204,7 +240,7 @@ mod tests {
     fn errors_name_the_line_and_what_is_wrong() {
         for (from, to, words) in [
             ("time = 2\n", "", ["line 5", "time"]),
-            ("time = 2\n", "time = 0\n", ["line 6", "later"]),
+            ("time = 3.0\n", "time = 1\n", ["line 11", "not be before"]),
             ("time = 2\n", "time = \"2\"\n", ["line 6", "f64"]),
             ("time = 2\n", "time = -2\n", ["line 6", "`time`"]),
             ("fov = 30\n", "fow = 30\n", ["line 9", "fow"]),

@@ -221,6 +221,31 @@ fn a_full_disk_keeps_the_old_film_and_names_the_part() {
     assert_eq!(names(&files["film.part.mp4"])[..3], ["ftyp", "moov", "moof"]);
 }
 
+/// A cut within the time of an open shutter leaves no second picture in the frame.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn frames_with_motion_blur_belong_to_one_shot() {
+    let folder = Folder::new();
+    let key = |secs: &str, x: f32| {
+        format!("[[key]]\ntime = {secs}\nfrom = [{x}, 1.5, 4]\nto = [{x}, 1, 0]\n")
+    };
+    let film = |name: &str, keys: String| {
+        let camera = folder.text(&format!("{name}.toml"));
+        std::fs::write(&camera, keys).expect("written");
+        let out = folder.text(&format!("{name}.png"));
+        let args = ["render", "@child", "--members", "4", "--frames", "3", "--fps", "4"];
+        let view = ["--shutter", "360", "--full-detail", "--camera", &camera, "--out", &out];
+        run(&[&args[..], &view, &SMALL].concat());
+        let frame = |n: usize| std::fs::read(folder.path(&format!("{name}_{n:04}.png")));
+        [1, 2].map(|n| frame(n).expect("a frame"))
+    };
+    let first = film("first", key("0", 0.0));
+    let second = film("second", key("0", 0.5));
+    let cut = film("cut", [key("0", 0.0), key("0.3", 0.0), key("0.3", 0.5)].concat());
+    assert!(cut[0] == first[0], "the frame with the cut differs from that of the first shot");
+    assert!(cut[1] == second[1] && second[1] != first[1], "the second shot begins at the cut");
+}
+
 #[test]
 fn films_that_cannot_be_made_are_refused_at_once() {
     let folder = Folder::new();

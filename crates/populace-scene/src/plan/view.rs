@@ -49,7 +49,8 @@ impl Default for OutputPlan {
 pub struct CameraPlan {
     /// The name.
     pub name: String,
-    /// Its keys, in the order of their times. Between them it moves smoothly.
+    /// Its keys, in the order of their times. Between them it moves smoothly. Two keys at one time
+    /// are a cut.
     #[serde(rename = "key")]
     pub keys: Vec<CameraKey>,
 }

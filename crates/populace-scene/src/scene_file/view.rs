@@ -50,16 +50,18 @@ fn check_camera(camera: &CameraPlan) -> Option<Fault> {
     if keys.is_empty() {
         return Some(Fault::of("key", "at least one key"));
     }
-    let before = |nth: usize| nth.checked_sub(1).and_then(|before| keys.get(before));
     let mut all = keys.iter().enumerate();
-    all.find_map(|(nth, key)| check_key(key, before(nth)).map(|fault| fault.nth("key", nth)))
+    all.find_map(|(nth, key)| check_key(key, &keys[..nth]).map(|fault| fault.nth("key", nth)))
 }
 
-fn check_key(key: &CameraKey, before: Option<&CameraKey>) -> Option<Fault> {
-    let is_early = before.is_some_and(|before| before.time >= key.time);
+fn check_key(key: &CameraKey, before: &[CameraKey]) -> Option<Fault> {
+    let is_early = before.last().is_some_and(|before| before.time > key.time);
+    // Two keys at one time are a cut.
+    let is_third = before.iter().rev().nth(1).is_some_and(|early| early.time >= key.time);
     first([
         KEY_SECS.check("time", key.time),
-        is_early.then(|| Fault::of("time", "later than that of the key before")),
+        is_early.then(|| Fault::of("time", "not before that of the key before")),
+        is_third.then(|| Fault::of("time", "after that of the two keys before, which are a cut")),
         COORDINATE.check_all("from", &key.from),
         COORDINATE.check_all("to", &key.to),
         (key.from == key.to).then(|| Fault::of("to", "another point than `from`")),
