@@ -31,7 +31,20 @@ fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
 }
 
 macro_rules! faults {
-    ($form:expr; $($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*) => {
+    (
+        $form:expr, $texts:ident;
+        $($check:ident { $($name:ident: $right:literal => $wrong:literal;)* })*
+    ) => {
+        /// The text of each fault is where the kernels have it.
+        #[test]
+        fn $texts() {
+            let source = $form.source("");
+            let faults = [$($((stringify!($name), $right),)*)*];
+            for (fault, right) in faults {
+                assert_eq!(source.matches(right).count(), 1, "{fault}: {right}");
+            }
+        }
+
         $($(
             #[ignore = "a build of the kernels for each fault; make test-long runs all"]
             #[test]
@@ -43,7 +56,7 @@ macro_rules! faults {
 }
 
 faults! {
-    Form::Staged;
+    Form::Staged, staged_kernels_have_the_text_of_each_fault;
     check_clock {
         loops_ignore_their_phase:
             "((ulong)slot.start_phase << 32) + elapsed * slot.phase_rate" =>
@@ -63,7 +76,8 @@ faults! {
             "((int)(from << 16) >> 16) * (int)(weights & 0xffffu)";
     }
     check_blends {
-        means_are_not_divided: "const float k = 1.0f / sum.terms.total;" => "const float k = 1.0f;";
+        means_are_not_divided:
+            "sum.terms.unweighted ? 1.0f : 1.0f / sum.terms.total" => "1.0f";
         translations_are_not_weighted:
             "vec3_scale(trs.t, weight)" => "trs.t";
         scales_are_not_weighted: "vec3_scale(trs.s, weight)" => "trs.s";
@@ -224,7 +238,7 @@ faults! {
             "const Real relock = most;";
         feet_sink_pelvises: "| (with_offset > leg - above * above);" => "| 0;";
         feet_never_settle: "(in->stood_secs >= (Real)(FOOT_SETTLE_SECS)) &" => "0 &";
-        feet_that_settle_slide: "+ (to.released ? lift : none);" => "+ none;";
+        feet_that_settle_slide: "? lift : none);" => "? none : none);";
         feet_stay_behind_their_clips: "state->x - pivot.x : state->x * decay" =>
             "state->x - pivot.x : state->x";
         offsets_have_no_limit: "vec3_choose(far > most * most, shorter, vector)" => "vector";
@@ -293,7 +307,7 @@ faults! {
 }
 
 faults! {
-    Form::Wide { lanes: 8 };
+    Form::Wide { lanes: 8 }, wide_kernels_have_the_text_of_each_fault;
     check_growth {
         small_groups_write_one_palette:
             "to[lane] + first, streamed" => "to[0] + first, streamed";
