@@ -136,7 +136,7 @@ impl GazeLimits {
 }
 
 impl Default for GazeLimits {
-    /// Those of a [head](Self::HEAD).
+    /// Returns the limits of a [head](Self::HEAD).
     fn default() -> Self {
         Self::HEAD
     }

@@ -216,8 +216,8 @@ device_consts! {
     /// FOOT_STATE_BITS`, bit 5 for a lock that was let go within its contact, the index of the
     /// pivot among the points of the sole in bits 1 to 4, and bit 0 for a planted foot. *Velocity*
     /// is that of the last frame. *Excess* is the velocity at the start of an inertialization minus
-    /// the velocity of the clips that play since. The *rest* is what rounding has left out of the
-    /// offset. `epoch` is [`Control::epoch`].
+    /// the velocity of the clips that play since. The *rest* is the part of the offset
+    /// that rounding has left out. `epoch` is [`Control::epoch`].
     pub const MOTION_STATE: u32 = FOOT_STATE + 2 * MAX_FEET;
     /// Element of the pelvis in a member's history state; see [`MOTION_STATE`].
     pub const PELVIS_STATE: u32 = 0;

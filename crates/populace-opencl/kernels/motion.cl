@@ -189,8 +189,8 @@ SELDOM Move move_within(ConstraintTables tables, uint owner, Span span)
 }
 
 // State after the previous frame: position, velocity (shift and sine of the turn, per tick), the
-// velocity offset at the start of an inertialization, and what rounding has left out of the
-// position.
+// velocity offset at the start of an inertialization, and the part of the position that rounding has
+// left out.
 typedef struct {
     Move place;
     float4 speed, excess, rest;

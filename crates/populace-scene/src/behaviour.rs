@@ -19,9 +19,9 @@ mod seats;
 mod settled;
 mod settling;
 mod standers;
-mod standing;
 mod stands;
 mod stroll;
+mod taken;
 mod talks;
 mod things;
 mod traffic;
@@ -43,7 +43,7 @@ use crate::stage::{Lights, PHONE, Stage};
 use arrival::Arrival;
 use footways::Footway;
 use hands::Phones;
-use standing::Standing;
+use taken::Taken;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
@@ -104,7 +104,7 @@ impl Behaviours {
             people: Vec::new(),
             crossings: crossings.collect(),
             footways,
-            standing: Standing::new(&bystanders),
+            standing: Taken::by(&bystanders),
             spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
             leans: stage.leans.iter().map(|lean| (lean.clone(), None)).collect(),
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
@@ -124,8 +124,7 @@ impl Behaviours {
             let names = plan.casts.iter().map(|cast| &cast.name);
             let cast = cast.ok_or_else(|| Error::unknown("cast", &crowd_plan.cast, names))?;
             let standers = standers.get(nth).map_or(&[][..], Vec::as_slice);
-            let (bystanders, of) = (&bystanders[..], crowd_plan);
-            let arrival = Arrival { plan, stage, cast, of, standers, bystanders };
+            let arrival = Arrival { plan, stage, cast, of: crowd_plan, standers };
             arrival.bring(&mut behaviours.world, crowd, people)?;
         }
         arrival::set_out(&mut behaviours.world)?;
@@ -154,8 +153,10 @@ impl Behaviours {
         Ok(world.ragdolls.step(crowd, secs)?)
     }
 
-    /// Returns which habits the plan asks for, with other rates than the usual ones, that nobody of
-    /// a crowd has the clips for, and how to mend it. The plan is that of [`new`](Self::new).
+    /// Names the habits that the plan asks for and no person of a crowd has the clips for, with the
+    /// cure.
+    /// A plan asks for a habit by a rate other than the usual one. `plan` is that of
+    /// [`new`](Self::new).
     #[must_use]
     pub fn doubts(&self, plan: &ScenePlan) -> Vec<String> {
         let mut first = 0;
@@ -203,7 +204,7 @@ impl Behaviours {
     }
 }
 
-/// Returns how walkers avoid walls and those who stand.
+/// Creates the avoidance of walls and of people who stand.
 fn avoidance(plan: &ScenePlan, bystanders: &[Bystander]) -> Result<Avoidance, avoidance::Error> {
     let mut avoidance = Avoidance::new(AvoidanceSettings::default())?;
     avoidance.set_obstacles(&obstacles(plan))?;

@@ -2,7 +2,7 @@
 
 use populace::Crowd;
 use populace_scene::SceneFileError;
-use populace_scene::plan::{BehaviourPlan, CastPlan, ScenePlan};
+use populace_scene::plan::{BehaviourPlan, CastPlan, CrowdPlan, ScenePlan};
 
 use super::SceneSource;
 use crate::built_in;
@@ -13,6 +13,7 @@ use crate::text_file;
 
 /// A clip that a scene names.
 struct Named<'a> {
+    of: &'a CrowdPlan,
     /// The number of the [[crowd]].
     crowd: usize,
     /// The number of the layer that plays it.
@@ -20,7 +21,7 @@ struct Named<'a> {
     clip: &'a str,
 }
 
-/// Refuses a clip of a [[crowd]] that a character of its cast has not. `roles` returns the
+/// Refuses a clip of a [[crowd]] that a character of its cast lacks. `roles` returns the
 /// characters of a cast.
 pub(super) fn check<'a>(
     crowd: &Crowd,
@@ -28,12 +29,10 @@ pub(super) fn check<'a>(
     roles: impl Fn(&str) -> &'a [CrowdRole],
 ) -> Result<(), Failure> {
     for named in named(&source.plan) {
-        let of = &source.plan.crowds[named.crowd];
-        let Some(cast) = source.plan.casts.iter().find(|cast| cast.name == of.cast) else {
-            continue;
-        };
+        let mut casts = source.plan.casts.iter();
+        let Some(cast) = casts.find(|cast| cast.name == named.of.cast) else { continue };
         // Members are the characters of their cast in turn.
-        for role in roles(&cast.name).iter().take(of.count) {
+        for role in roles(&cast.name).iter().take(named.of.count) {
             if crowd.clip(role.id, named.clip).is_err() {
                 let reason = missing(crowd, role, cast, named.clip)?;
                 return Err(source.at_clip(&named, &reason));
@@ -53,7 +52,7 @@ fn named(plan: &ScenePlan) -> impl Iterator<Item = Named<'_>> {
         let layers = of.layers.iter().enumerate().filter(|(_, layer)| layer.share > 0.0);
         let layers = layers.map(|(nth, layer)| (Some(nth), layer.clip.as_str()));
         let all = stand.map(|clip| (None, clip)).into_iter().chain(layers);
-        all.map(move |(layer, clip)| Named { crowd, layer, clip })
+        all.map(move |(layer, clip)| Named { of, crowd, layer, clip })
     })
 }
 

@@ -131,7 +131,7 @@ type Speed = [f32; 4];
 struct Last {
     /// Root-motion offset of the member, in model space.
     offset: Move,
-    /// What rounding has left out of the offset, in metres.
+    /// The part of the offset that rounding has left out, in metres.
     rest: [f32; 3],
     speed: Speed,
     /// Velocity at the start of the newest inertialization, less that of the incoming clips.

@@ -7,7 +7,6 @@ use glam::Vec2;
 use populace::{
     CharacterId, ClipPlayback, Crowd, LayerMode, LayerSettings, Placement, Target, Weight,
 };
-use populace_locomotion::avoidance::Bystander;
 use populace_random::Rng;
 
 use super::body::{Body, Use};
@@ -37,8 +36,6 @@ pub(super) struct Arrival<'a> {
     pub(super) of: &'a CrowdPlan,
     /// The people of this crowd if they stand.
     pub(super) standers: &'a [Stander],
-    /// Everybody of the plan who stands, as walkers see them.
-    pub(super) bystanders: &'a [Bystander],
 }
 
 /// Where and how a person begins.
@@ -119,8 +116,8 @@ impl Arrival<'_> {
                 }
             }
         }
-        let mut settling = Settling::new(&own, self.stage.ground(), &self.plan.walls);
-        self.bystanders.iter().for_each(|of| settling.take(of.position.into()));
+        let standing = world.standing.clone();
+        let settling = Settling::new(&own, self.stage.ground(), &self.plan.walls, standing);
         settled::settle(world, crowd, (settling, habits), &on_foot)
     }
 

@@ -3,11 +3,11 @@
 use super::body::{Body, Use, clip_name};
 use crate::plan::{BehaviourPlan, CastPlan, CrowdPlan, FightPlan, SpectatePlan, StrollPlan};
 
-/// A habit by its key, its rate and that which it has unless a plan says so, and what it needs.
+/// A habit: its key, its rate and the usual one, and the clips that it needs.
 type Habit = (&'static str, [f32; 2], &'static [Use]);
 
-/// Says which habits nobody of a crowd can have that its plan asks for: with a rate above 0 that is
-/// not the usual one. `bodies` are those of its people.
+/// Names the habits that the plan of a crowd asks for and no `bodies` of its people have clips for. A
+/// plan asks for a habit by a rate above 0 that is not the usual one.
 pub(super) fn doubt(of: &CrowdPlan, cast: &CastPlan, bodies: &[&Body]) -> Option<String> {
     let (does, all) = habits(&of.does);
     let lacks = |usage: &Use| !bodies.iter().any(|body| body.has(&[*usage]));

@@ -1,6 +1,5 @@
 //! Places for people who begin in the middle of what they do.
 
-use std::collections::HashMap;
 use std::f32::consts::TAU;
 
 use glam::Vec2;
@@ -8,6 +7,7 @@ use populace::{Crowd, Ground, Placement};
 use populace_locomotion::Lead;
 
 use super::footways::{Footway, Place};
+use super::taken::Taken;
 use super::world::World;
 use crate::Error;
 use crate::place::is_inside;
@@ -15,8 +15,6 @@ use crate::plan::WallPlan;
 
 /// Tries to find a free place.
 const TRIES: usize = 24;
-/// Side of a cell of taken places in metres: the largest distance that is kept.
-const CELL_M: f32 = 2.0;
 
 /// Places for people who begin.
 pub(crate) struct Settling<'a> {
@@ -25,14 +23,20 @@ pub(crate) struct Settling<'a> {
     ground: &'a Ground,
     /// Closed walls.
     walls: Vec<Vec<[f64; 2]>>,
-    taken: HashMap<[i32; 2], Vec<Vec2>>,
+    taken: Taken,
 }
 
 impl<'a> Settling<'a> {
-    pub(crate) fn new(footways: &'a [usize], ground: &'a Ground, walls: &[WallPlan]) -> Self {
+    /// `taken` are the points at which others are already.
+    pub(crate) fn new(
+        footways: &'a [usize],
+        ground: &'a Ground,
+        walls: &[WallPlan],
+        taken: Taken,
+    ) -> Self {
         let points = |wall: &WallPlan| wall.points.iter().map(|at| at.map(f64::from)).collect();
         let walls = walls.iter().filter(|wall| wall.closed).map(points).collect();
-        Self { footways, ground, walls, taken: HashMap::new() }
+        Self { footways, ground, walls, taken }
     }
 
     /// Returns the first free place from a part of all on that is beside one of the footways, and
@@ -90,12 +94,7 @@ impl<'a> Settling<'a> {
 
     /// Returns true if nobody is within a distance of a point.
     pub(crate) fn is_free(&self, at: Vec2, apart_m: f32) -> bool {
-        let [x, z] = cell(at);
-        let around = (x - 1..=x + 1).flat_map(|x| (z - 1..=z + 1).map(move |z| [x, z]));
-        around
-            .filter_map(|cell| self.taken.get(&cell))
-            .flatten()
-            .all(|other| other.distance_squared(at) > apart_m * apart_m)
+        !self.taken.is_near(at, apart_m)
     }
 
     /// Returns true if no closed wall shuts a point, and those at a distance around it, off from
@@ -139,19 +138,9 @@ impl<'a> Settling<'a> {
             world.walkers.add(crowd, member)?;
         }
         world.people[who].goal = at;
-        self.take(at);
+        self.taken.take(at);
         Ok(())
     }
-
-    /// Notes a point at which somebody is.
-    pub(crate) fn take(&mut self, at: Vec2) {
-        self.taken.entry(cell(at)).or_default().push(at);
-    }
-}
-
-fn cell(at: Vec2) -> [i32; 2] {
-    #[expect(clippy::cast_possible_truncation, reason = "floats saturate")]
-    (at / CELL_M).floor().to_array().map(|value| value as i32)
 }
 
 /// Returns the index at a part, 0 to 1, of a list.

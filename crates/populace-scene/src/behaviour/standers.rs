@@ -20,7 +20,7 @@ const FARTHEST_M: f32 = 1e6;
 const OFF: f32 = 0.25;
 /// The angle in degrees by which each turns off the heading, at most.
 const TURNED_DEG: f32 = 15.0;
-/// What sets the random numbers of places apart from those of other things.
+/// Number that is mixed into the seed, so that places have random numbers of their own.
 const PLACES: u64 = 0x5ee9_71e5;
 
 /// Somebody who stands.
@@ -69,8 +69,8 @@ pub(super) fn bystanders(standers: &[Vec<Stander>]) -> Vec<Bystander> {
     standers.iter().flatten().filter_map(Stander::bystander).collect()
 }
 
-/// Returns where people with some radii stand. The first has a number that chooses its random
-/// numbers among those of a seed.
+/// Returns where people with some radii stand. `first` is the number of the first person: it
+/// chooses the stream of random numbers within `seed`.
 fn standers(plan: &StandPlan, radii_m: &[f32], (seed, first): (u64, u64)) -> Vec<Stander> {
     let ahead = direction(plan.facing_deg);
     let left = Vec2::new(ahead.y, -ahead.x);

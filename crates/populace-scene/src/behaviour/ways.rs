@@ -22,7 +22,7 @@ const NEAR_M: f32 = 0.9;
 const MOST_TURNS: u8 = 4;
 
 impl World {
-    /// Sends a person on along its footway, past those who stand there, and back from its end.
+    /// Sends a person on along its footway, past people who stand there, and back from its end.
     pub(crate) fn send_along(&mut self, who: usize) -> Result<(), Error> {
         let at = self.position(who);
         let person = &mut self.people[who];

@@ -14,7 +14,7 @@ use super::body::{Body, Use};
 use super::footways::Footway;
 use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
-use super::standing::Standing;
+use super::taken::Taken;
 use super::traffic::Traffic;
 
 /// The layer of motions of the whole body.
@@ -124,7 +124,7 @@ pub(crate) struct World {
     pub(crate) armies: Vec<FightPlan>,
     pub(crate) people: Vec<Person>,
     pub(crate) footways: Vec<Footway>,
-    pub(crate) standing: Standing,
+    pub(crate) standing: Taken,
     pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
     pub(crate) leans: Vec<(LeanPlan, Option<usize>)>,
     pub(crate) seats: Vec<(SeatPlan, Option<usize>)>,

@@ -55,8 +55,8 @@ impl Crowd {
         moved
     }
 
-    /// Evaluates the last update again on a device that knows nothing of it but the history, for
-    /// whoever reads joints before the next update, as ragdolls do.
+    /// Evaluates the last update again on a device that has only its history, so that joints can be
+    /// read before the next update, as ragdolls do.
     pub(super) fn evaluate_again(&mut self) -> Result<(), Error> {
         self.state.base.tables.mark_dirty();
         let Clock { tick, frame, .. } = self.state.base.clock;

@@ -16,5 +16,6 @@ mod history;
 mod moves;
 mod overrides;
 mod reach;
+mod refusals;
 mod repeats;
 mod small;

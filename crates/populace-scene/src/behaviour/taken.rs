@@ -1,33 +1,36 @@
-//! The places of people who stand, for walkers that look for a way.
+//! Points at which people are, for others that look for a place or a way.
 
 use std::collections::HashMap;
 
 use glam::Vec2;
 use populace_locomotion::avoidance::Bystander;
 
-/// Side of a cell in metres.
-const CELL_M: f32 = 1.0;
+/// Side of a cell in metres: the largest distance that is kept.
+const CELL_M: f32 = 2.0;
 /// Distance from people who stand at which a way is free, in metres.
 const KEPT_M: f32 = 0.55;
 /// Distance between the points of a way that are looked at, in metres.
 const LOOKED_M: f32 = 0.5;
 
-/// The places of people who stand, by cells.
+/// Points at which people are, by cells.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Standing {
+pub(crate) struct Taken {
     cells: HashMap<[i32; 2], Vec<Vec2>>,
 }
 
-impl Standing {
-    pub(crate) fn new(bystanders: &[Bystander]) -> Self {
-        let mut cells: HashMap<_, Vec<Vec2>> = HashMap::new();
-        for at in bystanders.iter().map(|of| Vec2::from(of.position)) {
-            cells.entry(cell(at)).or_default().push(at);
-        }
-        Self { cells }
+impl Taken {
+    pub(crate) fn by(bystanders: &[Bystander]) -> Self {
+        let mut taken = Self::default();
+        bystanders.iter().for_each(|of| taken.take(of.position.into()));
+        taken
     }
 
-    /// Returns the places of people who stand within a distance of at most one cell.
+    /// Notes a point at which somebody is.
+    pub(crate) fn take(&mut self, at: Vec2) {
+        self.cells.entry(cell(at)).or_default().push(at);
+    }
+
+    /// Returns the points within a distance of at most one cell.
     fn near(&self, at: Vec2, distance_m: f32) -> impl Iterator<Item = Vec2> {
         let [x, z] = cell(at);
         let around = (x - 1..=x + 1).flat_map(move |x| (z - 1..=z + 1).map(move |z| [x, z]));
@@ -39,7 +42,7 @@ impl Standing {
         self.cells.is_empty()
     }
 
-    /// Returns true if somebody stands within a distance of at most one cell.
+    /// Returns true if somebody is within a distance of at most one cell.
     pub(crate) fn is_near(&self, at: Vec2, distance_m: f32) -> bool {
         self.near(at, distance_m).next().is_some()
     }

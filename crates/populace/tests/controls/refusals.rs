@@ -1,21 +1,10 @@
 //! Settings that would do nothing, or nothing good, are refused.
-#![expect(
-    clippy::disallowed_methods,
-    reason = "tests need not give the same bits on every machine"
-)]
-#![expect(
-    clippy::expect_used,
-    dead_code,
-    reason = "a failed call fails the test; not every test uses the whole fixture"
-)]
 
-#[path = "controls/fixture.rs"]
-mod fixture;
-
-use fixture::{Scene, joint, scene};
 use populace::{
     ClipPlayback, Device, Gaze, GazeLimits, LayerSettings, Placement, Schedule, Weight,
 };
+
+use super::fixture::{Scene, joint, scene};
 
 fn native() -> Scene {
     scene(Device::native(), Schedule::Fused)
