@@ -83,6 +83,14 @@ INLINE void fetch_rows(const ClipTables *tables, Playback playback)
     }
 }
 
+// Asks for a member and its slots.
+INLINE void fetch_member(__global const Member *members, __global const Slot *slots,
+                         uint slots_per_member, uint owner)
+{
+    fetch_lines(members + owner, sizeof(Member) / 4);
+    fetch_lines(slots + owner * slots_per_member, slots_per_member * sizeof(Slot) / 4);
+}
+
 // Takes a member into the next free lane.
 INLINE void join(Company *all, uint owner, Member member, __global const Slot *slots,
                  uint slots_per_member, Machines machines, ulong tick, const ClipTables *tables,

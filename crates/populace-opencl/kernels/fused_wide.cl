@@ -228,6 +228,9 @@ __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void fused_wide(
         __global float *to[LANES];
         uint posed, shape;
         for (all.count = 0; index < end && all.count < LANES; index++) {
+            // For the group after the next.
+            if (index + 2 * LANES < end)
+                fetch_member(members, slots, slots_per_member, page_members[index + 2 * LANES]);
             const uint owner = page_members[index];
             const Member member = members[owner];
             if (!is_due(owner, member, place_first, place_end, phase)) continue;
