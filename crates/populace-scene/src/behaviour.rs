@@ -8,6 +8,7 @@ mod driving;
 mod falls;
 mod footways;
 mod grips;
+mod groups;
 mod habits;
 mod hands;
 mod in_lanes;
@@ -110,6 +111,7 @@ impl Behaviours {
             seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
             traffic,
             talks: Vec::new(),
+            groups: Vec::new(),
             phones: Phones::new(stage.things(PHONE).first().copied()),
             counts: Counts::default(),
         };

@@ -43,6 +43,7 @@ fn numbers_without_meaning_are_refused() {
         ("[crowd.does.stroll]", "look_in", "nan", "from 0 to 120 times in a minute, not NaN"),
         ("[crowd.does.stroll]", "cross", "-4", "`cross` of `does.stroll` of a [[crowd]]"),
         ("[crowd.does.stroll]", "carry", "1.5", "from 0 to 1, not 1.5"),
+        ("[crowd.does.stroll]", "together", "-0.1", "from 0 to 1, not -0.1"),
         ("[crowd.does.stroll]", "speed", "0", "from 0.1 to 10 metres in a second, not 0"),
         ("[crowd.does.spectate]", "wave_speed", "0", "from 0.1 to 1000"),
         ("[crowd.does.fight]", "rank", "0", "from 1 to 10000000 members, not 0"),

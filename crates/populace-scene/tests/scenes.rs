@@ -365,3 +365,70 @@ fn clips_that_end_elsewhere_are_played_once() {
     let walks = heights("clip = \"Walk\"");
     assert!(falls(&walks[60..]) > 5, "{walks:?}");
 }
+
+/// Also around the ends of their footway, past other groups, and past people who stand.
+#[test]
+fn groups_stay_together_and_walk_side_by_side() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[footway]]\n\
+                name = \"walk\"\npoints = [[0, 0], [50, 0]]\nwidth_m = 6\n[[crowd]]\n\
+                cast = \"a\"\ncount = 20\n[crowd.does.stroll]\nlook_in = 0\ncross = 0\nsit = 0\n\
+                talk = 0\nphone = 0\ntext = 0\ndrive = 0\nhurry = 0\nlean = 0\ncarry = 0\n\
+                together = 1\n[[crowd]]\ncast = \"a\"\ncount = 3\ndoes.stand = { at = [25, 0] }\n";
+    let mut live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    assert_eq!(live.behaviours.counts().together, 20);
+    let people: Vec<_> = live.behaviours.people().take(20).collect();
+    let places = |live: &Live| -> Vec<(glam::Vec2, glam::Vec2)> {
+        let place = |who: &MemberId| {
+            let placement = live.crowd.member(*who).unwrap().placement();
+            let ([x, _, z], (sin, cos)) = (placement.position(), placement.yaw_rad().sin_cos());
+            (glam::vec2(x, z), glam::vec2(sin, cos))
+        };
+        people.iter().map(place).collect()
+    };
+    let first = places(&live);
+    let nearest = |nth: usize| {
+        let others = (0..20).filter(|other| *other != nth);
+        let apart = |other: &usize| first[nth].0.distance(first[*other].0);
+        others.min_by(|a, b| apart(a).total_cmp(&apart(b))).unwrap()
+    };
+    let partners: Vec<usize> = (0..20).map(nearest).collect();
+    let (mut beside, mut far, mut turned) = (0, 0, BTreeSet::new());
+    for _ in 0..240 {
+        live.run(0.25);
+        let now = places(&live);
+        for (nth, partner) in partners.iter().enumerate() {
+            let ((at, ahead), (other, _)) = (now[nth], now[*partner]);
+            beside += usize::from(ahead.perp_dot(other - at).abs() > ahead.dot(other - at).abs());
+            far += usize::from(at.distance(other) > 1.1);
+            turned.extend((ahead.dot(first[nth].1) < -0.9).then_some(nth));
+        }
+    }
+    let all = 240 * 20;
+    assert!(turned.len() > 15, "{} of 20 turn back", turned.len());
+    assert!(beside * 100 > 85 * all, "{beside} of {all} are beside their partners");
+    assert!(far * 100 < 2 * all, "{far} of {all} are far from their partners");
+}
+
+/// More people cross than wait at the kerb in one row, from both sides at once.
+#[test]
+fn many_who_cross_leave_the_road_to_the_vehicles() {
+    let text = "schema = 1\nseed = 5\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\n\
+                cast = \"a\"\ncount = 60\ndoes.stroll = { cross = 4, together = 0 }\n\
+                [[footway]]\nname = \"north\"\npoints = [[-30, -5.25], [30, -5.25]]\nwidth_m = 4\n\
+                [[footway]]\nname = \"south\"\npoints = [[-30, 5.25], [30, 5.25]]\nwidth_m = 4\n\
+                [[crossing]]\nends = [[0, -3.5], [0, 3.5]]\nwidth_m = 4\nlights = true\n";
+    let mut live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    let people: Vec<_> = live.behaviours.people().collect();
+    let (mut on_road_secs, mut longest_secs) = (vec![0.0_f32; people.len()], 0.0_f32);
+    for _ in 0..160 {
+        live.run(0.5);
+        for (who, secs) in people.iter().zip(&mut on_road_secs) {
+            let [_, _, z] = live.crowd.member(*who).unwrap().placement().position();
+            *secs = if z.abs() < 3.0 { *secs + 0.5 } else { 0.0 };
+            longest_secs = longest_secs.max(*secs);
+        }
+    }
+    let crossed = live.behaviours.counts().crossed;
+    assert!(crossed > 30, "{crossed} cross");
+    assert!(longest_secs < 12.0, "somebody is on the road for {longest_secs} s");
+}

@@ -21,6 +21,7 @@ pub(super) fn as_json(counts: Counts) -> Value {
         "leaned": counts.leaned,
         "pointed": counts.pointed,
         "carried": counts.carried,
+        "together": counts.together,
         "clapped": counts.clapped,
         "cheered": counts.cheered,
         "waved": counts.waved,

@@ -267,6 +267,7 @@ impl Arrival<'_> {
             direction: 1.0,
             lane: 0.5,
             carries: false,
+            group: None,
             held_up: 0,
             goal,
             post,

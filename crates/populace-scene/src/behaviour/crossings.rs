@@ -23,8 +23,16 @@ const ALONG_M: f32 = 25.0;
 const CROSS_M_PER_SEC: f32 = 1.5;
 /// Seconds that are left when the last vehicle comes.
 const SPARE_SECS: f32 = 1.0;
-/// Distance of people who begin on a crossing, in metres.
+/// The right side of the way across, as shares of the width to its left. People wait and cross
+/// there, so that people from both ends pass each other.
+const RIGHT: [f32; 2] = [-0.42, -0.04];
+/// Distance of people who wait, or begin on a crossing, in metres.
 const BESIDE_M: f32 = 0.65;
+/// Distance of rows of people who wait, in metres, and the most rows behind the first.
+const ROW_M: f32 = 0.7;
+const MOST_ROWS: f32 = 3.0;
+/// How near to the line of its goal somebody has crossed, in metres. Others may stand at the goal.
+const ACROSS_M: f32 = 0.7;
 /// How far vehicles stop before a crossing, in metres.
 const STOP_M: f32 = 1.2;
 /// How far past a line a vehicle is that drives on, in metres.
@@ -57,8 +65,7 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     });
     let nearest = ends.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(m, ..)| *m < NOTICED_M);
     let Some((_, crossing, side)) = nearest else { return Ok(false) };
-    let aside = world.people[who].random.between_f32(-0.42, 0.42);
-    let to = end(&world.crossings[crossing], side, aside);
+    let to = waiting_place(world, crossing, side, who);
     world.people[who].doing =
         Doing::NearsCrossing { crossing, side, until: world.now + PATIENCE_SECS };
     world.send(who, to)?;
@@ -99,7 +106,7 @@ pub(crate) fn settle(
     });
     let ends: Vec<(usize, usize)> = ends.collect();
     let random = &mut world.people[who].random;
-    let (along, aside) = (random.unit(), random.between_f32(-0.42, 0.42));
+    let (along, aside) = (random.unit(), random.between_f32(RIGHT[0], RIGHT[1]));
     let Some((crossing, side)) = ends.get(index_at(ends.len(), random.unit())).copied() else {
         return Ok(false);
     };
@@ -127,17 +134,39 @@ pub(crate) fn settle(
     Ok(true)
 }
 
+/// Returns where the next person waits at the end of a crossing: in the first row that is not full.
+fn waiting_place(world: &mut World, crossing: usize, side: usize, who: usize) -> Vec2 {
+    let waits = |doing: &Doing| match *doing {
+        Doing::NearsCrossing { crossing: at, side: of, .. }
+        | Doing::LooksBothWays { crossing: at, side: of, .. }
+        | Doing::Waits { crossing: at, side: of } => (at, of) == (crossing, side),
+        _ => false,
+    };
+    let waiting = world.people.iter().filter(|person| waits(&person.doing)).count();
+    let aside = world.people[who].random.between_f32(RIGHT[0], RIGHT[1]);
+    let of = &world.crossings[crossing];
+    let row_m = (RIGHT[1] - RIGHT[0]) * of.plan.width_m;
+    let back_m = ROW_M * (waiting as f32 * BESIDE_M / row_m).floor().min(MOST_ROWS);
+    end(of, side, aside) - direction(of, side) * back_m
+}
+
+/// Returns the direction of the way across.
+fn direction(crossing: &Crossing, side: usize) -> Vec2 {
+    let [from, to] = [side, 1 - side].map(|side| Vec2::from(crossing.plan.ends[side]));
+    (to - from).normalize_or_zero()
+}
+
 /// Returns a point at the end of a crossing, `aside` of its width to the left of the way across.
 fn end(crossing: &Crossing, side: usize, aside: f32) -> Vec2 {
-    let [from, to] = [side, 1 - side].map(|side| Vec2::from(crossing.plan.ends[side]));
-    let across = (to - from).normalize_or_zero();
+    let across = direction(crossing, side);
+    let from = Vec2::from(crossing.plan.ends[side]);
     from + Vec2::new(across.y, -across.x) * aside * crossing.plan.width_m
 }
 
 /// Returns the heading of the way across.
 fn heading_rad(crossing: &Crossing, side: usize) -> f32 {
-    let [from, to] = [side, 1 - side].map(|side| Vec2::from(crossing.plan.ends[side]));
-    (to - from).x.atan2((to - from).y)
+    let across = direction(crossing, side);
+    across.x.atan2(across.y)
 }
 
 /// Goes on with it.
@@ -170,8 +199,8 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             }
         }
         Doing::Waits { crossing, side } if may_cross(world, crossing) => {
-            let aside = world.people[who].random.between_f32(-0.42, 0.42);
-            let to = end(&world.crossings[crossing], 1 - side, aside);
+            let aside = world.people[who].random.between_f32(RIGHT[0], RIGHT[1]);
+            let to = end(&world.crossings[crossing], 1 - side, -aside);
             let member = world.member(who);
             world.face(who, None)?;
             world.walkers.set_speed(member, CROSS_M_PER_SEC)?;
@@ -180,8 +209,9 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             world.people[who].doing = Doing::Crosses { crossing, side, until };
         }
         Doing::Crosses { crossing, side, until } => {
-            let left = world.position(who).distance(world.people[who].goal);
-            if left < 0.7 || now > until {
+            let ahead = direction(&world.crossings[crossing], side);
+            let left_m = (world.people[who].goal - world.position(who)).dot(ahead);
+            if left_m < ACROSS_M || now > until {
                 world.people[who].footway = world.crossings[crossing].footways[1 - side];
                 let forth = world.people[who].random.chance(0.5);
                 world.people[who].direction = if forth { 1.0 } else { -1.0 };

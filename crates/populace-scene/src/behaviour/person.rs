@@ -125,6 +125,8 @@ pub(crate) struct Person {
     pub(crate) direction: f32,
     /// Distance to the right of the line in its direction, as a part of half the width.
     pub(crate) lane: f32,
+    /// The index of the group with which it walks.
+    pub(crate) group: Option<usize>,
     /// The number of turns for which people who stand have held it up.
     pub(crate) held_up: u8,
     /// Where it is sent.
@@ -138,8 +140,8 @@ pub(crate) struct Person {
 }
 
 impl Person {
-    /// Returns true for somebody who walks along its footway with free hands.
+    /// Returns true for somebody who walks along its footway alone, with free hands.
     pub(crate) fn strolls(&self) -> bool {
-        self.doing == Doing::Strolls && !self.carries
+        self.doing == Doing::Strolls && !self.carries && self.group.is_none()
     }
 }

@@ -5,7 +5,7 @@ use populace::Crowd;
 use super::footways::Place;
 use super::settling::Settling;
 use super::world::{Counts, World};
-use super::{crossings, leans, phones, seats, talks, windows};
+use super::{crossings, groups, leans, phones, seats, talks, windows};
 use crate::Error;
 use crate::plan::StrollPlan;
 
@@ -63,13 +63,23 @@ pub(crate) fn settle(
             walk.push((who, activity));
         }
     }
+    let mut talk = &talk[..];
     while let Some(first) = talk.first() {
         let count = if world.people[*first].random.chance(0.4) { 3 } else { 2 };
-        let group: Vec<usize> = talk.drain(..count.min(talk.len())).collect();
-        if !talks::settle(world, crowd, &group, &mut settling)? {
-            walk.extend(group.into_iter().map(|who| (who, None)));
+        let (group, others) = talk.split_at(count.min(talk.len()));
+        if !talks::settle(world, crowd, group, &mut settling)? {
+            walk.extend(group.iter().map(|who| (*who, None)));
         }
+        talk = others;
     }
+    let joins = |(who, activity): &(usize, Option<Activity>)| {
+        let person = &mut world.people[*who];
+        activity.is_none() && !person.carries && person.random.chance(habits.together)
+    };
+    let (join, mut walk): (Vec<_>, Vec<_>) = walk.into_iter().partition(joins);
+    let join: Vec<usize> = join.into_iter().map(|(who, _)| who).collect();
+    let alone = groups::settle(world, crowd, &mut settling, &join)?;
+    walk.extend(alone.into_iter().map(|who| (who, None)));
     for (who, activity) in walk {
         set_off(&mut settling, world, crowd, who)?;
         match activity {
@@ -79,8 +89,8 @@ pub(crate) fn settle(
         };
     }
     // What people began with has not happened in the scene.
-    let carried = world.counts.carried;
-    world.counts = Counts { carried, ..Counts::default() };
+    let Counts { carried, together, .. } = world.counts;
+    world.counts = Counts { carried, together, ..Counts::default() };
     Ok(())
 }
 

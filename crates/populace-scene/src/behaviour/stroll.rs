@@ -4,7 +4,9 @@ use populace::Crowd;
 
 use super::person::{Doing, Kind};
 use super::world::{World, per_turn};
-use super::{armies, crossings, driving, falls, leans, phones, seats, stands, talks, windows};
+use super::{
+    armies, crossings, driving, falls, groups, leans, phones, seats, stands, talks, windows,
+};
 use crate::Error;
 
 /// Things that somebody may decide to do.
@@ -28,10 +30,13 @@ type Choice = fn(&mut World, &mut Crowd, usize) -> Result<bool, Error>;
 /// Lets everybody go on with what they do.
 pub(crate) fn step(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
     talks::step_all(world, crowd)?;
+    groups::step_all(world, crowd)?;
     for who in 0..world.people.len() {
         match world.people[who].doing {
             Doing::Strolls => {
-                if !world.is_turn(who) || !decide(world, crowd, who)? {
+                // Groups only walk.
+                let is_alone = world.people[who].group.is_none();
+                if !is_alone || !world.is_turn(who) || !decide(world, crowd, who)? {
                     world.keep_going(who)?;
                 }
             }

@@ -22,17 +22,26 @@ const NEAR_M: f32 = 0.9;
 const MOST_TURNS: u8 = 4;
 
 impl World {
-    /// Sends a person on along its footway, past people who stand there, and back from its end.
+    /// Sends a person on along its footway, past people who stand there. At the end of the footway
+    /// it turns round, with its group.
     pub(crate) fn send_along(&mut self, who: usize) -> Result<(), Error> {
         let at = self.position(who);
-        let person = &mut self.people[who];
+        let person = &self.people[who];
         let footway = &self.footways[person.footway];
         let along = footway.place(at).along_m;
         let left = if person.direction > 0.0 { footway.length_m() - along } else { along };
         if left < SENT_ON_M {
-            person.direction = -person.direction;
-            person.lane = person.random.between_f32(0.1, 0.95);
+            self.turn_round(who)?;
         }
+        self.send_ahead(who)
+    }
+
+    /// Sends a person ahead along its footway, past people who stand there.
+    pub(crate) fn send_ahead(&mut self, who: usize) -> Result<(), Error> {
+        let at = self.position(who);
+        let person = &self.people[who];
+        let footway = &self.footways[person.footway];
+        let along = footway.place(at).along_m;
         let along_m = (along + SENT_M * person.direction).clamp(0.0, footway.length_m());
         let to = self.past_standers(&self.people[who], at, along_m);
         self.send(who, to)
@@ -61,7 +70,8 @@ impl World {
             let person = &mut self.people[who];
             person.held_up = if is_held_up { person.held_up + 1 } else { 0 };
             if person.held_up == MOST_TURNS {
-                (person.held_up, person.direction) = (0, -person.direction);
+                person.held_up = 0;
+                self.turn_round(who)?;
                 return self.send_along(who);
             }
         }

@@ -12,6 +12,7 @@ use crate::plan::{
 
 use super::body::{Body, Use};
 use super::footways::Footway;
+use super::groups::Group;
 use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
 use super::taken::Taken;
@@ -24,6 +25,8 @@ pub(crate) const UPPER: usize = 2;
 /// Distance from a goal at which somebody has arrived, and speed below which somebody stands.
 const ARRIVED_M: f32 = 0.12;
 const STANDS_M_PER_SEC: f32 = 0.05;
+/// Seconds in which heads turn.
+const LOOK_SECS: f32 = 0.35;
 /// Height of the eyes as a fraction of that of the body.
 const EYES: f32 = 0.93;
 /// Cosine of the angle within which somebody faces a direction: 0.06 rad.
@@ -64,6 +67,8 @@ pub struct Counts {
     pub pointed: u32,
     /// Parcels carried along the street.
     pub carried: u32,
+    /// People who walk in groups.
+    pub together: u32,
     /// Times that somebody clapped.
     pub clapped: u32,
     /// Times that somebody cheered.
@@ -131,6 +136,7 @@ pub(crate) struct World {
     pub(crate) crossings: Vec<Crossing>,
     pub(crate) traffic: Traffic,
     pub(crate) talks: Vec<Option<Talk>>,
+    pub(crate) groups: Vec<Group>,
     pub(crate) phones: Phones,
     pub(crate) counts: Counts,
 }
@@ -261,8 +267,22 @@ impl World {
 
     /// Turns a person's head to a point.
     pub(crate) fn look(&self, crowd: &mut Crowd, who: usize, at: [f32; 3]) -> Result<(), Error> {
+        self.look_with(crowd, who, at, Weight::FULL.over_secs(LOOK_SECS).easing_over())
+    }
+
+    /// Turns a person's head to a point that moves. Call it in each step.
+    pub(crate) fn follow(&self, crowd: &mut Crowd, who: usize, at: [f32; 3]) -> Result<(), Error> {
+        self.look_with(crowd, who, at, Weight::FULL.over_secs(LOOK_SECS))
+    }
+
+    fn look_with(
+        &self,
+        crowd: &mut Crowd,
+        who: usize,
+        at: [f32; 3],
+        weight: Weight,
+    ) -> Result<(), Error> {
         if self.body(who).can_look {
-            let weight = Weight::FULL.over_secs(0.35).easing_over();
             let weight = if self.has_begun() { weight } else { Weight::FULL };
             crowd.member_mut(self.member(who))?.look_at(Target::Point(at), weight)?;
         }

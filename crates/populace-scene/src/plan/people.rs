@@ -103,6 +103,9 @@ pub struct StrollPlan {
     pub hurry: f32,
     /// The share of people who carry a parcel, 0 to 1. They walk, look into windows and cross.
     pub carry: f32,
+    /// The share of people on their way who walk in groups of two or three, side by side, and talk,
+    /// 0 to 1. They do nothing else.
+    pub together: f32,
 }
 
 impl Default for StrollPlan {
@@ -120,6 +123,7 @@ impl Default for StrollPlan {
             hurry: 0.3,
             lean: 0.3,
             carry: 0.04,
+            together: 0.5,
         }
     }
 }

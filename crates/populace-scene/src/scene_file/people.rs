@@ -114,6 +114,7 @@ fn check_stroll(plan: &ScenePlan, stroll: &StrollPlan) -> Option<Fault> {
         RATE.check("drive", stroll.drive),
         RATE.check("hurry", stroll.hurry),
         PART.check("carry", stroll.carry),
+        PART.check("together", stroll.together),
     ])
 }
 
