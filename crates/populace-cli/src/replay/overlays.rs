@@ -265,14 +265,11 @@ fn value_at(
     }
 }
 
-/// Returns the colours for the name of a quantity or a column.
+/// Returns the colours for the name of a column, or of a quantity that the file has no column of.
 fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colours, Failure> {
-    let legend = |title: &str, unit: &str, scale: Scale, words: &[String]| Legend {
-        title: title.to_owned(),
-        unit: unit.to_owned(),
-        scale,
-        words: words.to_owned(),
-    };
+    if let Some(index) = recording.columns.iter().position(|column| column.name == name) {
+        return Ok(column_colours(index, recording));
+    }
     match name {
         "speed" => {
             let [_, most] = range(speeds(recording, motions));
@@ -283,29 +280,31 @@ fn colours(name: &str, recording: &Recording, motions: &Motions) -> Result<Colou
             let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), &[]);
             Ok(Colours { quantity: Quantity::Density, legend, corner: Corner::TopRight })
         }
-        _ => {
-            let found = recording.columns.iter().position(|column| column.name == name);
-            let Some(index) = found else { return Err(no_column(name, recording)) };
-            let column = &recording.columns[index];
-            let mut places = Vec::new();
-            let (scale, words) = match &column.values {
-                Values::Numbers(numbers) => {
-                    let [low, high] =
-                        range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
-                    (Scale::number(low, high), Vec::new())
-                }
-                Values::Words { words, .. } => {
-                    places = places_of(words);
-                    let mut sorted = words.clone();
-                    sorted.sort_unstable();
-                    (Scale::words(words.len()), sorted)
-                }
-            };
-            let legend = legend(name, "", scale, &words);
-            let quantity = Quantity::Column(index, places);
-            Ok(Colours { quantity, legend, corner: Corner::TopRight })
-        }
+        _ => Err(no_column(name, recording)),
     }
+}
+
+fn column_colours(index: usize, recording: &Recording) -> Colours {
+    let column = &recording.columns[index];
+    let mut places = Vec::new();
+    let (scale, words) = match &column.values {
+        Values::Numbers(numbers) => {
+            let [low, high] = range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
+            (Scale::number(low, high), Vec::new())
+        }
+        Values::Words { words, .. } => {
+            places = places_of(words);
+            let mut sorted = words.clone();
+            sorted.sort_unstable();
+            (Scale::words(words.len()), sorted)
+        }
+    };
+    let legend = legend(&column.name, "", scale, &words);
+    Colours { quantity: Quantity::Column(index, places), legend, corner: Corner::TopRight }
+}
+
+fn legend(title: &str, unit: &str, scale: Scale, words: &[String]) -> Legend {
+    Legend { title: title.to_owned(), unit: unit.to_owned(), scale, words: words.to_owned() }
 }
 
 /// Returns the place of each word in the order of the alphabet.
@@ -321,7 +320,9 @@ fn places_of(words: &[String]) -> Vec<u32> {
 
 fn no_column(name: &str, recording: &Recording) -> Failure {
     let names = || recording.columns.iter().map(|column| column.name.as_str());
-    let all: Vec<_> = ["speed", "density"].into_iter().chain(names()).collect();
+    let is_column = |name: &&str| names().any(|column| column == *name);
+    let computed = ["speed", "density"].into_iter().filter(|name| !is_column(name));
+    let all: Vec<_> = computed.chain(names()).collect();
     let hint = hint(name, all.iter().copied());
     Failure::usage(format!(
         "people cannot be coloured by \"{name}\"{hint}; there are {}",
@@ -380,6 +381,19 @@ mod tests {
         let settings = populace_trajectory::ReadSettings::default();
         let parsed = populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings);
         parsed.expect("a recording")
+    }
+
+    #[test]
+    fn columns_of_the_file_come_before_quantities_of_the_same_name() {
+        let recording = recording("id,t,x,y,density\na,0,0,0,150\na,1,1,0,250\n");
+        let motions = Motions::new(&recording);
+        let colours = |name| colours(name, &recording, &motions);
+        let density = colours("density").expect("a column");
+        assert!(matches!(density.quantity, Quantity::Column(0, _)));
+        assert_eq!(density.legend.title, "density");
+        assert!(matches!(colours("speed").expect("computed").quantity, Quantity::Speed));
+        let error = colours("sped").err().expect("no column").to_string();
+        assert!(error.ends_with("there are speed, density"), "{error}");
     }
 
     #[test]
