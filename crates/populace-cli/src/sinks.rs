@@ -56,9 +56,8 @@ impl<'a> Sink<'a> {
     pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
         let Some(film) = self.film.take() else { return Ok(self.outputs.first()) };
         let part = film.part().to_owned();
-        unfinished::draft(Some(film.draft()));
-        let finished = film.finish();
-        unfinished::draft(None);
+        let draft = film.draft().to_owned();
+        let finished = unfinished::draft(&draft, || film.finish());
         unfinished::film_part(None);
         match finished {
             Ok(_) => Ok(self.outputs.first()),
