@@ -10,22 +10,34 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use populace_film::{Film, FilmProgress};
 use tempfile::{NamedTempFile, TempPath};
 
 /// The files that are being written.
 struct State {
     /// Temporary files; removed if the program ends early. Threads write several at once.
     paths: BTreeSet<PathBuf>,
-    /// The part of a film that is being written; stays if the program ends early.
-    part: Option<PathBuf>,
-    /// Number of complete frames.
+    /// The film that is being written. Its part stays if the program ends early.
+    film: Option<UnfinishedFilm>,
+    /// Number of complete frames, without those of `film`.
     complete: u32,
     /// The total number of frames, if the command knows it.
     total: Option<u32>,
 }
 
+struct UnfinishedFilm {
+    part: PathBuf,
+    progress: FilmProgress,
+}
+
+impl State {
+    fn complete_frames(&self) -> u32 {
+        self.complete + self.film.as_ref().map_or(0, |film| film.progress.frame_count())
+    }
+}
+
 static STATE: Mutex<State> =
-    Mutex::new(State { paths: BTreeSet::new(), part: None, complete: 0, total: None });
+    Mutex::new(State { paths: BTreeSet::new(), film: None, complete: 0, total: None });
 
 fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -36,14 +48,17 @@ pub(crate) fn expect_frames(count: u32) {
     state().total = Some(count);
 }
 
-/// Counts one more frame as complete.
-pub(crate) fn count_frame() {
-    state().complete += 1;
+/// Sets the film that is being written, for the message of an interrupted run.
+pub(crate) fn begin_film(film: &Film) {
+    let film = UnfinishedFilm { part: film.part().to_owned(), progress: film.progress() };
+    state().film = Some(film);
 }
 
-/// Sets the part of the film that is being written, for the message of an interrupted run.
-pub(crate) fn film_part(part: Option<&Path>) {
-    state().part = part.map(Path::to_owned);
+/// Forgets the film, and keeps the number of its frames.
+pub(crate) fn end_film() {
+    let mut state = state();
+    state.complete = state.complete_frames();
+    state.film = None;
 }
 
 /// Lets another writer work. Its file at `path` is removed if the program ends meanwhile.
@@ -169,11 +184,11 @@ pub(crate) fn exit_on_signals() -> io::Result<()> {
             for path in &state.paths {
                 let _ = std::fs::remove_file(path);
             }
-            let progress = state
-                .total
-                .map(|total| format!("; {} of {total} frames are complete", state.complete));
+            let complete = state.complete_frames();
+            let progress =
+                state.total.map(|total| format!("; {complete} of {total} frames are complete"));
             crate::progress::clear();
-            let part = state.part.as_deref().and_then(describe_part);
+            let part = state.film.as_ref().and_then(|film| describe_part(&film.part));
             let part = part.map(|part| format!("; {part}")).unwrap_or_default();
             crate::report::message!("interrupted{}{part}", progress.unwrap_or_default());
             low_level::exit(128 + signal);
