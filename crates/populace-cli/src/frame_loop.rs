@@ -17,9 +17,6 @@ use crate::image_files::PixelFacts;
 use crate::progress::Progress;
 use crate::report::message;
 
-/// Length of each frame before the first picture.
-pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
-
 /// Longest step of feet in seconds: they need several in each contact, at any frame rate.
 const FOOT_STEP_SECS: f32 = 0.041;
 
@@ -101,8 +98,6 @@ pub(crate) trait FrameSink {
 /// Settings of a loop over frames.
 pub(crate) struct FrameLoop<'a> {
     pub(crate) frames: Frames,
-    /// Number of frames evaluated and timed before frame 0.
-    pub(crate) lead_in: u32,
     /// Width and height of the pictures in pixels.
     pub(crate) size: [u32; 2],
     pub(crate) scene: &'a Scene,
@@ -114,8 +109,8 @@ impl FrameLoop<'_> {
     /// Evaluates all frames, and draws and hands on those that are wanted. Returns how long they
     /// took, and what the last picture shows. Does nothing if no frame is wanted.
     ///
-    /// Without a renderer, the frames up to the first picture are evaluated and their time is
-    /// reported before the error is returned.
+    /// Without a renderer, the first moment is evaluated and its time is reported before the error
+    /// is returned.
     pub(crate) fn play(
         &self,
         crowd: &mut Crowd,
@@ -128,10 +123,10 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        let mut spent = self.lead_in(crowd, action, &mut times)?;
+        self.look(crowd, action, 0.0)?;
+        let mut spent = animate(crowd, action, 0.0)?;
         let mut renderer = renderer.inspect_err(|_| {
-            let ms = median(&times.animate).unwrap_or(spent.animate);
-            message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
+            message!("{:.2} ms to animate a frame, but it cannot be drawn:", spent.animate);
         })?;
         message!("drawn by {}", renderer.driver());
         message!("palettes {}", renderer.palette_transport());
@@ -146,7 +141,7 @@ impl FrameLoop<'_> {
             }
             let within = |cameras: &Cameras| cameras.within_shot(start_secs, moment.secs);
             let camera_secs = action.cameras().map_or(moment.secs, within);
-            // The lead-in ends at the first moment.
+            // The first moment is evaluated already.
             if moment.secs > now_secs {
                 self.look(crowd, action, camera_secs)?;
                 spent.add(&animate(crowd, action, single(moment.secs - now_secs))?);
@@ -184,27 +179,6 @@ impl FrameLoop<'_> {
             progress.step();
         }
         Ok((times, renderer.drawn()))
-    }
-
-    /// Evaluates the frames up to frame 0, and returns the times of the last of them. The first
-    /// evaluation includes all uploads, so it is counted only if it is the only one.
-    fn lead_in(
-        &self,
-        crowd: &mut Crowd,
-        action: &mut dyn Action,
-        times: &mut FrameTimes,
-    ) -> Result<Spent, Failure> {
-        self.look(crowd, action, 0.0)?;
-        let mut spent = animate(crowd, action, 0.0)?;
-        let mut progress = Progress::new("evaluating", self.lead_in as usize);
-        for number in 0..self.lead_in {
-            if number > 0 {
-                times.add_animated(&spent);
-            }
-            spent = animate(crowd, action, LEAD_IN_SECS)?;
-            progress.step();
-        }
-        Ok(spent)
     }
 
     /// Sets the view that the crowd is evaluated for.
