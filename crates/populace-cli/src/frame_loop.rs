@@ -50,7 +50,9 @@ pub(crate) trait Action {
     /// the first camera is asked for.
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure>;
 
-    /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
+    /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time,
+    /// for the view, and after it, for the picture; cameras that go with people of a scene are
+    /// where those are at the call.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
     /// Returns the cameras; `None` before [`set_aspect`](Self::set_aspect).
@@ -61,8 +63,9 @@ pub(crate) trait Action {
         false
     }
 
-    /// Draws over the picture of a frame that was taken by a camera. `depths_m` are the distances
-    /// of its pixels along the view direction in metres; empty if they are not needed.
+    /// Draws over the picture of a frame, which `camera` saw at the time of the frame. `depths_m`
+    /// are the distances of its pixels along the view direction in metres; empty if they are not
+    /// needed.
     fn overlay(
         &self,
         _picture: &mut Image,
@@ -133,8 +136,9 @@ impl FrameLoop<'_> {
         let mut progress = Progress::new("frames", last as usize + 1);
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
-        let (mut now_secs, mut facts): (f64, Option<PixelFacts>) = (0.0, None);
-        let (mut frame, mut is_drawn, mut start_secs) = (None, false, 0.0);
+        // Facts and camera at the time of the frame, of the first of its pictures.
+        let (mut facts, mut frame_camera) = (None::<PixelFacts>, Camera::default());
+        let (mut frame, mut is_drawn, mut start_secs, mut now_secs) = (None, false, 0.0, 0.0);
         while let Some(moment) = moments.next() {
             if moment.sample.is_none_or(|sample| sample == 0) {
                 start_secs = moment.secs;
@@ -156,9 +160,9 @@ impl FrameLoop<'_> {
                 let camera = action.camera(camera_secs)?;
                 exposure.add(renderer.picture(crowd, &camera, self.scene)?);
                 times.passes.push(renderer.pass_times()?);
-                if sample == 0 && (sink.needs_facts() || action.needs_depths()) {
-                    let person = |member| action.person(member);
-                    facts = Some(renderer.pixel_facts(crowd, &camera, self.scene, &person)?);
+                if sample == 0 {
+                    frame_camera = camera;
+                    facts = self.facts(crowd, action, &mut renderer, sink, &camera)?;
                 }
                 spent.draw += ms_since(start);
             }
@@ -170,7 +174,7 @@ impl FrameLoop<'_> {
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
                 let depths_m = facts.as_ref().map_or(&[][..], |facts| &facts.marks.depths_m[..]);
-                action.overlay(&mut picture, &action.camera(camera_secs)?, depths_m)?;
+                action.overlay(&mut picture, &frame_camera, depths_m)?;
                 times.draw.push(spent.draw + ms_since(start));
                 let facts = facts.take().filter(|_| sink.needs_facts());
                 sink.take(moment.frame, Shot { picture, facts })?;
@@ -179,6 +183,22 @@ impl FrameLoop<'_> {
             progress.step();
         }
         Ok((times, renderer.drawn()))
+    }
+
+    /// Returns what the pixels of the last picture show, if the sink or the overlay needs it.
+    fn facts(
+        &self,
+        crowd: &Crowd,
+        action: &dyn Action,
+        renderer: &mut CrowdRenderer,
+        sink: &dyn FrameSink,
+        camera: &Camera,
+    ) -> Result<Option<PixelFacts>, Failure> {
+        if !(sink.needs_facts() || action.needs_depths()) {
+            return Ok(None);
+        }
+        let person = |member| action.person(member);
+        renderer.pixel_facts(crowd, camera, self.scene, &person).map(Some)
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -260,5 +280,85 @@ impl FrameTimes {
     pub(crate) fn medians(&self) -> [f64; 5] {
         [&self.total, &self.behave, &self.animate, &self.view, &self.draw]
             .map(|ms| median(ms).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use populace::Device;
+    use populace_film::FrameRate;
+    use populace_render::Renderer;
+
+    use super::*;
+    use crate::frames::Shutter;
+
+    /// A camera that moves by 1 m in a second, and the cameras that were drawn over.
+    #[derive(Default)]
+    struct Moves(RefCell<Vec<Camera>>);
+
+    impl Action for Moves {
+        fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+            Ok(crowd.update(secs)?)
+        }
+
+        fn set_aspect(&mut self, _aspect: f32) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+            let x = single(secs);
+            Ok(Camera { eye: [x, 1.0, 5.0], target: [x, 1.0, 0.0], ..Camera::default() })
+        }
+
+        fn cameras(&self) -> Option<&Cameras> {
+            None
+        }
+
+        fn needs_depths(&self) -> bool {
+            true
+        }
+
+        fn overlay(&self, _: &mut Image, camera: &Camera, _: &[f32]) -> Result<(), Failure> {
+            self.0.borrow_mut().push(*camera);
+            Ok(())
+        }
+
+        fn person(&self, _member: MemberId) -> Option<u64> {
+            None
+        }
+    }
+
+    struct Nowhere;
+
+    impl FrameSink for Nowhere {
+        fn wants(&self, _frame: u32) -> bool {
+            true
+        }
+
+        fn needs_facts(&self) -> bool {
+            false
+        }
+
+        fn take(&mut self, _frame: u32, _shot: Shot) -> Result<(), Failure> {
+            Ok(())
+        }
+    }
+
+    #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+    #[test]
+    fn overlays_have_the_camera_of_their_depths() {
+        let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
+        let renderer = Renderer::headless([16, 16]).expect("a renderer");
+        let renderer = CrowdRenderer::new(renderer, &mut crowd, &[], &[]);
+        let rate = FrameRate::new(10, 1).expect("a rate");
+        let frames = Frames::film(&(0..=1), rate, Shutter::degrees(180.0));
+        let scene = &Scene::default();
+        let frame_loop = FrameLoop { frames, size: [16, 16], scene, detail: None };
+        let mut action = Moves::default();
+        frame_loop.play(&mut crowd, &mut action, renderer, &mut Nowhere).expect("frames");
+        let wanted = [0.0, 0.1].map(|secs| action.camera(secs).expect("a camera"));
+        assert_eq!(action.0.into_inner(), wanted);
     }
 }
