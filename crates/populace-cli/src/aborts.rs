@@ -19,7 +19,7 @@ const MESSAGE: &[u8] = b"populace: stopped: memory ran out, or a driver gave up 
     use fewer members or a smaller size, or raise the memory limit\n";
 const EXIT_CODE: i32 = 4;
 
-/// Installs a SIGABRT handler that removes the temporary file, prints one line and exits.
+/// Installs a SIGABRT handler that removes the temporary files, prints one line and exits.
 ///
 /// Drivers with a compiler replace the handler when they start, so this is called again after that.
 pub(crate) fn exit_on_abort() {

@@ -1,4 +1,4 @@
-//! Draws a crowd into picture files: the common part of `demo` and `render`.
+//! Crowds of files: the common part of `render` and `view`.
 
 use std::path::{Path, PathBuf};
 
@@ -14,7 +14,7 @@ use crate::cli::{FrameRange, PictureArgs};
 use crate::crowd_renderer::{CrowdRenderer, devices_and_shares};
 use crate::failure::Failure;
 use crate::filming::{Filming, check_hidden};
-use crate::frame_loop::{Action, LEAD_IN_SECS};
+use crate::frame_loop::Action;
 use crate::frames::{Frames, Shutter, single};
 use crate::levels::Levels;
 use crate::population::{Population, PopulationSettings};
@@ -34,12 +34,12 @@ pub(crate) struct CrowdPlan<'a> {
 }
 
 impl CrowdPlan<'_> {
-    /// Loads the characters and spawns the members. `start_secs` is the time of frame 0, and
-    /// `is_film` is true if the members are seen walking on.
+    /// Loads the characters and spawns the members. `is_film` is true if the members are seen
+    /// walking on.
     pub(crate) fn stage(
         &self,
         crowd: &mut Crowd,
-        (start_secs, is_film): (f32, bool),
+        is_film: bool,
     ) -> Result<(LoadedRoles, FilmedCrowd), Failure> {
         let args = self.args;
         let (name, root_motion) = (args.clip.as_deref(), args.root_motion);
@@ -59,7 +59,7 @@ impl CrowdPlan<'_> {
             PopulationSettings { members: self.members, seed: args.seed, hide: &args.hide, plain };
         check_hidden(&loaded.roles, &args.hide)?;
         let population = Population::new(crowd, &loaded.roles, &settings)?;
-        let action = CrowdAction { population, start_secs, is_film };
+        let action = CrowdAction { population, is_film };
         Ok((loaded, FilmedCrowd { action, view: args.camera.clone(), cameras: None }))
     }
 }
@@ -69,8 +69,6 @@ pub(crate) struct DrawJob<'a> {
     pub(crate) inputs: &'a [PathBuf],
     pub(crate) members: u32,
     pub(crate) out: &'a Path,
-    /// Number of frames evaluated and timed before the first picture.
-    pub(crate) lead_in: u32,
     pub(crate) args: &'a PictureArgs,
 }
 
@@ -86,7 +84,7 @@ impl DrawJob<'_> {
         let renderer = filming.renderer();
         let mut crowd = filming.crowd(&renderer, [self.members as usize, 1])?;
         let plan = CrowdPlan { inputs: self.inputs, members: self.members, args };
-        let (loaded, mut action) = plan.stage(&mut crowd, (self.start_secs(), self.is_film()))?;
+        let (loaded, mut action) = plan.stage(&mut crowd, self.is_film())?;
         filming.check(&loaded.files)?;
         let roles = loaded.roles;
         let [width, height] = args.size();
@@ -100,7 +98,7 @@ impl DrawJob<'_> {
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
-        let played = (&mut action as &mut dyn Action, &filming.scene(), self.lead_in);
+        let played = (&mut action as &mut dyn Action, &filming.scene());
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         filmed.report(&crowd, args.json, Value::Null)
     }
@@ -126,18 +124,11 @@ impl DrawJob<'_> {
     fn is_film(&self) -> bool {
         self.args.film.frames.is_some() || self.args.film.at.is_some()
     }
-
-    /// Returns the time of frame 0, after the lead-in.
-    fn start_secs(&self) -> f32 {
-        self.lead_in as f32 * LEAD_IN_SECS
-    }
 }
 
 /// Members that play their clips.
 struct CrowdAction {
     population: Population,
-    /// Time of frame 0.
-    start_secs: f32,
     /// True if the members are seen walking on.
     is_film: bool,
 }
@@ -146,7 +137,7 @@ impl Subject for CrowdAction {
     /// The members at frame 0 and, in a film, at a little later time. A much later time would frame
     /// the ground between members that have walked apart.
     fn bounds(&self) -> Vec<[f32; 3]> {
-        let times = [self.start_secs, self.start_secs + FRAMED_SECS];
+        let times = [0.0, FRAMED_SECS];
         self.population.bounding_points(if self.is_film { &times } else { &times[..1] })
     }
 
@@ -160,7 +151,7 @@ impl Subject for CrowdAction {
 
     fn pose(&self, id: u64, secs: f64) -> Option<Pose> {
         let number = usize::try_from(id).ok()?;
-        self.population.pose(number, self.start_secs + single(secs))
+        self.population.pose(number, single(secs))
     }
 
     fn describe_ids(&self) -> String {

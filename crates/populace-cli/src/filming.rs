@@ -88,19 +88,17 @@ impl<'a> Filming<'a> {
         check_inputs(self.outputs.paths(), files)
     }
 
-    /// Evaluates, draws and writes all frames of a scene, after `lead_in` frames that are
-    /// evaluated.
+    /// Evaluates, draws and writes all frames of a scene.
     pub(crate) fn shoot(
         &self,
         crowd: &mut Crowd,
-        (action, scene, lead_in): (&mut dyn Action, &Scene, u32),
+        (action, scene): (&mut dyn Action, &Scene),
         renderer: Result<CrowdRenderer, Failure>,
         mut sink: Sink<'_>,
     ) -> Result<Filmed, Failure> {
         let (args, frames) = (self.args, self.frames);
         let scene = &in_clear_air(*scene, action);
-        let frame_loop =
-            FrameLoop { frames, lead_in, size: args.size(), scene, detail: args.detail_px() };
+        let frame_loop = FrameLoop { frames, size: args.size(), scene, detail: args.detail_px() };
         let skipped = sink.skipped();
         let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
         Ok(Filmed { frames, skipped, times, drawn, out: sink.finish()? })

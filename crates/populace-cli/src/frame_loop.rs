@@ -17,9 +17,6 @@ use crate::image_files::PixelFacts;
 use crate::progress::Progress;
 use crate::report::message;
 
-/// Length of each frame before the first picture.
-pub(crate) const LEAD_IN_SECS: f32 = 1.0 / 60.0;
-
 /// Longest step of feet in seconds: they need several in each contact, at any frame rate.
 const FOOT_STEP_SECS: f32 = 0.041;
 
@@ -53,7 +50,9 @@ pub(crate) trait Action {
     /// the first camera is asked for.
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure>;
 
-    /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time.
+    /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time,
+    /// for the view, and after it, for the picture; cameras that go with people of a scene are
+    /// where those are at the call.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
     /// Returns the cameras; `None` before [`set_aspect`](Self::set_aspect).
@@ -64,8 +63,9 @@ pub(crate) trait Action {
         false
     }
 
-    /// Draws over the picture of a frame that was taken by a camera. `depths_m` are the distances
-    /// of its pixels along the view direction in metres; empty if they are not needed.
+    /// Draws over the picture of a frame, which `camera` saw at the time of the frame. `depths_m`
+    /// are the distances of its pixels along the view direction in metres; empty if they are not
+    /// needed.
     fn overlay(
         &self,
         _picture: &mut Image,
@@ -101,8 +101,6 @@ pub(crate) trait FrameSink {
 /// Settings of a loop over frames.
 pub(crate) struct FrameLoop<'a> {
     pub(crate) frames: Frames,
-    /// Number of frames evaluated and timed before frame 0.
-    pub(crate) lead_in: u32,
     /// Width and height of the pictures in pixels.
     pub(crate) size: [u32; 2],
     pub(crate) scene: &'a Scene,
@@ -114,8 +112,8 @@ impl FrameLoop<'_> {
     /// Evaluates all frames, and draws and hands on those that are wanted. Returns how long they
     /// took, and what the last picture shows. Does nothing if no frame is wanted.
     ///
-    /// Without a renderer, the frames up to the first picture are evaluated and their time is
-    /// reported before the error is returned.
+    /// Without a renderer, the first moment is evaluated and its time is reported before the error
+    /// is returned.
     pub(crate) fn play(
         &self,
         crowd: &mut Crowd,
@@ -128,25 +126,26 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        let mut spent = self.lead_in(crowd, action, &mut times)?;
+        self.look(crowd, action, 0.0)?;
+        let mut spent = animate(crowd, action, 0.0)?;
         let mut renderer = renderer.inspect_err(|_| {
-            let ms = median(&times.animate).unwrap_or(spent.animate);
-            message!("{ms:.2} ms to animate a frame, but it cannot be drawn:");
+            message!("{:.2} ms to animate a frame, but it cannot be drawn:", spent.animate);
         })?;
         message!("drawn by {}", renderer.driver());
         message!("palettes {}", renderer.palette_transport());
         let mut progress = Progress::new("frames", last as usize + 1);
         let mut exposure = Exposure::new();
         let mut moments = self.frames.moments(last).peekable();
-        let (mut now_secs, mut facts): (f64, Option<PixelFacts>) = (0.0, None);
-        let (mut frame, mut is_drawn, mut start_secs) = (None, false, 0.0);
+        // Facts and camera at the time of the frame, of the first of its pictures.
+        let (mut facts, mut frame_camera) = (None::<PixelFacts>, Camera::default());
+        let (mut frame, mut is_drawn, mut start_secs, mut now_secs) = (None, false, 0.0, 0.0);
         while let Some(moment) = moments.next() {
             if moment.sample.is_none_or(|sample| sample == 0) {
                 start_secs = moment.secs;
             }
             let within = |cameras: &Cameras| cameras.within_shot(start_secs, moment.secs);
             let camera_secs = action.cameras().map_or(moment.secs, within);
-            // The lead-in ends at the first moment.
+            // The first moment is evaluated already.
             if moment.secs > now_secs {
                 self.look(crowd, action, camera_secs)?;
                 spent.add(&animate(crowd, action, single(moment.secs - now_secs))?);
@@ -161,9 +160,9 @@ impl FrameLoop<'_> {
                 let camera = action.camera(camera_secs)?;
                 exposure.add(renderer.picture(crowd, &camera, self.scene)?);
                 times.passes.push(renderer.pass_times()?);
-                if sample == 0 && (sink.needs_facts() || action.needs_depths()) {
-                    let person = |member| action.person(member);
-                    facts = Some(renderer.pixel_facts(crowd, &camera, self.scene, &person)?);
+                if sample == 0 {
+                    frame_camera = camera;
+                    facts = self.facts(crowd, action, &mut renderer, sink, &camera)?;
                 }
                 spent.draw += ms_since(start);
             }
@@ -175,7 +174,7 @@ impl FrameLoop<'_> {
             if let Some(mut picture) = exposure.develop() {
                 let start = Instant::now();
                 let depths_m = facts.as_ref().map_or(&[][..], |facts| &facts.marks.depths_m[..]);
-                action.overlay(&mut picture, &action.camera(camera_secs)?, depths_m)?;
+                action.overlay(&mut picture, &frame_camera, depths_m)?;
                 times.draw.push(spent.draw + ms_since(start));
                 let facts = facts.take().filter(|_| sink.needs_facts());
                 sink.take(moment.frame, Shot { picture, facts })?;
@@ -186,25 +185,20 @@ impl FrameLoop<'_> {
         Ok((times, renderer.drawn()))
     }
 
-    /// Evaluates the frames up to frame 0, and returns the times of the last of them. The first
-    /// evaluation includes all uploads, so it is counted only if it is the only one.
-    fn lead_in(
+    /// Returns what the pixels of the last picture show, if the sink or the overlay needs it.
+    fn facts(
         &self,
-        crowd: &mut Crowd,
-        action: &mut dyn Action,
-        times: &mut FrameTimes,
-    ) -> Result<Spent, Failure> {
-        self.look(crowd, action, 0.0)?;
-        let mut spent = animate(crowd, action, 0.0)?;
-        let mut progress = Progress::new("evaluating", self.lead_in as usize);
-        for number in 0..self.lead_in {
-            if number > 0 {
-                times.add_animated(&spent);
-            }
-            spent = animate(crowd, action, LEAD_IN_SECS)?;
-            progress.step();
+        crowd: &Crowd,
+        action: &dyn Action,
+        renderer: &mut CrowdRenderer,
+        sink: &dyn FrameSink,
+        camera: &Camera,
+    ) -> Result<Option<PixelFacts>, Failure> {
+        if !(sink.needs_facts() || action.needs_depths()) {
+            return Ok(None);
         }
-        Ok(spent)
+        let person = |member| action.person(member);
+        renderer.pixel_facts(crowd, camera, self.scene, &person).map(Some)
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -286,5 +280,85 @@ impl FrameTimes {
     pub(crate) fn medians(&self) -> [f64; 5] {
         [&self.total, &self.behave, &self.animate, &self.view, &self.draw]
             .map(|ms| median(ms).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use populace::Device;
+    use populace_film::FrameRate;
+    use populace_render::Renderer;
+
+    use super::*;
+    use crate::frames::Shutter;
+
+    /// A camera that moves by 1 m in a second, and the cameras that were drawn over.
+    #[derive(Default)]
+    struct Moves(RefCell<Vec<Camera>>);
+
+    impl Action for Moves {
+        fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+            Ok(crowd.update(secs)?)
+        }
+
+        fn set_aspect(&mut self, _aspect: f32) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn camera(&self, secs: f64) -> Result<Camera, Failure> {
+            let x = single(secs);
+            Ok(Camera { eye: [x, 1.0, 5.0], target: [x, 1.0, 0.0], ..Camera::default() })
+        }
+
+        fn cameras(&self) -> Option<&Cameras> {
+            None
+        }
+
+        fn needs_depths(&self) -> bool {
+            true
+        }
+
+        fn overlay(&self, _: &mut Image, camera: &Camera, _: &[f32]) -> Result<(), Failure> {
+            self.0.borrow_mut().push(*camera);
+            Ok(())
+        }
+
+        fn person(&self, _member: MemberId) -> Option<u64> {
+            None
+        }
+    }
+
+    struct Nowhere;
+
+    impl FrameSink for Nowhere {
+        fn wants(&self, _frame: u32) -> bool {
+            true
+        }
+
+        fn needs_facts(&self) -> bool {
+            false
+        }
+
+        fn take(&mut self, _frame: u32, _shot: Shot) -> Result<(), Failure> {
+            Ok(())
+        }
+    }
+
+    #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+    #[test]
+    fn overlays_have_the_camera_of_their_depths() {
+        let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
+        let renderer = Renderer::headless([16, 16]).expect("a renderer");
+        let renderer = CrowdRenderer::new(renderer, &mut crowd, &[], &[]);
+        let rate = FrameRate::new(10, 1).expect("a rate");
+        let frames = Frames::film(&(0..=1), rate, Shutter::degrees(180.0));
+        let scene = &Scene::default();
+        let frame_loop = FrameLoop { frames, size: [16, 16], scene, detail: None };
+        let mut action = Moves::default();
+        frame_loop.play(&mut crowd, &mut action, renderer, &mut Nowhere).expect("frames");
+        let wanted = [0.0, 0.1].map(|secs| action.camera(secs).expect("a camera"));
+        assert_eq!(action.0.into_inner(), wanted);
     }
 }

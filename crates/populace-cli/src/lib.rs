@@ -21,6 +21,7 @@ mod failure;
 mod film_length;
 mod filming;
 mod fit;
+mod folder;
 mod frame_loop;
 mod frames;
 mod given;

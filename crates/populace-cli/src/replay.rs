@@ -94,7 +94,7 @@ impl ReplayJob<'_> {
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let mut scene = filming.scene();
         self.build_place(&mut crowd, &mut action, &mut scene)?;
-        let played = (&mut action as &mut dyn Action, &scene, 0);
+        let played = (&mut action as &mut dyn Action, &scene);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         let mut more = action.measures();
         if args.film.images.contains(&ImageKind::Id) {

@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use crate::built_in::{self, Clothes};
 use crate::failure::Failure;
 use crate::fit;
+use crate::folder::paths_in;
 use crate::input::InputArgs;
 use crate::legs::on_legs;
 use crate::levels::{Levels, is_cache};
@@ -238,9 +239,7 @@ fn in_folders(inputs: &[PathBuf]) -> Result<Vec<PathBuf>, Failure> {
             files.push(input.clone());
             continue;
         }
-        let unreadable = |e| anyhow::anyhow!("the folder {} cannot be read: {e}", input.display());
-        let entries = std::fs::read_dir(input).map_err(|e| Failure::Input(unreadable(e)))?;
-        let mut found: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+        let mut found = paths_in(input)?;
         let is_gltf = |path: &Path| {
             let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
             ["glb", "gltf", "vrm"].contains(&extension.to_ascii_lowercase().as_str())

@@ -131,7 +131,7 @@ impl SceneJob<'_> {
         let renderer = renderer.map_err(Failure::from).and_then(|renderer| {
             CrowdRenderer::new(renderer, &mut crowd, &loaded.roles, &args.hide)
         });
-        let played = (&mut action as &mut dyn Action, &scene, 0);
+        let played = (&mut action as &mut dyn Action, &scene);
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         let counts = counts::as_json(action.counts());
         let more = json!({"counts": counts, "crowds": counts::crowds(&source.plan)});

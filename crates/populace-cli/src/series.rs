@@ -6,6 +6,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
 use crate::failure::Failure;
+use crate::folder::paths_in;
 use crate::output::numbered;
 
 /// Gaps that a message names at most.
@@ -128,12 +129,11 @@ fn gaps(numbers: &[u32], frames: &RangeInclusive<u32>) -> Vec<[u32; 2]> {
 /// Returns the names and numbers of all numbered pictures in a folder, in the order of numbers.
 fn pictures(folder: &Path) -> Result<Vec<(u32, OsString)>, Failure> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let cannot = |e: std::io::Error| Failure::Input(anyhow::anyhow!("{}: {e}", folder.display()));
     let mut found = Vec::new();
-    for entry in folder.read_dir().map_err(cannot)? {
-        let name = entry.map_err(cannot)?.file_name();
+    for path in paths_in(folder)? {
+        let name = path.file_name().unwrap_or_default();
         if let Some((_, number)) = parts(&name.to_string_lossy()) {
-            found.push((number, name));
+            found.push((number, name.to_owned()));
         }
     }
     found.sort();

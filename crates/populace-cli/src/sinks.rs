@@ -39,7 +39,7 @@ impl<'a> Sink<'a> {
             }
             Form::Film => {
                 let film = Film::create(output::target(&outputs.first()), settings)?;
-                unfinished::film_part(Some(film.part()));
+                unfinished::begin_film(&film);
                 Some(film)
             }
             Form::Picture | Form::Numbered => None,
@@ -56,10 +56,9 @@ impl<'a> Sink<'a> {
     pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
         let Some(film) = self.film.take() else { return Ok(self.outputs.first()) };
         let part = film.part().to_owned();
-        unfinished::draft(Some(film.draft()));
-        let finished = film.finish();
-        unfinished::draft(None);
-        unfinished::film_part(None);
+        let draft = film.draft().to_owned();
+        let finished = unfinished::draft(&draft, || film.finish());
+        unfinished::end_film();
         match finished {
             Ok(_) => Ok(self.outputs.first()),
             Err(error) => {
@@ -96,11 +95,7 @@ impl FrameSink for Sink<'_> {
             }
         }
         match &mut self.film {
-            Some(film) => {
-                film.push(picture.rgba)?;
-                unfinished::count_frame();
-                Ok(())
-            }
+            Some(film) => Ok(film.push(picture.rgba)?),
             None => {
                 let png = encode_png(size, Pixels::Rgba(&picture.rgba))?;
                 output::write_frame(&self.outputs.path(frame), &png)
@@ -115,7 +110,7 @@ impl Drop for Sink<'_> {
         if let Some(film) = self.film.take() {
             let (part, has_frames) = (film.part().to_owned(), film.frame_count() > 0);
             drop(film);
-            unfinished::film_part(None);
+            unfinished::end_film();
             if has_frames {
                 report_part(&part);
             }

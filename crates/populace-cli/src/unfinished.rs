@@ -2,28 +2,42 @@
 //!
 //! SIGINT and SIGTERM end the program at once, even while it loads, draws or waits for a driver's
 //! compiler. This is safe because no file is written under its final name. A separate thread waits
-//! for the signals, removes the temporary file, reports how many files are complete, and exits.
+//! for the signals, removes the temporary files, reports how many files are complete, and exits.
 
+use std::collections::BTreeSet;
 use std::fs::Permissions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use populace_film::{Film, FilmProgress};
 use tempfile::{NamedTempFile, TempPath};
 
 /// The files that are being written.
 struct State {
-    /// The temporary file; removed if the program ends early.
-    path: Option<PathBuf>,
-    /// The part of a film that is being written; stays if the program ends early.
-    part: Option<PathBuf>,
-    /// Number of complete frames.
+    /// Temporary files; removed if the program ends early. Threads write several at once.
+    paths: BTreeSet<PathBuf>,
+    /// The film that is being written. Its part stays if the program ends early.
+    film: Option<UnfinishedFilm>,
+    /// Number of complete frames, without those of `film`.
     complete: u32,
     /// The total number of frames, if the command knows it.
     total: Option<u32>,
 }
 
-static STATE: Mutex<State> = Mutex::new(State { path: None, part: None, complete: 0, total: None });
+struct UnfinishedFilm {
+    part: PathBuf,
+    progress: FilmProgress,
+}
+
+impl State {
+    fn complete_frames(&self) -> u32 {
+        self.complete + self.film.as_ref().map_or(0, |film| film.progress.frame_count())
+    }
+}
+
+static STATE: Mutex<State> =
+    Mutex::new(State { paths: BTreeSet::new(), film: None, complete: 0, total: None });
 
 fn state() -> MutexGuard<'static, State> {
     STATE.lock().unwrap_or_else(PoisonError::into_inner)
@@ -34,19 +48,25 @@ pub(crate) fn expect_frames(count: u32) {
     state().total = Some(count);
 }
 
-/// Counts one more frame as complete.
-pub(crate) fn count_frame() {
-    state().complete += 1;
+/// Sets the film that is being written, for the message of an interrupted run.
+pub(crate) fn begin_film(film: &Film) {
+    let film = UnfinishedFilm { part: film.part().to_owned(), progress: film.progress() };
+    state().film = Some(film);
 }
 
-/// Sets the part of the film that is being written, for the message of an interrupted run.
-pub(crate) fn film_part(part: Option<&Path>) {
-    state().part = part.map(Path::to_owned);
+/// Forgets the film, and keeps the number of its frames.
+pub(crate) fn end_film() {
+    let mut state = state();
+    state.complete = state.complete_frames();
+    state.film = None;
 }
 
-/// Sets a file of another writer to remove if the program ends early.
-pub(crate) fn draft(path: Option<&Path>) {
-    state().path = path.map(Path::to_owned);
+/// Lets another writer work. Its file at `path` is removed if the program ends meanwhile.
+pub(crate) fn draft<T>(path: &Path, write: impl FnOnce() -> T) -> T {
+    state().paths.insert(path.to_owned());
+    let written = write();
+    state().paths.remove(path);
+    written
 }
 
 /// Says where the beginning of a film is. Removes a part that is empty.
@@ -83,7 +103,7 @@ impl Unfinished {
             io::Error::new(kind, format!("no file can be made in the folder {folder}: {kind}"))
         };
         let file = builder.tempfile_in(folder).map_err(named)?;
-        state.path = Some(file.path().to_owned());
+        state.paths.insert(file.path().to_owned());
         Ok(Self(Some(file)))
     }
 
@@ -115,9 +135,9 @@ impl Unfinished {
         let mut state = state();
         if let Some(file) = self.0.take() {
             let path: TempPath = file.into_temp_path();
+            state.paths.remove(&*path);
             path.persist(target).map_err(|e| e.error)?;
         }
-        state.path = None;
         state.complete += frames;
         Ok(())
     }
@@ -126,9 +146,10 @@ impl Unfinished {
 impl Drop for Unfinished {
     fn drop(&mut self) {
         if let Some(file) = self.0.take() {
+            // Held until the file is gone, so that a signal before that removes it.
             let mut state = state();
+            state.paths.remove(file.path());
             drop(file);
-            state.path = None;
         }
     }
 }
@@ -137,13 +158,11 @@ impl Drop for Unfinished {
 #[cfg(unix)]
 const STACK_PATH_BYTES: usize = 300;
 
-/// Removes the temporary file, unless that would block or allocate.
+/// Removes the temporary files, unless that would block or allocate.
 #[cfg(unix)]
 pub(crate) fn remove_in_signal_handler() {
-    if let Ok(state) = STATE.try_lock()
-        && let Some(path) = &state.path
-        && path.as_os_str().len() < STACK_PATH_BYTES
-    {
+    let Ok(state) = STATE.try_lock() else { return };
+    for path in state.paths.iter().filter(|path| path.as_os_str().len() < STACK_PATH_BYTES) {
         let _ = std::fs::remove_file(path);
     }
 }
@@ -162,14 +181,14 @@ pub(crate) fn exit_on_signals() -> io::Result<()> {
         if let Some(signal) = signals.forever().next() {
             // Held until exit, so that no file is completed after the count.
             let state = state();
-            if let Some(path) = &state.path {
+            for path in &state.paths {
                 let _ = std::fs::remove_file(path);
             }
-            let progress = state
-                .total
-                .map(|total| format!("; {} of {total} frames are complete", state.complete));
+            let complete = state.complete_frames();
+            let progress =
+                state.total.map(|total| format!("; {complete} of {total} frames are complete"));
             crate::progress::clear();
-            let part = state.part.as_deref().and_then(describe_part);
+            let part = state.film.as_ref().and_then(|film| describe_part(&film.part));
             let part = part.map(|part| format!("; {part}")).unwrap_or_default();
             crate::report::message!("interrupted{}{part}", progress.unwrap_or_default());
             low_level::exit(128 + signal);
@@ -191,5 +210,25 @@ mod tests {
         let words = error.to_string();
         assert!(words.contains("in the folder no_such_folder: "), "{words}");
         assert!(!words.contains(".tmp"), "{words}");
+    }
+
+    #[test]
+    fn each_of_several_files_is_known_until_it_is_done() {
+        let folder = tempfile::TempDir::new().expect("a folder");
+        let begin = |name: &str| {
+            let mut file = Unfinished::beside(&folder.path().join(name)).expect("a file");
+            let path = file.file().expect("a file").path().to_owned();
+            (file, path)
+        };
+        let is_known = |path: &Path| state().paths.contains(path);
+        let [dropped, finished, failed] = ["a", "b", "c"].map(begin);
+        assert!([&dropped.1, &finished.1, &failed.1].into_iter().all(|path| is_known(path)));
+        drop(dropped.0);
+        assert!(!is_known(&dropped.1) && !dropped.1.exists());
+        finished.0.finish(&folder.path().join("b")).expect("renamed");
+        assert!(!is_known(&finished.1) && folder.path().join("b").exists());
+        assert!(is_known(&failed.1));
+        failed.0.finish(folder.path()).expect_err("a folder in the way");
+        assert!(!is_known(&failed.1) && !failed.1.exists());
     }
 }

@@ -164,7 +164,7 @@ impl<'a> CommandLine<'a> {
         let args = &self.args.picture;
         let mut crowd = build_crowd(builder.capacity(members as usize).slots_per_member(SLOTS))?;
         let plan = CrowdPlan { inputs, members, args };
-        let (loaded, action) = plan.stage(&mut crowd, (0.0, true))?;
+        let (loaded, action) = plan.stage(&mut crowd, true)?;
         let devices = devices_and_shares(&crowd);
         let schedule = crowd.device_info().schedule;
         message!("{} on {devices}, {schedule}", counted(crowd.member_count(), "member"));

@@ -47,9 +47,10 @@ impl FfmpegWriter {
         command.arg(as_file(part.path()));
         let mut child = start(command.stdin(Stdio::piped()))
             .inspect_err(|_| _ = std::fs::remove_file(part.path()))?;
-        let input = child.stdin.take();
-        let messages = child.stderr.take().map(reading).transpose()?;
-        Ok(Self { part, child, input, messages })
+        let (input, stderr) = (child.stdin.take(), child.stderr.take());
+        let mut writer = Self { part, child, input, messages: None };
+        writer.messages = stderr.map(reading).transpose()?;
+        Ok(writer)
     }
 
     /// Returns what the program said, once it has ended.
@@ -127,6 +128,13 @@ impl FrameWriter for FfmpegWriter {
     }
 }
 
+impl Drop for FfmpegWriter {
+    /// Waits for a program that an error has left running, and for the reader of its messages.
+    fn drop(&mut self) {
+        let _ = self.stop();
+    }
+}
+
 /// Writes a fragmented film in its ordinary form.
 fn rewrite(part: &Path, draft: &Path) -> Result<(), Error> {
     let mut command = quiet();
@@ -138,5 +146,21 @@ fn rewrite(part: &Path, draft: &Path) -> Result<(), Error> {
         Ok(())
     } else {
         Err(failed(String::from_utf8_lossy(&output.stderr).trim().to_owned()))
+    }
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_program_that_is_dropped_is_waited_for() {
+        let mut command = Command::new("sh");
+        command.args(["-c", "cat"]).stdin(Stdio::piped()).stdout(Stdio::null());
+        let mut child = start(&mut command).expect("a shell");
+        let process = PathBuf::from(format!("/proc/{}", child.id()));
+        let input = child.stdin.take();
+        drop(FfmpegWriter { part: Part::of(Path::new("a.mp4")), child, input, messages: None });
+        assert!(!process.exists(), "it still runs, or nobody has waited for it");
     }
 }

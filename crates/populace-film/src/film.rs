@@ -1,6 +1,8 @@
 //! A film, written on a thread of its own.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -19,6 +21,22 @@ enum Message {
     Finish,
 }
 
+/// How many frames of a film its encoder has taken. A clone on another thread sees the number grow.
+#[derive(Clone, Debug, Default)]
+pub struct FilmProgress(Arc<AtomicU32>);
+
+impl FilmProgress {
+    /// Returns the number of frames. Those that wait in the queue of [`Film::push`] do not count.
+    #[must_use]
+    pub fn frame_count(&self) -> u32 {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    fn count_frame(&self) {
+        self.0.fetch_add(1, Ordering::Relaxed);
+    }
+}
+
 /// A film that grows frame by frame.
 ///
 /// Frames are encoded on another thread, so that the caller can draw the next ones. A few wait in a
@@ -32,6 +50,7 @@ pub struct Film {
     draft: PathBuf,
     settings: FilmSettings,
     frames: u32,
+    progress: FilmProgress,
     queue: Option<SyncSender<Message>>,
     thread: Option<JoinHandle<Result<Option<PathBuf>, Error>>>,
 }
@@ -58,9 +77,11 @@ impl Film {
             (Format::Mp4, Encoder::OpenH264) => built_in(part, settings)?,
         };
         let (queue, messages) = sync_channel(WAITING);
+        let progress = FilmProgress::default();
+        let counted = progress.clone();
         let thread = std::thread::Builder::new()
             .name("film".into())
-            .spawn(move || write_all(writer, &messages))
+            .spawn(move || write_all(writer, &messages, &counted))
             .map_err(|source| Error::Output { path: part_path.clone(), source })?;
         Ok(Self {
             path: path.to_owned(),
@@ -68,6 +89,7 @@ impl Film {
             draft,
             settings: *settings,
             frames: 0,
+            progress,
             queue: Some(queue),
             thread: Some(thread),
         })
@@ -90,6 +112,12 @@ impl Film {
     #[must_use]
     pub fn frame_count(&self) -> u32 {
         self.frames
+    }
+
+    /// Returns how many frames the encoder has taken, now and later.
+    #[must_use]
+    pub fn progress(&self) -> FilmProgress {
+        self.progress.clone()
     }
 
     /// Appends a frame: RGBA in sRGB, 8 bits each, top row first. Alpha is ignored.
@@ -157,10 +185,14 @@ impl Drop for Film {
 fn write_all(
     mut writer: Box<dyn FrameWriter>,
     messages: &Receiver<Message>,
+    progress: &FilmProgress,
 ) -> Result<Option<PathBuf>, Error> {
     for message in messages {
         match message {
-            Message::Frame(rgba) => writer.write(&rgba)?,
+            Message::Frame(rgba) => {
+                writer.write(&rgba)?;
+                progress.count_frame();
+            }
             Message::Finish => return writer.finish().map(Some),
         }
     }
@@ -180,4 +212,39 @@ fn built_in(part: Part, settings: &FilmSettings) -> Result<Box<dyn FrameWriter>,
 #[cfg(not(feature = "openh264"))]
 fn built_in(_part: Part, _settings: &FilmSettings) -> Result<Box<dyn FrameWriter>, Error> {
     Err(Error::WithoutOpenH264)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Takes two frames, and fails at the third.
+    struct FailsAtThird(u32);
+
+    impl FrameWriter for FailsAtThird {
+        fn write(&mut self, _rgba: &[u8]) -> Result<(), Error> {
+            self.0 += 1;
+            if self.0 < 3 { Ok(()) } else { Err(ended()) }
+        }
+
+        fn stop(&mut self) -> Result<(), Error> {
+            Ok(())
+        }
+
+        fn finish(self: Box<Self>) -> Result<PathBuf, Error> {
+            Err(ended())
+        }
+    }
+
+    #[test]
+    fn progress_counts_the_frames_that_the_encoder_took() {
+        let (queue, messages) = sync_channel(WAITING);
+        for _ in 0..WAITING {
+            queue.send(Message::Frame(Vec::new())).expect("room");
+        }
+        let progress = FilmProgress::default();
+        let seen_elsewhere = progress.clone();
+        write_all(Box::new(FailsAtThird(0)), &messages, &progress).expect_err("the third frame");
+        assert_eq!(seen_elsewhere.frame_count(), 2);
+    }
 }

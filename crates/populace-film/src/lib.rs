@@ -34,7 +34,7 @@ mod writer;
 mod yuv;
 
 pub use error::Error;
-pub use film::Film;
+pub use film::{Film, FilmProgress};
 pub use output::part_of;
 pub use png::{Pixels, decode_png, encode_png, write_png};
 pub use settings::{Encoder, FilmSettings, Format, FrameRate};

@@ -51,10 +51,9 @@ impl Part {
     /// stays and the draft goes.
     pub(crate) fn complete(&self, written: Result<(), Error>) -> Result<PathBuf, Error> {
         let result = written.and_then(|()| self.rename(&self.draft));
-        match result {
-            Ok(()) => fs::remove_file(&self.part).map_err(|e| output_error(&self.part, e))?,
-            Err(_) => _ = fs::remove_file(&self.draft),
-        }
+        let rest = if result.is_ok() { &self.part } else { &self.draft };
+        // A file that cannot be removed changes nothing about the film.
+        let _ = fs::remove_file(rest);
         result.map(|()| self.film.clone())
     }
 
@@ -84,4 +83,21 @@ fn beside(path: &Path, word: &str) -> PathBuf {
 
 pub(crate) fn output_error(path: &Path, source: io::Error) -> Error {
     Error::Output { path: path.to_owned(), source }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_is_complete_though_its_part_cannot_be_removed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let film = folder.path().join("film.mp4");
+        let files = Part::of(&film);
+        fs::write(files.draft(), "all frames").expect("a draft");
+        // A folder cannot be removed as a file.
+        fs::create_dir(files.path()).expect("a folder in place of the part");
+        assert_eq!(files.complete(Ok(())).expect("a film"), film);
+        assert_eq!(fs::read(&film).expect("a film"), b"all frames");
+    }
 }

@@ -77,8 +77,8 @@ pub struct PlaybackId(pub(crate) PlaybackParts);
 pub struct PlaybackParts {
     /// The member that plays it.
     pub member: MemberId,
-    /// The number of the start.
-    pub serial: u32,
+    /// The number of the start, which no other start of the crowd has.
+    pub serial: u64,
 }
 
 impl PlaybackId {

@@ -194,22 +194,50 @@ fn beside(input: &Input, settings: &ReadSettings, rows: &mut Rows) -> Place {
     // The folder of a file without one in its path is the current one.
     let here = Path::new(".");
     let folder = if folder.as_os_str().is_empty() { here } else { folder };
-    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
-    let mut scenarios: Vec<PathBuf> = entries
-        .map(|entry| entry.path())
-        .filter(|path| path.extension().is_some_and(|end| end == "scenario"))
-        .collect();
-    scenarios.sort();
+    let mut left_out = |why: String| {
+        rows.warnings.whole(why);
+        Place::default()
+    };
+    let scenarios = match scenarios_in(folder) {
+        Ok(scenarios) => scenarios,
+        Err(error) => {
+            let folder = folder.display();
+            return left_out(format!(
+                "the folder {folder} was not searched for a scenario: {error}"
+            ));
+        }
+    };
     match &*scenarios {
         [] => Place::default(),
         [scenario] => area::load(scenario).unwrap_or_else(|error| {
-            rows.warnings.whole(format!("the scenario beside the file was left out: {error}"));
-            Place::default()
+            left_out(format!("the scenario beside the file was left out: {error}"))
         }),
-        _ => {
-            let text = "several scenarios lie beside the file; --geometry FILE names the right one";
-            rows.warnings.whole(text);
-            Place::default()
-        }
+        _ => left_out(
+            "several scenarios lie beside the file; --geometry FILE names the right one".into(),
+        ),
+    }
+}
+
+/// Returns the scenarios in a folder, by name.
+fn scenarios_in(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let entries = std::fs::read_dir(folder)?;
+    let mut paths: Vec<_> =
+        entries.map(|entry| Ok(entry?.path())).collect::<std::io::Result<_>>()?;
+    paths.retain(|path| path.extension().is_some_and(|end| end == "scenario"));
+    paths.sort();
+    Ok(paths)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_that_cannot_be_read_is_a_warning() {
+        let input = Input::of_file(Path::new("no_such_folder/postvis.traj"));
+        let mut rows = Rows::default();
+        beside(&input, &ReadSettings::default(), &mut rows);
+        let warnings = rows.warnings.into_vec();
+        assert!(warnings[0].text.contains("no_such_folder was not searched"), "{warnings:?}");
     }
 }

@@ -9,6 +9,7 @@ use populace_lod::{reduced, with_levels};
 
 use crate::cli::CastArgs;
 use crate::failure::Failure;
+use crate::folder::paths_in;
 use crate::output;
 use crate::progress::Progress;
 use crate::report::{self, message};
@@ -40,13 +41,14 @@ pub(crate) fn run(args: &CastArgs) -> Result<(), Failure> {
     }
     output::write(&credits, credits_text(args, &bodies).as_bytes())?;
     drop(progress);
-    let others = others(&args.out, &paths);
-    if others > 0 {
-        message!(
+    match others(&args.out, &paths) {
+        Ok(0) => {}
+        Ok(others) => message!(
             "warning: {} also holds {others} .glb files of other runs, which CREDITS does not \
              name; delete them, or choose another folder with --out",
             args.out.display()
-        );
+        ),
+        Err(error) => message!("warning: {error}; it may hold .glb files of other runs"),
     }
     paths.iter().try_for_each(|path| report::path(path))
 }
@@ -70,12 +72,11 @@ fn check_own(credits: &Path) -> Result<(), Failure> {
 }
 
 /// Returns the number of characters in the folder that were not made now.
-fn others(out: &Path, made: &[PathBuf]) -> usize {
-    let files = std::fs::read_dir(out).into_iter().flatten().flatten().map(|file| file.path());
-    let is_other = |path: &PathBuf| {
+fn others(out: &Path, made: &[PathBuf]) -> Result<usize, Failure> {
+    let is_other = |path: &&PathBuf| {
         path.extension().is_some_and(|extension| extension == "glb") && !made.contains(path)
     };
-    files.filter(is_other).count()
+    Ok(paths_in(out)?.iter().filter(is_other).count())
 }
 
 /// Returns the person with few enough triangles and with levels of detail.
@@ -104,7 +105,8 @@ mod tests {
         for path in &paths {
             std::fs::write(path, "").expect("written");
         }
-        assert_eq!(others(folder.path(), &paths[..1]), 1);
-        assert_eq!(others(folder.path(), &paths), 0);
+        assert_eq!(others(folder.path(), &paths[..1]).expect("a folder"), 1);
+        assert_eq!(others(folder.path(), &paths).expect("a folder"), 0);
+        others(&folder.path().join("none"), &paths).expect_err("a folder that cannot be read");
     }
 }

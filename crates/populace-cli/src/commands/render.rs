@@ -29,7 +29,6 @@ pub(crate) fn run(args: RenderArgs) -> Result<(), Failure> {
         inputs: &inputs,
         members: args.members.unwrap_or(MEMBERS),
         out,
-        lead_in: 0,
         args: &args.picture,
     };
     job.run()

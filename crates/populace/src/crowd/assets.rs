@@ -37,12 +37,12 @@ impl Crowd {
     ///
     /// # Errors
     ///
-    /// More data than devices can address.
+    /// More data than devices can address. Nothing is added then.
     pub fn add_character(
         &mut self,
         character: impl Into<Arc<Character>>,
     ) -> Result<CharacterId, Error> {
-        self.state.base.add_character(character.into())
+        self.state.add_character(character.into())
     }
 
     /// Returns a view of a character.
@@ -162,6 +162,20 @@ impl<'a> CharacterRef<'a> {
     /// played.
     pub fn binding(&self, clip: ClipId) -> Result<BindingReport, Error> {
         self.state.base.binding(self.id, clip)
+    }
+}
+
+impl State {
+    /// Adds a character with its clips. Takes it out again if they do not all fit.
+    fn add_character(&mut self, character: Arc<Character>) -> Result<CharacterId, Error> {
+        let clips = character.clips.clone();
+        let id = self.base.add_body(character)?;
+        let added = clips.iter().try_for_each(|clip| self.base.add_clip(id, clip).map(drop));
+        if let Err(error) = added {
+            self.remove_character(id)?;
+            return Err(error);
+        }
+        Ok(id)
     }
 }
 

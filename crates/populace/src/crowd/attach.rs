@@ -75,7 +75,6 @@ impl Attachments {
         };
         let changed = constraints.change(base, child, |controls| {
             controls.attached = Some((parent.watched, offset));
-            Ok(())
         });
         if old == Some(parent) {
             return changed;
@@ -102,7 +101,6 @@ impl Attachments {
         }
         constraints.change(base, child, |controls| {
             controls.attached = None;
-            Ok(())
         })?;
         self.unlink(base, constraints, child)?;
         base.tables.set_phase(child.number(), 0)?;
@@ -246,7 +244,6 @@ impl Attachments {
         let watched = base.tables.add_watched();
         let changed = constraints.change(base, member, |controls| {
             controls.carries.push((joint, watched));
-            Ok(())
         });
         if let Err(error) = changed {
             base.tables.remove_watched(watched);
@@ -275,7 +272,6 @@ impl Attachments {
         }
         constraints.change(base, member, |controls| {
             controls.carries.retain(|(_, other)| *other != watched);
-            Ok(())
         })?;
         attached.followed.swap_remove(at);
         base.tables.remove_watched(watched);

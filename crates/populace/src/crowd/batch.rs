@@ -174,33 +174,42 @@ impl Crowd {
 
     /// Reads the matrices of joints, which are at `firsts` on the device.
     fn read_models(&mut self, firsts: &[usize], models: &mut [Affine]) -> Result<(), Error> {
-        let span = firsts.iter().min().zip(firsts.iter().max());
-        let Some((&first, &last)) = span else { return Ok(()) };
         let Self { state: State { base, .. }, device, .. } = self;
-        // A read from a device that runs ahead costs more than many elements. Fused schedules store
-        // no joints: each member is evaluated as it is read.
-        let at_once =
-            device.backend().runs_ahead() && device.backend().schedule() == Schedule::Staged;
+        let backend = device.backend_mut();
+        // Fused schedules store no joints: each member is evaluated as it is read.
+        let at_once = backend.runs_ahead() && backend.schedule() == Schedule::Staged;
+        let order = in_order(firsts);
+        let mut rows = Vec::new();
         base.tables.with_taken_over(|tables| {
-            let backend = device.backend_mut();
-            let mut rows = vec![Float4::default(); if at_once { last - first + 1 } else { 1 }];
-            if at_once {
-                for (nth, buffer) in ROWS.into_iter().enumerate() {
+            for run in runs(&order, firsts, if at_once { READ_ALONG } else { 0 }) {
+                let [first, last] = [run[0], run[run.len() - 1]].map(|nth| firsts[nth]);
+                rows.resize(last - first + 1, Float4::default());
+                for (row, buffer) in ROWS.into_iter().enumerate() {
                     backend.read(tables, buffer, first, &mut rows)?;
-                    let found = models.iter_mut().zip(firsts);
-                    found.for_each(|(model, at)| model.rows[nth] = rows[at - first].0);
-                }
-                return Ok(());
-            }
-            for (model, at) in models.iter_mut().zip(firsts) {
-                for (row, buffer) in model.rows.iter_mut().zip(ROWS) {
-                    backend.read(tables, buffer, *at, &mut rows)?;
-                    *row = rows[0].0;
+                    for nth in run {
+                        models[*nth].rows[row] = rows[firsts[*nth] - first].0;
+                    }
                 }
             }
             Ok(())
         })
     }
+}
+
+/// Elements that a device that runs ahead reads along rather than begin another read, which costs
+/// more.
+const READ_ALONG: usize = 4096;
+
+/// Returns the numbers of elements in the order of their places.
+fn in_order(places: &[usize]) -> Vec<usize> {
+    let mut order: Vec<_> = (0..places.len()).collect();
+    order.sort_unstable_by_key(|nth| places[*nth]);
+    order
+}
+
+/// Divides elements in order into runs whose neighbours are at most `gap` apart.
+fn runs<'a>(order: &'a [usize], places: &[usize], gap: usize) -> impl Iterator<Item = &'a [usize]> {
+    order.chunk_by(move |a, b| places[*b] - places[*a] <= gap)
 }
 
 /// The rows of the matrices from joints to model space.
@@ -272,5 +281,21 @@ impl State {
             self.place(*member, *placement)?;
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn joints_that_are_far_apart_are_read_apart() {
+        let far = 6_400_000;
+        let places = [far + 1, 10, far, 10 + READ_ALONG, 10];
+        let order = in_order(&places);
+        let found: Vec<Vec<usize>> = runs(&order, &places, READ_ALONG)
+            .map(|run| run.iter().map(|nth| places[*nth]).collect())
+            .collect();
+        assert_eq!(found, [vec![10, 10, 10 + READ_ALONG], vec![far, far + 1]]);
     }
 }

@@ -64,7 +64,6 @@ impl Constraints {
                     None => controls.overrides.push(*given),
                 }
             }
-            Ok(())
         })
     }
 
@@ -77,14 +76,12 @@ impl Constraints {
     ) -> Result<(), Error> {
         self.change(base, member, |controls| {
             controls.overrides.retain(|o| o.space != space || !joints.contains(&o.joint));
-            Ok(())
         })
     }
 
     pub(super) fn release_all(&mut self, base: &mut Base, member: MemberId) -> Result<(), Error> {
         self.change(base, member, |controls| {
             controls.overrides.clear();
-            Ok(())
         })
     }
 
@@ -144,7 +141,6 @@ impl Constraints {
                 None if stays => all.push(feet),
                 None => {}
             }
-            Ok(())
         })
     }
 
@@ -186,7 +182,6 @@ impl Constraints {
         let old = self.controls.get(member.number()).and_then(|state| state.controls.proportions);
         self.change(base, member, |controls| {
             controls.proportions = first;
-            Ok(())
         })?;
         self.release_proportions(base, old);
         Ok(())
@@ -221,7 +216,6 @@ impl Constraints {
                     *target = target.ramped_to(tick, 0.0, secs);
                 }
             }
-            Ok(())
         })
     }
 
@@ -285,15 +279,15 @@ impl Constraints {
                     None => known.push(constraint),
                 }
             }
-            Ok(())
         });
         if changed.is_err() {
-            self.unwatch_unused(base, member);
+            self.forget_unused(base, member);
             return changed;
         }
-        let aimed = &mut self.controls.get_or_default(member.number()).aimed;
-        aimed.retain(|(other, _)| !goals.contains(other));
-        aimed.extend(goals.into_iter().map(|goal| (goal, tick)));
+        if let Some(MemberControls { aimed, .. }) = self.controls.get_mut(member.number()) {
+            aimed.retain(|(other, _)| !goals.contains(other));
+            aimed.extend(goals.into_iter().map(|goal| (goal, tick)));
+        }
         Ok(())
     }
 
@@ -353,21 +347,22 @@ impl Constraints {
         &mut self,
         base: &mut Base,
         member: MemberId,
-        change: impl FnOnce(&mut Controls) -> Result<(), Error>,
+        change: impl FnOnce(&mut Controls),
     ) -> Result<(), Error> {
         let character = base.check(member)?;
         let skeleton = &base.assets.characters[character.parts().index].character.skeleton;
-        let state = self.controls.get_or_default(member.number());
-        let mut controls = state.controls.clone();
-        change(&mut controls)?;
+        let none = Controls::default();
+        let before = self.controls(member).map_or(&none, |state| &state.controls);
+        let mut controls = before.clone();
+        change(&mut controls);
         forget_faded(&mut controls, base.clock.tick);
         // A gaze that follows somebody has a new target in each frame.
-        if !base.tables.set_targets(member.number(), &state.controls, &controls)? {
+        if !base.tables.set_targets(member.number(), before, &controls)? {
             base.tables.set_controls(member.number(), skeleton, &controls)?;
         }
-        state.controls = controls;
+        self.controls.get_or_default(member.number()).controls = controls;
         base.upload_placement(member)?;
-        self.unwatch_unused(base, member);
+        self.forget_unused(base, member);
         Ok(())
     }
 

@@ -61,7 +61,6 @@ impl RootMotion {
         let motion = self.next_number();
         let changed = constraints.change(base, member, |controls| {
             controls.motion = Some(motion);
-            Ok(())
         });
         if changed.is_ok() {
             let moving = Moving { since: base.clock.frame, watch, moved: [0.0; 3] };
@@ -84,7 +83,6 @@ impl RootMotion {
         self.forget(base, constraints, readbacks, member);
         constraints.change(base, member, |controls| {
             controls.motion = None;
-            Ok(())
         })
     }
 

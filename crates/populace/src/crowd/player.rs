@@ -25,7 +25,7 @@ pub(super) struct Player {
     /// The start that each slot of the tables belongs to.
     pub(super) started: Vec<Started>,
     pub(super) scheduled: ScheduledStarts,
-    last_serial: u32,
+    last_serial: u64,
     pub(super) spaces: Slab<Space>,
     /// The blend space that a member plays.
     pub(super) active_space: ByMember<ActiveSpace>,
@@ -47,8 +47,8 @@ impl Player {
     }
 
     /// Returns a number that no other start has.
-    pub(super) fn next_serial(&mut self) -> u32 {
-        self.last_serial = self.last_serial.wrapping_add(1);
+    pub(super) fn next_serial(&mut self) -> u64 {
+        self.last_serial += 1;
         self.last_serial
     }
 
@@ -61,4 +61,24 @@ impl Player {
 /// Returns the tick that is `secs` after another.
 fn tick_after(tick: u64, secs: f32) -> u64 {
     tick.saturating_add(ticks_from_secs(f64::from(secs)))
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{ClipPlayback, Crowd, Device, Placement};
+
+    #[test]
+    fn ids_of_playbacks_are_not_used_again_after_four_thousand_million() {
+        let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+        let lift = crowd.add_character(crate::crowd::tests::lift()).unwrap();
+        let member = crowd.spawn(lift, Placement::at([0.0; 3])).unwrap();
+        let clip = crowd.clip(lift, "Lift").unwrap();
+        let play =
+            |crowd: &mut Crowd| crowd.member_mut(member).unwrap().play(clip, ClipPlayback::once());
+        let first = play(&mut crowd).unwrap();
+        let player = &mut crowd.state.player;
+        player.last_serial = player.last_serial.wrapping_add(u32::MAX.into());
+        let last = play(&mut crowd).unwrap();
+        assert_ne!(first, last);
+    }
 }

@@ -88,7 +88,7 @@ fn in_use(what: IdKind, by: User) -> Error {
 }
 
 impl State {
-    fn remove_character(&mut self, id: CharacterId) -> Result<(), Error> {
+    pub(super) fn remove_character(&mut self, id: CharacterId) -> Result<(), Error> {
         let state = self.base.character_state(id)?;
         let (body, clips) = (state.body, state.clips.clone());
         let masks: Vec<u32> = state.masks.iter().map(|(_, first)| *first).collect();

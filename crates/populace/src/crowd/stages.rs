@@ -89,7 +89,6 @@ impl UserStages {
                 Some(old) => *old = stage,
                 None => controls.stages.push(stage),
             }
-            Ok(())
         })
     }
 
@@ -184,7 +183,6 @@ impl Constraints {
     fn clear_stage(&mut self, base: &mut Base, member: MemberId, number: u32) -> Result<(), Error> {
         self.change(base, member, |controls| {
             controls.stages.retain(|given| given.stage != number);
-            Ok(())
         })
     }
 }

@@ -325,6 +325,7 @@ fn gaze_that_changes_targets_keeps_few_watches() {
     crowd.member_mut(members[0]).unwrap().clear_look_at(0.0).unwrap();
     assert_eq!(crowd.state.constraints.watch_count(), 0, "joints are still watched");
     assert_eq!(crowd.state.base.tables.watched_elements(), 0);
+    assert!(crowd.state.constraints.is_empty(), "programs that do nothing are kept");
 }
 
 #[test]
@@ -336,6 +337,7 @@ fn refused_constraints_watch_nothing() {
     let (first, beyond) = (JointIndex(0), JointIndex(99));
     view.reach_with_chain(first, beyond, target, crate::Weight::FULL).unwrap_err();
     assert_eq!(crowd.state.constraints.watch_count(), 0, "a joint is still watched");
+    assert!(crowd.state.constraints.is_empty(), "programs that do nothing are kept");
     assert_eq!(crowd.state.base.tables.watched_elements(), 0);
     assert_eq!(crowd.seek(1.0).unwrap().inexact, []);
 }

@@ -30,17 +30,14 @@ fn reduced_of_levels(character: &Character, reduced: &[usize]) -> Vec<u32> {
 }
 
 impl Base {
-    pub(crate) fn add_character(
-        &mut self,
-        character: Arc<Character>,
-    ) -> Result<CharacterId, Error> {
+    /// Adds a character without its clips.
+    pub(crate) fn add_body(&mut self, character: Arc<Character>) -> Result<CharacterId, Error> {
         let counts = character.levels().iter().map(|level| level.joint_count);
         let mut reduced: Vec<usize> = counts.collect();
         reduced.dedup();
         reduced.retain(|count| *count < character.skeleton.joint_count());
         let (skeleton, palette) = (&character.skeleton, &character.palette);
         let body = self.tables.add_reducible_body(skeleton, palette, &reduced)?;
-        let clips = character.clips.clone();
         let roles = RoleMap::detect(&character.skeleton);
         let reach = Reach::at_rest(&character.skeleton);
         let reduced_of_level = reduced_of_levels(&character, &reduced);
@@ -54,11 +51,7 @@ impl Base {
             masks: Slab::default(),
         };
         let (index, generation) = self.assets.characters.insert(state);
-        let id = CharacterId::from_parts(Key { crowd: self.number, index, generation });
-        for clip in &clips {
-            self.add_clip(id, clip)?;
-        }
-        Ok(id)
+        Ok(CharacterId::from_parts(Key { crowd: self.number, index, generation }))
     }
 
     pub(crate) fn add_clip(

@@ -43,7 +43,6 @@ impl Constraints {
         let watched = base.tables.add_watched();
         let changed = self.change(base, other, |controls| {
             controls.watches.push((joint, watched));
-            Ok(())
         });
         if let Err(error) = changed {
             base.tables.remove_watched(watched);
@@ -65,16 +64,25 @@ impl Constraints {
         // If the other member is gone there is nothing to change.
         let _left = self.change(base, other, |controls| {
             controls.watches.retain(|(_, index)| *index != watched);
-            Ok(())
         });
     }
 
-    /// Ends the watches of joints that no target of the member names any longer.
-    pub(super) fn unwatch_unused(&mut self, base: &mut Base, member: MemberId) {
-        let Some(state) =
-            self.controls.get_mut(member.number()).filter(|state| !state.watching.is_empty())
-        else {
-            return;
+    /// Ends the watches of joints that no target of the member names any longer, and forgets a
+    /// program that does nothing.
+    pub(super) fn forget_unused(&mut self, base: &mut Base, member: MemberId) {
+        for (other, joint) in self.take_unnamed_watches(member) {
+            self.unwatch_joint(base, other, joint);
+        }
+        if self.controls(member).is_some_and(|state| state.controls.is_empty()) {
+            self.controls.remove(member.number());
+        }
+    }
+
+    /// Takes the joints that a member watches and that none of its targets names.
+    fn take_unnamed_watches(&mut self, member: MemberId) -> Vec<(MemberId, JointIndex)> {
+        let state = self.controls.get_mut(member.number());
+        let Some(state) = state.filter(|state| !state.watching.is_empty()) else {
+            return Vec::new();
         };
         let targets = state.controls.constraints.iter_mut().flat_map(targets_of);
         let named: Vec<u32> = targets
@@ -85,8 +93,6 @@ impl Constraints {
         let is_over = |key: &mut (MemberId, JointIndex)| {
             watches.get(key).is_none_or(|(watched, _)| !named.contains(watched))
         };
-        for (other, joint) in state.watching.extract_if(.., is_over).collect::<Vec<_>>() {
-            self.unwatch_joint(base, other, joint);
-        }
+        state.watching.extract_if(.., is_over).collect()
     }
 }

@@ -27,7 +27,7 @@ pub(crate) struct Space {
 /// The blend space that a member plays, with its phase in closed form.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ActiveSpace {
-    serial: u32,
+    serial: u64,
     pub(crate) space: u32,
     play: Playback,
     /// The position, or the one it moves to; `None` while it waits for a slot.
@@ -375,7 +375,7 @@ impl Player {
         &self,
         base: &Base,
         member_index: u32,
-        serial: u32,
+        serial: u64,
         sample: usize,
         tick: u64,
     ) -> Option<usize> {

@@ -163,7 +163,7 @@ impl Player {
         member: MemberId,
         index: usize,
         slot: &Slot,
-    ) -> (u32, ActiveClip) {
+    ) -> (u64, ActiveClip) {
         let tick = base.clock.tick;
         let clip = base.tables.bound_clips().as_slice()[slot.bound_clip as usize].clip;
         let rows = base.tables.clips().as_slice()[clip as usize];
@@ -349,7 +349,8 @@ impl Player {
     /// Returns the first slot of a playback; `None` if it is still scheduled.
     fn find_slot(&self, base: &Base, id: PlaybackId) -> Result<Option<usize>, Error> {
         let PlaybackParts { member, serial } = id.parts();
-        base.check_crowd(IdKind::Playback, member.parts().crowd, serial)?;
+        let number = u32::try_from(serial).unwrap_or(u32::MAX);
+        base.check_crowd(IdKind::Playback, member.parts().crowd, number)?;
         base.check(member)?;
         let member_index = member.number();
         if let Some(index) =
@@ -424,6 +425,6 @@ fn end_of(base: &Base, slot: &Slot, tick: u64) -> Option<u64> {
     has_end.then(|| slot.end_tick(tick).unwrap_or(u64::MAX).max(tick))
 }
 
-fn playback_id(member: MemberId, serial: u32) -> PlaybackId {
+fn playback_id(member: MemberId, serial: u64) -> PlaybackId {
     PlaybackId::from_parts(PlaybackParts { member, serial })
 }

@@ -27,7 +27,7 @@ pub(crate) enum Action {
 /// A scheduled start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Start {
-    pub(crate) serial: u32,
+    pub(crate) serial: u64,
     pub(crate) action: Action,
     pub(crate) play: Playback,
     /// Ticks after the end of the layer's previous playback; `None` unless queued.
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
     use crate::ClipPlayback;
 
-    fn start(serial: u32, layer: usize) -> Start {
+    fn start(serial: u64, layer: usize) -> Start {
         let action = Action::Clip { bound: 0, alone: true };
         let play = ClipPlayback::once().on_layer(layer).parts();
         Start { serial, action, play, follows_after: None }
@@ -178,7 +178,7 @@ mod tests {
     #[test]
     fn retain_drops_starts_of_one_layer_only() {
         let mut scheduled = ScheduledStarts::default();
-        (0..4).for_each(|n| scheduled.push(n % 2, 10, start(n, n as usize / 2)));
+        (0..4).for_each(|n| scheduled.push(n % 2, 10, start(n.into(), n as usize / 2)));
         scheduled.retain(1, |start| start.play.layer != 1);
         let left: Vec<_> =
             std::iter::from_fn(|| scheduled.take_due(10)).map(|(_, _, s)| s.serial).collect();

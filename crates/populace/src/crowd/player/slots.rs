@@ -33,7 +33,7 @@ pub(crate) enum Plan {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Started {
     /// The serial number of the start. All slots of a blend space share one.
-    pub(crate) serial: u32,
+    pub(crate) serial: u64,
     /// The index of the clip in its blend space, if it belongs to one.
     pub(crate) sample: Option<u16>,
     /// Whether the clip plays once; a slot at speed 0 does not show it.

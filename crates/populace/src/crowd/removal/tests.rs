@@ -37,8 +37,12 @@ fn chain_skeleton(joints: usize, forked: bool) -> Skeleton {
 
 /// A character whose clip "nod" bends its last joint.
 fn character(skeleton: Skeleton) -> Character {
+    let clips = vec![nod("nod", &skeleton, skeleton.joint_count())];
+    character_with(skeleton, clips)
+}
+
+fn character_with(skeleton: Skeleton, clips: Vec<Arc<Clip>>) -> Character {
     let joints = skeleton.joint_count();
-    let clips = vec![nod("nod", &skeleton, joints)];
     let entry = |joint| PaletteEntry { joint, joint_from_bind: Affine::IDENTITY };
     let (palette, name) = (skeleton.joints().map(entry).collect(), format!("chain of {joints}"));
     let (parts, materials, images, skins) = (vec![], vec![], vec![], vec![]);
@@ -246,4 +250,25 @@ fn a_clip_that_fades_out_is_in_use_until_it_has_faded() {
     }
     assert!(matches!(crowd.remove(first), Err(Error::UnknownId { .. })));
     crowd.member_mut(member).unwrap().look_at([0.0, 1.0, 2.0], Weight::FULL).unwrap_err();
+}
+
+#[test]
+fn a_character_whose_clips_do_not_fit_leaves_nothing() {
+    let mut crowd = Crowd::builder().device(Device::native()).build().unwrap();
+    let small = crowd.add_character(chain(3)).unwrap();
+    // More words than 32-bit offsets reach.
+    let ring = LiveSettings { rows_per_sec: 1000.0, secs: 3600.0, ..LiveSettings::default() };
+    let endless = Clip::live("endless", &chain_skeleton(2000, false), &ring).unwrap();
+    let skeleton = chain_skeleton(4, false);
+    let clips = vec![nod("nod", &skeleton, 4), Arc::new(endless)];
+    let large = character_with(skeleton, clips);
+    let counts = |crowd: &Crowd| {
+        let assets = &crowd.state.base.assets;
+        (assets.characters.iter().count(), assets.clips.iter().count())
+    };
+    let before = counts(&crowd);
+    let error = crowd.add_character(large).unwrap_err().to_string();
+    assert!(error.contains("rows"), "{error}");
+    assert_eq!(counts(&crowd), before);
+    assert_eq!(crowd.add_character(chain(4)).unwrap().index(), small.index() + 1);
 }
