@@ -13,6 +13,7 @@ use populace::{
 use rayon::prelude::*;
 
 use crate::built_in::{self, Clothes};
+use crate::clip_words::shortest;
 use crate::failure::Failure;
 use crate::fit;
 use crate::input::InputArgs;
@@ -417,14 +418,8 @@ fn scale(character: &Character, height_m: Option<f32>, among: Among) -> f32 {
 /// preferred. If there are none, returns all clips.
 fn default_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
     let clips = crowd.character(id)?.clips();
-    let shortest = |word: &str, count: usize| {
-        let named = |name: &str| {
-            name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose")
-        };
-        let mut found: Vec<_> = clips.iter().filter(|(_, clip)| named(clip.name())).collect();
-        found.sort_by_key(|(_, clip)| clip.name().len());
-        found.into_iter().take(count).map(|(id, _)| *id).collect::<Vec<_>>()
-    };
-    let defaults = [shortest("walk", 3), shortest("idle", 1)].concat();
-    Ok(if defaults.is_empty() { clips.into_iter().map(|(id, _)| id).collect() } else { defaults })
+    let names = || clips.iter().map(|(_, clip)| clip.name());
+    let defaults = [shortest(names(), "walk", 3), shortest(names(), "idle", 1)].concat();
+    let all = if defaults.is_empty() { (0..clips.len()).collect() } else { defaults };
+    Ok(all.into_iter().map(|index| clips[index].0).collect())
 }
