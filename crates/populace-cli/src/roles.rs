@@ -1,5 +1,7 @@
 //! Loads the characters of a crowd, from files or from the built-in people.
 
+mod clipless;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -44,6 +46,8 @@ pub(crate) struct CrowdRole {
     pub(crate) scale: f32,
     /// True for built-in people, who have the clothes that were asked for.
     pub(crate) is_built_in: bool,
+    /// True for a character that had no clips, its own or added.
+    pub(crate) is_clipless: bool,
 }
 
 /// A clip of a role.
@@ -205,7 +209,9 @@ pub(crate) fn load(
         let role = add_role(crowd, character, &clips, choice)?;
         Ok::<_, Failure>(CrowdRole { scale, is_built_in, ..role })
     };
-    let roles = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
+    let roles: Vec<_> = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
+    drop(progress);
+    clipless::report(crowd, &roles, choice)?;
     Ok(LoadedRoles { roles, files: loader.referenced })
 }
 
@@ -289,8 +295,8 @@ fn add_role(
             Err(_) => {}
         }
     }
-    let clipless = crowd.character(id)?.clips().is_empty();
-    if clipless && has_roles(&character) {
+    let is_clipless = crowd.character(id)?.clips().is_empty();
+    if is_clipless && has_roles(&character) {
         for clip in &built_in::clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
@@ -299,9 +305,6 @@ fn add_role(
         Some(name) => vec![clip(crowd, id, name)?],
         None => default_clips(crowd, id)?,
     };
-    if clipless {
-        report_clipless(crowd, (id, &character), &clips)?;
-    }
     for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
         let known = crowd.character(id)?.clips().into_iter().find(|(known, _)| known == clip);
         fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
@@ -310,7 +313,7 @@ fn add_role(
         .into_iter()
         .map(|clip| role_clip(crowd, id, clip, choice))
         .collect::<Result<_, _>>()?;
-    Ok(CrowdRole { id, character, clips, scale: 1.0, is_built_in: false })
+    Ok(CrowdRole { id, character, clips, scale: 1.0, is_built_in: false, is_clipless })
 }
 
 /// Adds a clip if it fits the character. Returns how well it fits, or why it does not.
@@ -330,30 +333,6 @@ fn add_fitting(
         Ok(_) => Err("it moves none of its joints".to_owned()),
         Err(error) => Err(error.to_string()),
     })
-}
-
-/// Reports which clips a character without clips of its own plays.
-fn report_clipless(
-    crowd: &Crowd,
-    (id, character): (CharacterId, &Character),
-    playing: &[ClipId],
-) -> Result<(), Failure> {
-    let name = &character.name;
-    let clips = crowd.character(id)?.clips();
-    let played: Vec<_> =
-        clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
-    if played.is_empty() {
-        message!(
-            "warning: \"{name}\" has no clips, and is not a humanoid that could play those of the \
-             built-in people; it is drawn in its rest pose; add clips with --clips FILE"
-        );
-    } else {
-        message!(
-            "\"{name}\" has no clips; it plays {} of the built-in people, retargeted",
-            played.join(" and ")
-        );
-    }
-    Ok(())
 }
 
 /// Finds a character's clip by its name.
