@@ -154,39 +154,9 @@ pub(crate) fn load(
     levels: Levels,
     clothes: Clothes,
 ) -> Result<LoadedRoles, Failure> {
-    let inputs = in_folders(inputs)?;
-    let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
-    let mut progress = Progress::new("files", inputs.len() + clip_files.len());
-    for file in clip_files {
-        clips.extend(load_clips(&mut loader, file)?);
-        progress.step();
-    }
-    for input in &inputs {
-        match built_in::name_of(input) {
-            Some(name) => {
-                drawn.extend(built_in::dressed(name, clothes)?.into_iter().map(|c| (c, vec![])))
-            }
-            None => {
-                let known = loader.referenced.len();
-                let character = loader.load(input)?;
-                if character.parts.is_empty() {
-                    clips.extend(character.clips.iter().cloned());
-                } else {
-                    let referenced = loader.referenced[known..].iter().cloned();
-                    drawn.push((
-                        character,
-                        std::iter::once(input.clone()).chain(referenced).collect(),
-                    ));
-                }
-            }
-        }
-        progress.step();
-    }
-    if drawn.is_empty() {
-        return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
-    }
+    let mut loader = Loader::new(input);
+    let (drawn, mut added) = read(&mut loader, &in_folders(inputs)?, clip_files, clothes)?;
     let among = Among::of(choice, drawn.len());
-    drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let drawn = drawn.into_par_iter();
     let drawn = drawn.map(|(character, files)| {
@@ -206,13 +176,80 @@ pub(crate) fn load(
             report_scale(&character, scale, among);
         }
         progress.step();
-        let role = add_role(crowd, character, &clips, choice)?;
+        let role = add_role(crowd, character, &mut added, choice)?;
         Ok::<_, Failure>(CrowdRole { scale, is_built_in, ..role })
     };
     let roles: Vec<_> = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
     drop(progress);
     clipless::report(crowd, &roles, choice)?;
+    for unfit in added.iter().filter_map(AddedClips::unfit) {
+        message!("warning: {unfit}");
+    }
     Ok(LoadedRoles { roles, files: loader.referenced })
+}
+
+/// Characters to draw, with their files: none of those that are built in.
+type Drawn = Vec<(Character, Vec<PathBuf>)>;
+
+/// The clips of a file that are added to all characters.
+struct AddedClips {
+    file: PathBuf,
+    clips: Vec<Arc<Clip>>,
+    /// True once one of them fits a character.
+    fits: bool,
+    /// Why the last one that was refused does not fit.
+    reason: String,
+}
+
+impl AddedClips {
+    fn new(file: &Path, clips: Vec<Arc<Clip>>) -> Self {
+        Self { file: file.to_owned(), clips, fits: false, reason: "it has none".to_owned() }
+    }
+
+    /// Says that none of the clips fits any character.
+    fn unfit(&self) -> Option<String> {
+        let Self { file, fits, reason, .. } = self;
+        let file = file.display();
+        (!fits).then(|| format!("no clip of {file} fits any of the characters: {reason}"))
+    }
+}
+
+/// Reads the characters to draw, and the clips of the files that have nothing else.
+fn read(
+    loader: &mut Loader,
+    inputs: &[PathBuf],
+    clip_files: &[PathBuf],
+    clothes: Clothes,
+) -> Result<(Drawn, Vec<AddedClips>), Failure> {
+    let (mut drawn, mut added) = (Drawn::new(), Vec::new());
+    let mut progress = Progress::new("files", inputs.len() + clip_files.len());
+    for file in clip_files {
+        added.push(AddedClips::new(file, load_clips(loader, file)?));
+        progress.step();
+    }
+    for input in inputs {
+        match built_in::name_of(input) {
+            Some(name) => {
+                drawn.extend(built_in::dressed(name, clothes)?.into_iter().map(|c| (c, vec![])))
+            }
+            None => {
+                let known = loader.referenced.len();
+                let character = loader.load(input)?;
+                if character.parts.is_empty() {
+                    added.push(AddedClips::new(input, character.clips.clone()));
+                } else {
+                    let referenced = loader.referenced[known..].iter().cloned();
+                    let files = std::iter::once(input.clone()).chain(referenced).collect();
+                    drawn.push((character, files));
+                }
+            }
+        }
+        progress.step();
+    }
+    if drawn.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
+    }
+    Ok((drawn, added))
 }
 
 /// Returns true for a character whose joints have names of a humanoid.
@@ -278,21 +315,26 @@ pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Cli
 fn add_role(
     crowd: &mut Crowd,
     character: Arc<Character>,
-    added: &[Arc<Clip>],
+    added: &mut [AddedClips],
     choice: ClipChoice,
 ) -> Result<CrowdRole, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     let mut fits = Vec::new();
-    for clip in added {
-        match add_fitting(crowd, (id, &character), clip)? {
-            Ok(fit) => fits.push(fit),
-            Err(reason) if choice.name() == Some(clip.name()) => {
-                let (clip, name) = (clip.name(), &character.name);
-                return Err(Failure::usage(format!(
-                    "\"{name}\" cannot play the clip \"{clip}\": {reason}"
-                )));
+    for file in added {
+        for clip in &file.clips {
+            match add_fitting(crowd, (id, &character), clip)? {
+                Ok(fit) => {
+                    file.fits = true;
+                    fits.push(fit);
+                }
+                Err(reason) if choice.name() == Some(clip.name()) => {
+                    let (clip, name) = (clip.name(), &character.name);
+                    return Err(Failure::usage(format!(
+                        "\"{name}\" cannot play the clip \"{clip}\": {reason}"
+                    )));
+                }
+                Err(reason) => file.reason = reason,
             }
-            Err(_) => {}
         }
     }
     let is_clipless = crowd.character(id)?.clips().is_empty();
