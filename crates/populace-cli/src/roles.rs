@@ -154,6 +154,9 @@ pub(crate) fn load(
     levels: Levels,
     clothes: Clothes,
 ) -> Result<LoadedRoles, Failure> {
+    if let Some(doubt) = height_m.and_then(doubt_height) {
+        message!("warning: {doubt}");
+    }
     let mut loader = Loader::new(input);
     let (drawn, mut added) = read(&mut loader, &in_folders(inputs)?, clip_files, clothes)?;
     let among = Among::of(choice, drawn.len());
@@ -272,6 +275,18 @@ fn report_scale(character: &Character, scale: f32, among: Among) {
          sets it",
         scale * own_m
     );
+}
+
+/// Doubts a height in metres that was asked for and that no character has.
+fn doubt_height(height_m: f32) -> Option<String> {
+    let as_cm_m = height_m / 100.0;
+    let hint = if PLAUSIBLE_M.contains(&as_cm_m) {
+        format!("; {height_m} cm are {as_cm_m}")
+    } else {
+        String::new()
+    };
+    (!ALONE_M.contains(&height_m))
+        .then(|| format!("a height of {height_m} m is hardly meant; heights are in metres{hint}"))
 }
 
 /// Returns the inputs with folders replaced by the glTF files in them, by name.
@@ -443,4 +458,17 @@ fn default_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure>
     let defaults = [shortest(names(), "walk", 3), shortest(names(), "idle", 1)].concat();
     let all = if defaults.is_empty() { (0..clips.len()).collect() } else { defaults };
     Ok(all.into_iter().map(|index| clips[index].0).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_in_centimetres_are_doubted() {
+        let doubt = "a height of 180 m is hardly meant; heights are in metres; 180 cm are 1.8";
+        assert_eq!(doubt_height(180.0).as_deref(), Some(doubt));
+        assert!(doubt_height(1000.0).is_some_and(|doubt| doubt.ends_with("in metres")));
+        assert_eq!([0.05, 0.3, 1.8, 30.0].map(doubt_height), [const { None }; 4]);
+    }
 }
