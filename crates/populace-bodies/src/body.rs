@@ -19,6 +19,9 @@ pub(crate) const METRES: f32 = 0.1;
 /// Rounds of smoothing of the weights around the hips.
 const HIP_ROUNDS: usize = 6;
 
+/// Rounds of smoothing that make the chest of a child flat.
+const CHEST_ROUNDS: usize = 30;
+
 /// A body system that was opened: a base mesh, a rig and targets. Targets are read when a body
 /// first needs them.
 pub struct BodySystem {
@@ -88,13 +91,27 @@ impl BodySystem {
         let shaped = shape::positions(base, who, &self.rules, &mut self.targets, &mut self.source)?;
         let positions: Vec<Vec3> = shaped.into_iter().map(|place| place * METRES).collect();
         let places = self.rig.places(&positions);
-        let skin = self.surface(&positions, &self.seen);
+        let mut skin = self.surface(&positions, &self.seen);
+        self.flatten_chest(&mut skin, 1.0 - who.maturity());
         let (low, high) = skin
             .vertices
             .iter()
             .fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(v.at.y), high.max(v.at.y)));
         let size = (high - low).max(0.1) / 1.75;
         Ok(Body { positions, places, skin, size })
+    }
+
+    /// Flattens the chest by a share. The targets of young women are a part of older girls too, and
+    /// cloth shows each point of the body under it.
+    fn flatten_chest(&self, skin: &mut Surface, share: f32) {
+        if share <= 0.0 {
+            return;
+        }
+        skin.smooth(CHEST_ROUNDS, |v| share * self.marks.chest_share(v));
+        for v in &mut skin.vertices {
+            v.body = v.at;
+        }
+        skin.set_normals();
     }
 
     /// Returns triangles of the base mesh as a surface.

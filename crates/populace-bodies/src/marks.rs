@@ -5,7 +5,7 @@ use glam::Vec3;
 use crate::Error;
 use crate::mesh_file::BaseMesh;
 use crate::rig_file::{Rig, Weights};
-use crate::surface::Vertex;
+use crate::surface::{Vertex, smoothstep};
 
 /// Height of the top of the head above the eyes on the base mesh for which the measures of the head
 /// were taken, in decimetres.
@@ -95,6 +95,14 @@ impl Marks {
     /// How much of a vertex follows the head, from 0 to 1.
     pub(crate) fn head_share(&self, vertex: &Vertex) -> f32 {
         Self::share(&self.in_head, vertex)
+    }
+
+    /// How much of a vertex lies on the front of the chest, from 0 to 1.
+    pub(crate) fn chest_share(&self, vertex: &Vertex) -> f32 {
+        let up = (vertex.base.y - self.waist_y) / (self.neck_at.y - self.waist_y).max(1e-3);
+        let chest = smoothstep(0.2, 0.35, up) * smoothstep(0.85, 0.65, up);
+        let front = smoothstep(0.4, 1.0, vertex.base.z - self.neck_at.z);
+        chest * front * (1.0 - self.arm_share(vertex))
     }
 
     /// Returns weights with only a part of what the thighs have; the hips get the rest.

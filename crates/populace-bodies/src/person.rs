@@ -1,7 +1,7 @@
 //! People: what a body looks like and wears.
 
 use crate::random::Random;
-use crate::shape::Phenotype;
+use crate::shape::{CHILDHOOD_ENDS, Phenotype};
 use crate::surface::srgb;
 
 /// How far down the sleeves of a top go.
@@ -184,8 +184,8 @@ impl Person {
         let features = random_features(female, &body, &mut random);
         let outfit = random_outfit(female, &mut random);
         let kind = match (body.age, female) {
-            (..0.36, true) => "girl",
-            (..0.36, false) => "boy",
+            (..CHILDHOOD_ENDS, true) => "girl",
+            (..CHILDHOOD_ENDS, false) => "boy",
             (_, true) => "woman",
             (_, false) => "man",
         };
@@ -197,7 +197,7 @@ impl Person {
 fn random_body(female: bool, random: &mut Random) -> Phenotype {
     let age = match random.unit() {
         ..0.14 => random.between(0.2, 0.33),
-        ..0.22 => random.between(0.36, 0.48),
+        ..0.22 => random.between(CHILDHOOD_ENDS, 0.48),
         ..0.80 => random.between(0.5, 0.7),
         _ => random.between(0.72, 0.95),
     };

@@ -10,6 +10,10 @@ use crate::Error;
 use crate::mesh_file::numbers;
 use crate::source::Source;
 
+/// The age at which bodies cease to be those of children, and that of a young adult.
+pub(crate) const CHILDHOOD_ENDS: f32 = 0.36;
+const YOUNG: f32 = 0.5;
+
 const RULES: &str = "targets/macrodetails/macro.json";
 
 /// Values of a body, each from 0 to 1.
@@ -73,6 +77,11 @@ impl Phenotype {
         }
     }
 
+    /// How far the body is from a child's to a young adult's, from 0 to 1.
+    pub(crate) fn maturity(&self) -> f32 {
+        ((self.age - CHILDHOOD_ENDS) / (YOUNG - CHILDHOOD_ENDS)).clamp(0.0, 1.0)
+    }
+
     fn value(&self, name: &str) -> f32 {
         match name {
             "gender" => self.gender,
@@ -81,7 +90,7 @@ impl Phenotype {
             "weight" => self.weight,
             "height" => self.height,
             "proportions" => self.proportions,
-            "cupsize" => 0.5 * ((self.age - 0.3) / 0.2).clamp(0.0, 1.0),
+            "cupsize" => 0.5 * self.maturity(),
             _ => 0.5,
         }
     }

@@ -12,6 +12,7 @@ mod aim;
 mod built_in;
 mod camera;
 mod cli;
+mod clip_words;
 mod commands;
 mod crowd_renderer;
 mod doubts;

@@ -1,5 +1,7 @@
 //! Loads the characters of a crowd, from files or from the built-in people.
 
+mod clipless;
+
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -13,6 +15,7 @@ use populace::{
 use rayon::prelude::*;
 
 use crate::built_in::{self, Clothes};
+use crate::clip_words::shortest;
 use crate::failure::Failure;
 use crate::fit;
 use crate::folder::paths_in;
@@ -44,6 +47,8 @@ pub(crate) struct CrowdRole {
     pub(crate) scale: f32,
     /// True for built-in people, who have the clothes that were asked for.
     pub(crate) is_built_in: bool,
+    /// True for a character that had no clips, its own or added.
+    pub(crate) is_clipless: bool,
 }
 
 /// A clip of a role.
@@ -150,39 +155,12 @@ pub(crate) fn load(
     levels: Levels,
     clothes: Clothes,
 ) -> Result<LoadedRoles, Failure> {
-    let inputs = in_folders(inputs)?;
-    let (mut drawn, mut clips, mut loader) = (Vec::new(), Vec::new(), Loader::new(input));
-    let mut progress = Progress::new("files", inputs.len() + clip_files.len());
-    for file in clip_files {
-        clips.extend(load_clips(&mut loader, file)?);
-        progress.step();
+    if let Some(doubt) = height_m.and_then(doubt_height) {
+        message!("warning: {doubt}");
     }
-    for input in &inputs {
-        match built_in::name_of(input) {
-            Some(name) => {
-                drawn.extend(built_in::dressed(name, clothes)?.into_iter().map(|c| (c, vec![])))
-            }
-            None => {
-                let known = loader.referenced.len();
-                let character = loader.load(input)?;
-                if character.parts.is_empty() {
-                    clips.extend(character.clips.iter().cloned());
-                } else {
-                    let referenced = loader.referenced[known..].iter().cloned();
-                    drawn.push((
-                        character,
-                        std::iter::once(input.clone()).chain(referenced).collect(),
-                    ));
-                }
-            }
-        }
-        progress.step();
-    }
-    if drawn.is_empty() {
-        return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
-    }
+    let mut loader = Loader::new(input);
+    let (drawn, mut added) = read(&mut loader, &in_folders(inputs)?, clip_files, clothes)?;
     let among = Among::of(choice, drawn.len());
-    drop(progress);
     let mut progress = Progress::new("characters", drawn.len());
     let drawn = drawn.into_par_iter();
     let drawn = drawn.map(|(character, files)| {
@@ -202,11 +180,80 @@ pub(crate) fn load(
             report_scale(&character, scale, among);
         }
         progress.step();
-        let role = add_role(crowd, character, &clips, choice)?;
+        let role = add_role(crowd, character, &mut added, choice)?;
         Ok::<_, Failure>(CrowdRole { scale, is_built_in, ..role })
     };
-    let roles = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
+    let roles: Vec<_> = drawn.into_iter().map(&mut add).collect::<Result<_, _>>()?;
+    drop(progress);
+    clipless::report(crowd, &roles, choice)?;
+    for unfit in added.iter().filter_map(AddedClips::unfit) {
+        message!("warning: {unfit}");
+    }
     Ok(LoadedRoles { roles, files: loader.referenced })
+}
+
+/// Characters to draw, with their files: none of those that are built in.
+type Drawn = Vec<(Character, Vec<PathBuf>)>;
+
+/// The clips of a file that are added to all characters.
+struct AddedClips {
+    file: PathBuf,
+    clips: Vec<Arc<Clip>>,
+    /// True once one of them fits a character.
+    fits: bool,
+    /// Why the last one that was refused does not fit.
+    reason: String,
+}
+
+impl AddedClips {
+    fn new(file: &Path, clips: Vec<Arc<Clip>>) -> Self {
+        Self { file: file.to_owned(), clips, fits: false, reason: "it has none".to_owned() }
+    }
+
+    /// Says that none of the clips fits any character.
+    fn unfit(&self) -> Option<String> {
+        let Self { file, fits, reason, .. } = self;
+        let file = file.display();
+        (!fits).then(|| format!("no clip of {file} fits any of the characters: {reason}"))
+    }
+}
+
+/// Reads the characters to draw, and the clips of the files that have nothing else.
+fn read(
+    loader: &mut Loader,
+    inputs: &[PathBuf],
+    clip_files: &[PathBuf],
+    clothes: Clothes,
+) -> Result<(Drawn, Vec<AddedClips>), Failure> {
+    let (mut drawn, mut added) = (Drawn::new(), Vec::new());
+    let mut progress = Progress::new("files", inputs.len() + clip_files.len());
+    for file in clip_files {
+        added.push(AddedClips::new(file, load_clips(loader, file)?));
+        progress.step();
+    }
+    for input in inputs {
+        match built_in::name_of(input) {
+            Some(name) => {
+                drawn.extend(built_in::dressed(name, clothes)?.into_iter().map(|c| (c, vec![])))
+            }
+            None => {
+                let known = loader.referenced.len();
+                let character = loader.load(input)?;
+                if character.parts.is_empty() {
+                    added.push(AddedClips::new(input, character.clips.clone()));
+                } else {
+                    let referenced = loader.referenced[known..].iter().cloned();
+                    let files = std::iter::once(input.clone()).chain(referenced).collect();
+                    drawn.push((character, files));
+                }
+            }
+        }
+        progress.step();
+    }
+    if drawn.is_empty() {
+        return Err(Failure::Input(anyhow::anyhow!("none of the files contains a mesh to draw")));
+    }
+    Ok((drawn, added))
 }
 
 /// Returns true for a character whose joints have names of a humanoid.
@@ -229,6 +276,18 @@ fn report_scale(character: &Character, scale: f32, among: Among) {
          sets it",
         scale * own_m
     );
+}
+
+/// Doubts a height in metres that was asked for and that no character has.
+fn doubt_height(height_m: f32) -> Option<String> {
+    let as_cm_m = height_m / 100.0;
+    let hint = if PLAUSIBLE_M.contains(&as_cm_m) {
+        format!("; {height_m} cm are {as_cm_m}")
+    } else {
+        String::new()
+    };
+    (!ALONE_M.contains(&height_m))
+        .then(|| format!("a height of {height_m} m is hardly meant; heights are in metres{hint}"))
 }
 
 /// Returns the inputs with folders replaced by the glTF files in them, by name.
@@ -270,25 +329,30 @@ pub(crate) fn load_clips(loader: &mut Loader, file: &Path) -> Result<Vec<Arc<Cli
 fn add_role(
     crowd: &mut Crowd,
     character: Arc<Character>,
-    added: &[Arc<Clip>],
+    added: &mut [AddedClips],
     choice: ClipChoice,
 ) -> Result<CrowdRole, Failure> {
     let id = crowd.add_character(Arc::clone(&character))?;
     let mut fits = Vec::new();
-    for clip in added {
-        match add_fitting(crowd, (id, &character), clip)? {
-            Ok(fit) => fits.push(fit),
-            Err(reason) if choice.name() == Some(clip.name()) => {
-                let (clip, name) = (clip.name(), &character.name);
-                return Err(Failure::usage(format!(
-                    "\"{name}\" cannot play the clip \"{clip}\": {reason}"
-                )));
+    for file in added {
+        for clip in &file.clips {
+            match add_fitting(crowd, (id, &character), clip)? {
+                Ok(fit) => {
+                    file.fits = true;
+                    fits.push(fit);
+                }
+                Err(reason) if choice.name() == Some(clip.name()) => {
+                    let (clip, name) = (clip.name(), &character.name);
+                    return Err(Failure::usage(format!(
+                        "\"{name}\" cannot play the clip \"{clip}\": {reason}"
+                    )));
+                }
+                Err(reason) => file.reason = reason,
             }
-            Err(_) => {}
         }
     }
-    let clipless = crowd.character(id)?.clips().is_empty();
-    if clipless && has_roles(&character) {
+    let is_clipless = crowd.character(id)?.clips().is_empty();
+    if is_clipless && has_roles(&character) {
         for clip in &built_in::clips("people")? {
             fits.extend(add_fitting(crowd, (id, &character), clip)?);
         }
@@ -297,9 +361,6 @@ fn add_role(
         Some(name) => vec![clip(crowd, id, name)?],
         None => default_clips(crowd, id)?,
     };
-    if clipless {
-        report_clipless(crowd, (id, &character), &clips)?;
-    }
     for (clip, report) in fits.iter().filter(|(clip, _)| clips.contains(clip)) {
         let known = crowd.character(id)?.clips().into_iter().find(|(known, _)| known == clip);
         fit::warn(known.as_ref().map_or("", |(_, clip)| clip.name()), &character.name, report);
@@ -308,7 +369,7 @@ fn add_role(
         .into_iter()
         .map(|clip| role_clip(crowd, id, clip, choice))
         .collect::<Result<_, _>>()?;
-    Ok(CrowdRole { id, character, clips, scale: 1.0, is_built_in: false })
+    Ok(CrowdRole { id, character, clips, scale: 1.0, is_built_in: false, is_clipless })
 }
 
 /// Adds a clip if it fits the character. Returns how well it fits, or why it does not.
@@ -328,30 +389,6 @@ fn add_fitting(
         Ok(_) => Err("it moves none of its joints".to_owned()),
         Err(error) => Err(error.to_string()),
     })
-}
-
-/// Reports which clips a character without clips of its own plays.
-fn report_clipless(
-    crowd: &Crowd,
-    (id, character): (CharacterId, &Character),
-    playing: &[ClipId],
-) -> Result<(), Failure> {
-    let name = &character.name;
-    let clips = crowd.character(id)?.clips();
-    let played: Vec<_> =
-        clips.iter().filter(|(id, _)| playing.contains(id)).map(|(_, clip)| clip.name()).collect();
-    if played.is_empty() {
-        message!(
-            "warning: \"{name}\" has no clips, and is not a humanoid that could play those of the \
-             built-in people; it is drawn in its rest pose; add clips with --clips FILE"
-        );
-    } else {
-        message!(
-            "\"{name}\" has no clips; it plays {} of the built-in people, retargeted",
-            played.join(" and ")
-        );
-    }
-    Ok(())
 }
 
 /// Finds a character's clip by its name.
@@ -416,14 +453,21 @@ fn scale(character: &Character, height_m: Option<f32>, among: Among) -> f32 {
 /// preferred. If there are none, returns all clips.
 fn default_clips(crowd: &Crowd, id: CharacterId) -> Result<Vec<ClipId>, Failure> {
     let clips = crowd.character(id)?.clips();
-    let shortest = |word: &str, count: usize| {
-        let named = |name: &str| {
-            name.to_lowercase().contains(word) && !name.to_lowercase().contains("pose")
-        };
-        let mut found: Vec<_> = clips.iter().filter(|(_, clip)| named(clip.name())).collect();
-        found.sort_by_key(|(_, clip)| clip.name().len());
-        found.into_iter().take(count).map(|(id, _)| *id).collect::<Vec<_>>()
-    };
-    let defaults = [shortest("walk", 3), shortest("idle", 1)].concat();
-    Ok(if defaults.is_empty() { clips.into_iter().map(|(id, _)| id).collect() } else { defaults })
+    let names = || clips.iter().map(|(_, clip)| clip.name());
+    let defaults = [shortest(names(), "walk", 3), shortest(names(), "idle", 1)].concat();
+    let all = if defaults.is_empty() { (0..clips.len()).collect() } else { defaults };
+    Ok(all.into_iter().map(|index| clips[index].0).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn heights_in_centimetres_are_doubted() {
+        let doubt = "a height of 180 m is hardly meant; heights are in metres; 180 cm are 1.8";
+        assert_eq!(doubt_height(180.0).as_deref(), Some(doubt));
+        assert!(doubt_height(1000.0).is_some_and(|doubt| doubt.ends_with("in metres")));
+        assert_eq!([0.05, 0.3, 1.8, 30.0].map(doubt_height), [const { None }; 4]);
+    }
 }

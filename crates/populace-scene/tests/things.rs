@@ -11,12 +11,18 @@ use populace_locomotion::GaitSpace;
 use populace_scene::plan::ScenePlan;
 use populace_scene::{Behaviours, Person, Stage};
 
-/// Returns where the wrists of a man are who holds a box and stands, and the boxes that he has: all
-/// in his model space.
-fn wrists_and_boxes(stand: &str) -> ([Vec3; 2], Vec<Affine>) {
+/// A man and what he has, in his model space.
+struct Bearer {
+    wrists: [Vec3; 2],
+    head: Vec3,
+    things: Vec<Affine>,
+}
+
+/// Returns a man of a scene, who stands or walks and holds a thing.
+fn bearer(thing: &str, does: &str) -> Bearer {
     let plan = ScenePlan::parse(&format!(
-        "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\nholds = [\"box\"]\n[[crowd]]\n\
-         cast = \"a\"\ncount = 1\n{stand}\n"
+        "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\nholds = [\"{thing}\"]\n[[crowd]]\n\
+         cast = \"a\"\ncount = 1\n{does}\n"
     ));
     let plan = plan.unwrap();
     let builder = Crowd::builder().device(Device::native()).capacity(100).slots_per_member(8);
@@ -36,17 +42,18 @@ fn wrists_and_boxes(stand: &str) -> ([Vec3; 2], Vec<Affine>) {
     let held: Vec<MemberId> = held.map(|member| member.id()).collect();
     let mut model_of = |member| crowd.member_mut(member).unwrap().model_from_joints().unwrap();
     let joints = model_of(man);
-    let boxes = held.into_iter().map(|held| model_of(held)[0]).collect();
-    let wrists = [Side::Left, Side::Right].map(|side| {
-        let joint = crowd.member(man).unwrap().joint(Role::Hand(side)).unwrap();
+    let things = held.into_iter().map(|held| model_of(held)[0]).collect();
+    let place = |role| {
+        let joint = crowd.member(man).unwrap().joint(role).unwrap();
         Vec3::from(joints[joint.index()].transform_point([0.0; 3]))
-    });
-    (wrists, boxes)
+    };
+    let wrists = [Side::Left, Side::Right].map(|side| place(Role::Hand(side)));
+    Bearer { wrists, head: place(Role::Head), things }
 }
 
 /// Returns true if a single box stands upright with its sides at both hands.
 fn is_between_both_hands(stand: &str) -> bool {
-    let (wrists, boxes) = wrists_and_boxes(stand);
+    let Bearer { wrists, things: boxes, .. } = bearer("box", stand);
     assert_eq!(boxes.len(), 1, "{stand}");
     let at = |point| Vec3::from(boxes[0].transform_point(point));
     let up = (at([0.0, 1.0, 0.0]) - at([0.0; 3])).normalize();
@@ -70,7 +77,7 @@ fn a_box_is_in_the_right_hand_of_others() {
         "does.stand = {}\nlayers = [{ clip = \"Carry\", mask = \"left_arm\" }]",
     ] {
         assert!(!is_between_both_hands(stand), "{stand}");
-        let ([_, right], boxes) = wrists_and_boxes(stand);
+        let Bearer { wrists: [_, right], things: boxes, .. } = bearer("box", stand);
         let at = Vec3::from(boxes[0].transform_point([0.0; 3]));
         assert!(at.distance(right) < 0.2, "{stand}: {at}, {right}");
     }
@@ -81,5 +88,25 @@ fn a_box_is_in_the_right_hand_of_others() {
 fn who_carries_a_parcel_has_one_box() {
     let stroll = "does.stroll = { carry = 1 }\n[[footway]]\nname = \"f\"\n\
                   points = [[-6, 3], [6, 3]]\nwidth_m = 2";
-    assert_eq!(wrists_and_boxes(stroll).1.len(), 1);
+    assert_eq!(bearer("box", stroll).things.len(), 1);
+}
+
+/// Returns the cosine between where the screen of a phone faces and the way from there to the head.
+fn screen_to_head(does: &str) -> f32 {
+    let Bearer { head, things: phones, .. } = bearer("phone", does);
+    let at = |point| Vec3::from(phones[0].transform_point(point));
+    let (middle, ahead) = (at([0.0; 3]), at([0.0, 0.0, 1.0]));
+    (ahead - middle).normalize().dot((head - middle).normalize())
+}
+
+#[test]
+fn the_screen_of_a_phone_faces_the_head_of_who_reads_and_telephones() {
+    for does in [
+        "does.stand = { clip = \"Text\" }",
+        "does.stand = { clip = \"Phone\" }",
+        "does.stand = {}\nlayers = [{ clip = \"Text\", mask = \"right_arm\" }]",
+    ] {
+        let cosine = screen_to_head(does);
+        assert!(cosine > 0.5, "{does}: {cosine}");
+    }
 }

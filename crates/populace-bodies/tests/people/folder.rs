@@ -199,6 +199,14 @@ impl Builder {
         };
         self.points.iter().enumerate().map(line).collect()
     }
+
+    /// Lines of a target that pushes two points of the chest 3 cm forward.
+    fn mounds(&self) -> String {
+        let points = self.points.iter().enumerate();
+        let in_front = |[x, y, z]: &Point| *y == 4.2 && *z > 0.8 && (0.1..1.0).contains(&x.abs());
+        let mounds = points.filter(|(_, point)| in_front(point));
+        mounds.map(|(index, _)| format!("{index} 0 0 0.3\n")).collect()
+    }
 }
 
 /// Two ranges with a middle, as the rules list them.
@@ -257,6 +265,7 @@ pub(crate) fn write(root: &Path, licence: &str) {
         let name = format!("targets/macrodetails/caucasian-{gender}-child.target.gz");
         save(&name, &child);
     }
+    save("targets/breast/mounds.target", builder.mounds().as_bytes());
     let tall = "male-young-averagemuscle-averageweight-maxheight";
     let text = format!("# a comment\n{}", builder.scaled(1.2));
     save(&format!("targets/macrodetails/height/{tall}.target"), text.as_bytes());

@@ -134,6 +134,24 @@ fn targets_shape_the_body_by_the_rules() {
 }
 
 #[test]
+fn chests_of_children_are_flat() {
+    let reach = |age: f32, mounds: f32| {
+        let mut person = man();
+        person.body.gender = 0.0;
+        person.body.age = age;
+        person.body.details = vec![("breast/mounds".into(), mounds)];
+        let top = points(&character(&person), "Top");
+        top.iter().fold(f32::MIN, |reach, p| reach.max(p[2]))
+    };
+    let grown_m = reach(0.5, 1.0) - reach(0.5, 0.0);
+    assert!(grown_m > 0.015, "{grown_m} m");
+    for age in [0.0, 0.2, 0.35] {
+        let child_m = reach(age, 1.0) - reach(age, 0.0);
+        assert!(child_m.abs() < 0.006, "{child_m} m at the age of {age}");
+    }
+}
+
+#[test]
 fn bodies_out_of_their_ranges_are_refused() {
     let refused = |change: &dyn Fn(&mut Phenotype)| {
         let mut person = man();

@@ -101,6 +101,25 @@ fn non_humanoid_without_clips_gets_a_warning() {
     );
 }
 
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn added_clips_that_fit_nobody_are_named() {
+    let folder = Folder::new();
+    let file = write(&folder, "post.gltf", &post());
+    let out = folder.text("x.png");
+    let stderr = |inputs: &[&str]| {
+        let args = [&["render", "--clips", "@people", "--out", &out], inputs, &SMALL[..]].concat();
+        let output = populace(&args);
+        assert!(output.status.success(), "{output:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let words = "warning: no clip of @people fits any of the characters: ";
+    let alone = stderr(&[&file]);
+    assert!(alone.contains(words), "{alone}");
+    let among_people = stderr(&[&file, "@man"]);
+    assert!(!among_people.contains(words), "{among_people}");
+}
+
 #[test]
 fn pose_plays_clips_of_built_in_people() {
     let folder = Folder::new();

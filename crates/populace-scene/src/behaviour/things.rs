@@ -4,10 +4,11 @@ use populace::{ClipPlayback, Crowd, MemberId, Placement};
 
 use super::arrival::{Arrival, first_layer};
 use super::body::Use;
+use super::grips::Grip;
 use super::world::{UPPER, World};
 use crate::Error;
 use crate::plan::MaskPlan;
-use crate::stage::{Bearer, PARCEL};
+use crate::stage::{Bearer, PARCEL, PHONE};
 
 impl Arrival<'_> {
     /// Gives a person the things that its cast holds and wears.
@@ -23,15 +24,7 @@ impl Arrival<'_> {
             }
             let things = self.stage.things(kind);
             let Some(nth) = who.checked_rem(things.len()) else { continue };
-            let grips = &world.body(who).grips;
-            let place = match Bearer::of(kind) {
-                Bearer::Head => grips.helmet,
-                Bearer::LeftHand => grips.left,
-                Bearer::RightHand if kind == PARCEL && self.plays_carry(world, crowd, who)? => {
-                    grips.parcel.or(grips.right)
-                }
-                Bearer::RightHand => grips.right,
-            };
+            let place = self.place(world, crowd, who, kind)?;
             let Some((joint, offset)) = place else { continue };
             let owner = world.member(who);
             let thing: MemberId = crowd.spawn(things[nth], Placement::at([0.0; 3]))?;
@@ -40,19 +33,49 @@ impl Arrival<'_> {
         Ok(())
     }
 
-    /// Returns true for somebody whose both arms play the clip of carrying, by the plan.
-    fn plays_carry(&self, world: &World, crowd: &Crowd, who: usize) -> Result<bool, Error> {
-        let Some(carry) = world.body(who).clip(Use::Carry) else { return Ok(false) };
+    /// Returns where somebody bears a thing, by what it plays.
+    fn place(
+        &self,
+        world: &World,
+        crowd: &Crowd,
+        who: usize,
+        kind: &str,
+    ) -> Result<Option<Grip>, Error> {
+        let grips = &world.body(who).grips;
+        let [at_ear, to_read] = grips.phones;
+        let by_use = match (Bearer::of(kind), kind) {
+            (Bearer::Head, _) => return Ok(grips.helmet),
+            (Bearer::LeftHand, _) => return Ok(grips.left),
+            (Bearer::RightHand, PARCEL) => vec![(Use::Carry, grips.parcel)],
+            (Bearer::RightHand, PHONE) => vec![(Use::Phone, at_ear), (Use::Text, to_read)],
+            (Bearer::RightHand, _) => vec![],
+        };
+        for (usage, place) in by_use {
+            if place.is_some() && self.plays(world, crowd, who, usage)? {
+                return Ok(place);
+            }
+        }
+        Ok(grips.right)
+    }
+
+    /// Returns true for somebody whose arms play the clip of a use, by the plan: both to carry, and
+    /// the right one else.
+    fn plays(&self, world: &World, crowd: &Crowd, who: usize, usage: Use) -> Result<bool, Error> {
+        let Some(used) = world.body(who).clip(usage) else { return Ok(false) };
         let first = first_layer(world, who);
-        let moves_both_arms = |layer: usize| {
+        let moves_arms = |layer: usize| {
             let plan = layer.checked_sub(first).and_then(|nth| self.of.layers.get(nth));
             plan.is_none_or(|plan| {
-                let both = matches!(plan.mask, MaskPlan::WholeBody | MaskPlan::UpperBody);
-                both && !plan.additive
+                let moves = match plan.mask {
+                    MaskPlan::WholeBody | MaskPlan::UpperBody => true,
+                    MaskPlan::RightArm => usage != Use::Carry,
+                    MaskPlan::LeftArm => false,
+                };
+                moves && !plan.additive
             })
         };
         let clips = crowd.member(world.member(who))?.active_clips();
-        Ok(clips.iter().any(|clip| clip.clip == carry.id && moves_both_arms(clip.layer)))
+        Ok(clips.iter().any(|clip| clip.clip == used.id && moves_arms(clip.layer)))
     }
 
     /// Gives somebody a parcel with a chance, if its body can carry it.
