@@ -311,7 +311,7 @@ const NO_TWIN: &[(&str, &[&str], &str)] = &[
     ),
     (
         "company",
-        &["join", "fetch_controls", "fetch_steps", "fetch_constraints"],
+        &["join", "fetch_member", "fetch_controls", "fetch_steps", "fetch_constraints"],
         "members of a work-item, and their memory",
     ),
     ("abreast", &["are_led"], "members of a work-item"),

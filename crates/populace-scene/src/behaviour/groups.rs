@@ -9,7 +9,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::settling::Settling;
-use super::world::{UPPER, World};
+use super::world::{Group, UPPER, World};
 use crate::Error;
 
 /// Distance of neighbours in a group, in metres.
@@ -25,19 +25,6 @@ const GESTURES: f32 = 0.6;
 const TURN_SECS: [f32; 2] = [2.5, 6.0];
 const GLANCE_SECS: f64 = 1.7;
 const FADE_SECS: f32 = 0.4;
-
-/// A group that walks together.
-#[derive(Clone, Debug)]
-pub(crate) struct Group {
-    people: Vec<usize>,
-    /// The index among the people of the one whose turn it is, and the end of the turn.
-    speaker: usize,
-    turn_until: f64,
-    /// When those who look at each other look ahead again.
-    glance_until: Option<f64>,
-    /// True while the speaker's hands move.
-    gestures: bool,
-}
 
 /// Forms groups of people who are about to walk, and puts them on footways. Returns those who are
 /// left over.

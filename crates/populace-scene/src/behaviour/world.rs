@@ -12,7 +12,6 @@ use crate::plan::{
 
 use super::body::{Body, Use};
 use super::footways::Footway;
-use super::groups::Group;
 use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
 use super::taken::Taken;
@@ -94,6 +93,19 @@ pub(crate) struct Talk {
     pub(crate) has_begun: bool,
     /// The spot that the speaker shows the others.
     pub(crate) shows: Option<usize>,
+}
+
+/// A group that walks together.
+#[derive(Clone, Debug)]
+pub(crate) struct Group {
+    pub(crate) people: Vec<usize>,
+    /// The index among the people of the one whose turn it is, and the end of the turn.
+    pub(crate) speaker: usize,
+    pub(crate) turn_until: f64,
+    /// When those who look at each other look ahead again.
+    pub(crate) glance_until: Option<f64>,
+    /// True while the speaker's hands move.
+    pub(crate) gestures: bool,
 }
 
 /// People on seats.
