@@ -63,11 +63,13 @@ fn jumps(recording: &Recording) -> Option<String> {
         }
     }
     let (speed, id, secs) = fastest;
+    let after_secs = secs - recording.secs()[0];
     let steps = crate::report::counted(count, "step");
     (count > 0).then(|| {
         format!(
             "{steps} from a row to the next faster than {FASTEST_M_S} m/s: the fastest is that of \
-             \"{id}\" at {secs:.2} s, with {speed:.1} m/s; look for jumps in the rows"
+             \"{id}\", {after_secs:.2} s after the beginning, with {speed:.1} m/s; look for \
+             jumps in the rows"
         )
     })
 }
@@ -208,11 +210,11 @@ mod tests {
     }
 
     #[test]
-    fn jumps_are_doubted() {
-        let rows = "id,t,x,y\na,0,0,0\na,0.5,0.5,0\na,1,0.5,8\na,1.5,0.5,1\na,2,1,1\n";
+    fn jumps_are_doubted_at_times_since_the_beginning() {
+        let rows = "id,t,x,y\na,100,0,0\na,100.5,0.5,0\na,101,0.5,8\na,101.5,0.5,1\na,102,1,1\n";
         let found = doubts(&read(rows));
         assert!(found[0].starts_with("2 steps from a row to the next"), "{found:?}");
-        assert!(found[0].contains("\"a\" at 0.50 s, with 16.0 m/s"), "{found:?}");
+        assert!(found[0].contains("\"a\", 0.50 s after the beginning, with 16.0 m/s"), "{found:?}");
     }
 
     #[test]
