@@ -72,8 +72,8 @@ impl Device {
         opencl::best()
     }
 
-    /// Returns an empty source of palettes on this device for `Renderer::link_palettes`, which then
-    /// tells how palettes reach an OpenGL context from here. It builds no kernels.
+    /// Returns an empty source of palettes on this device for `Renderer::connect_palettes`, which
+    /// then tells how palettes reach an OpenGL context from here. It builds no kernels.
     ///
     /// # Errors
     ///

@@ -156,8 +156,7 @@ impl Behaviours {
     }
 
     /// Names the habits that the plan asks for and no person of a crowd has the clips for, with the
-    /// cure.
-    /// A plan asks for a habit by a rate other than the usual one. `plan` is that of
+    /// cure. A plan asks for a habit by a rate other than the usual one. `plan` is that of
     /// [`new`](Self::new).
     #[must_use]
     pub fn doubts(&self, plan: &ScenePlan) -> Vec<String> {

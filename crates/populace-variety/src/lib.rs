@@ -81,7 +81,7 @@ impl Variety {
         let wardrobes: Vec<_> = characters.iter().map(|c| Wardrobe::of(c)).collect();
         let near = nearest(members, NEIGHBOURS);
         let mut all: Vec<Option<Appearance>> = vec![None; members.len()];
-        // Whoever has a member among its nearest is compared with it too.
+        // Makes the relation mutual: a member is compared with all that list it as near.
         let mut nearby = near.clone();
         for (member, others) in near.iter().enumerate() {
             others.iter().for_each(|other| nearby[*other].push(member));

@@ -36,7 +36,7 @@ pub(crate) enum Command {
     Drive(MemberId),
     Fall(MemberId),
     GetUp(MemberId),
-    /// Opens the show anew.
+    /// Opens the show again.
     Reopen {
         members: Option<u32>,
         device: Option<String>,

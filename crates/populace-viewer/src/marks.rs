@@ -94,7 +94,7 @@ fn ring(painter: &Painter, stage: &mut Stage, member: MemberId, sight: &Sight) {
     }
 }
 
-/// Draws the skeletons of the nearest members. Each is evaluated anew, since the fused schedules
+/// Draws the skeletons of the nearest members. Each is evaluated again, since the fused schedules
 /// store no joints.
 fn skeletons(painter: &Painter, stage: &mut Stage, members: &[MemberId], sight: &Sight) {
     let eye = Vec3::from(sight.camera.eye);

@@ -67,7 +67,7 @@ pub(crate) struct Viewer<'a> {
     now_secs: f64,
     /// The place of the picture in points.
     rect: Rect,
-    /// Camera of the last picture; `None` if it must be drawn anew.
+    /// Camera of the last picture; `None` if it must be drawn again.
     drawn: Option<Camera>,
     /// Width over height of the pictures that the show was told; `None` for a new show.
     aspect: Option<f32>,

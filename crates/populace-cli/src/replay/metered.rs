@@ -12,7 +12,7 @@ const METERED: usize = 16;
 /// Measures the feet of some of the people.
 pub(super) struct Metered {
     meter: SkateMeter,
-    /// The agents are measured whose index is a multiple of this.
+    /// Measures every agent whose index is a multiple of this.
     every: usize,
     /// Measured people who were present in the last frame.
     members: Vec<MemberId>,

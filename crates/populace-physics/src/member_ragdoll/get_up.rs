@@ -93,7 +93,7 @@ impl MemberRagdoll {
         let up =
             head.map_or(turn * Vector::Y, |b| self.pose(world, b).translation - hips.translation);
         let flat = Vector::new(1.0, 0.0, 1.0);
-        // Whoever sits upright would have fallen on the back.
+        // A body that sits upright counts as lying on its back.
         let lies = (up * flat).length() > LEAST_FLAT * up.length();
         let axis = if lies { up * flat } else { -front * flat };
         let axis = axis.try_normalize().unwrap_or(Vector::Z);

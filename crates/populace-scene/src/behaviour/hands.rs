@@ -40,7 +40,7 @@ pub(crate) fn place(body: &Body, usage: Use) -> Option<Grip> {
 }
 
 impl Phones {
-    /// Makes none. `character` is what they look like; `None` in a scene without.
+    /// Starts without phones. `character` is their model; `None` in a scene without one.
     pub(crate) fn new(character: Option<CharacterId>) -> Self {
         Self { character, held: Vec::new() }
     }

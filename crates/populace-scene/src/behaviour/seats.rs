@@ -13,7 +13,7 @@ use crate::Error;
 const NOTICED_M: f32 = 10.0;
 const PATIENCE_SECS: f64 = 20.0;
 const FADE_SECS: f32 = 0.25;
-/// The parts of those who sit that telephone or read meanwhile.
+/// Shares of seated people who telephone or read.
 const PHONES: f32 = 0.2;
 const READS: f32 = 0.35;
 /// How long people sit, in seconds.

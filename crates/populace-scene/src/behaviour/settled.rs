@@ -16,7 +16,7 @@ const APART_M: f32 = 0.8;
 const LOOKS_SECS: f32 = 7.5;
 const CROSSES_SECS: f32 = 13.0;
 const SITS_SECS: f32 = 16.5;
-/// A talk is that of those who were met, too.
+/// Includes the time of the people who were met.
 const TALKS_SECS: f32 = 2.4 * 15.0;
 const LEANS_SECS: f32 = 15.0;
 const PHONES_SECS: f32 = 14.0;
@@ -105,7 +105,7 @@ fn choose(habits: &StrollPlan, part: f32) -> Option<Activity> {
         (Activity::Phones, habits.phone * PHONES_SECS),
         (Activity::Reads, habits.text * READS_SECS),
     ];
-    // Each minute on the way is followed by so many seconds of each.
+    // For each minute of walking, a person spends these seconds on each.
     let all: f32 = 60.0 + secs.iter().map(|(_, secs)| secs).sum::<f32>();
     let mut left = part * all;
     secs.into_iter().find_map(|(activity, secs)| {

@@ -116,7 +116,7 @@ impl Machine {
         machine
     }
 
-    /// Runs the machine anew, in an instance of its own. Its parameters stay.
+    /// Restarts the machine, in an instance of its own. Its parameters stay.
     fn begin(&mut self, crowd: &mut TestCrowd<'_>, tick: u64) {
         let index = crowd.index(self.member);
         let empty = Slot { bound_clip: NONE, ..Slot::default() };
@@ -189,7 +189,7 @@ impl Machine {
 
 /// Checks machines of four states: transitions by parameters and by time, several of which hold at
 /// once or meet their limits exactly, cuts and fades, machines that fade in and out themselves,
-/// beside other clips and in layers, and machines that begin anew.
+/// beside other clips and in layers, and machines that begin again.
 ///
 /// # Panics
 ///

@@ -57,7 +57,7 @@ pub(super) fn hands(
     changed
 }
 
-/// Shows weight and place of a target. Whoever moves the place wants the target.
+/// Shows weight and place of a target. Moving the place turns the target on.
 fn sliders(ui: &mut Ui, desk: &mut Desk, name: &str, aim: &mut Aim, height_m: f32) -> bool {
     let mut changed =
         desk.slider(ui, (&format!("{name} weight"), "weight"), &mut aim.weight, 0.0..=1.0);

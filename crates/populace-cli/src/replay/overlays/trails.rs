@@ -13,7 +13,7 @@ const TRAIL_STEP_SECS: f64 = 0.1;
 const TRAIL_M: f32 = 0.02;
 
 impl Overlays {
-    /// Returns the ways that people have come, who are nearest last.
+    /// Returns the ways that people have come, the nearest person last.
     pub(super) fn trails(
         &self,
         secs: f64,
