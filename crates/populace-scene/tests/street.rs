@@ -67,7 +67,7 @@ fn seen(crowd: &mut Crowd) -> Vec<u32> {
 
 #[test]
 fn everything_happens_ten_times_in_a_minute() {
-    let mut street = Street::new(500, 7);
+    let mut street = Street::new(600, 7);
     (0..1800).for_each(|_| street.frame());
     let counts = street.behaviours.counts();
     let Counts { looked_in, looked_both_ways, crossed, talked, sat, .. } = counts;
@@ -158,7 +158,7 @@ fn equal_seeds_give_equal_frames_and_others_do_not() {
 /// do.
 #[test]
 fn phones_are_in_the_hands_of_people_who_use_them() {
-    let mut street = Street::new(300, 7);
+    let mut street = Street::new(400, 7);
     let phones = |street: &Street| -> Vec<_> {
         let is_phone = |id| street.crowd.character(id).unwrap().asset().name == "phone";
         let held = street.crowd.members().filter(|member| is_phone(member.character()));
