@@ -61,7 +61,7 @@ pub(crate) fn end_film() {
     state.film = None;
 }
 
-/// Lets another writer work. Its file at `path` is removed if the program ends meanwhile.
+/// Calls `write`, which writes to `path`. A signal before it returns removes that file.
 pub(crate) fn draft<T>(path: &Path, write: impl FnOnce() -> T) -> T {
     state().paths.insert(path.to_owned());
     let written = write();

@@ -96,7 +96,7 @@ fn set_off(
     let passed = world.people[people[0]].random.unit();
     let mut group = world.groups[index].clone();
     take_turn(world, crowd, &mut group, passed)?;
-    step(world, crowd, &mut group)?;
+    glance(world, crowd, &mut group)?;
     world.groups[index] = group;
     Ok(true)
 }
@@ -106,7 +106,7 @@ fn number(index: usize) -> u32 {
     u32::try_from(index + 1).unwrap_or(0)
 }
 
-/// Lets the groups talk.
+/// Goes on with the talk of each group.
 pub(crate) fn step_all(world: &mut World, crowd: &mut Crowd) -> Result<(), Error> {
     let mut groups = std::mem::take(&mut world.groups);
     let stepped = groups.iter_mut().try_for_each(|group| step(world, crowd, group));
@@ -121,8 +121,8 @@ fn step(world: &mut World, crowd: &mut Crowd, group: &mut Group) -> Result<(), E
     glance(world, crowd, group)
 }
 
-/// Begins the turn of the next speaker, or a while in which nobody talks. A share of it from 0 to 1 has
-/// passed.
+/// Begins the turn of the next speaker, who talks or is silent. `passed` is the share of the turn,
+/// 0 to 1, that is over.
 fn take_turn(
     world: &mut World,
     crowd: &mut Crowd,
@@ -151,7 +151,8 @@ fn take_turn(
     Ok(())
 }
 
-/// Lets the speaker look at the next of the group and the others at the speaker, for a while.
+/// Turns heads until `glance_until`: that of the speaker to the next member of the group, the others
+/// to the speaker.
 fn glance(world: &World, crowd: &mut Crowd, group: &mut Group) -> Result<(), Error> {
     let Some(until) = group.glance_until else { return Ok(()) };
     if world.now > until {
@@ -179,7 +180,10 @@ impl World {
             let other = self.groups[group].people[nth];
             let person = &mut self.people[other];
             (person.direction, person.lane, person.held_up) = (direction, lane, 0);
-            self.send_ahead(other)?;
+            // The caller sends `who`.
+            if other != who {
+                self.send_ahead(other)?;
+            }
         }
         Ok(())
     }
