@@ -49,6 +49,7 @@ use traffic::{Stop, Traffic};
 use world::{Crossing, World};
 
 pub(crate) use body::use_keys;
+pub(crate) use traffic::{Lane, SWERVE_M};
 pub use world::Counts;
 
 /// Acceleration of gravity in metres per second squared.
@@ -71,9 +72,9 @@ impl Behaviours {
     ///
     /// # Errors
     ///
-    /// Lists of other lengths, names that nothing in the plan has, footways without length,
-    /// somebody who has to walk and has no gaits, and errors of the crowd, such as one without room
-    /// for all people and vehicles.
+    /// Lists of other lengths, names that nothing in the plan has, footways without length, bays at
+    /// the ends of lanes, somebody who has to walk and has no gaits, and errors of the crowd, such
+    /// as one without room for all people and vehicles.
     pub fn new(
         crowd: &mut Crowd,
         plan: &ScenePlan,

@@ -40,6 +40,19 @@ pub enum Error {
         /// The name of the footway.
         name: String,
     },
+    /// A bay so near to an end of its lane, or beyond it, that a vehicle cannot park and set off.
+    #[error(
+        "a bay of the lane \"{lane}\" at [{}, {}] is beyond its ends or within {least_m} m of one; \
+         move the bay, or lengthen the lane", at[0], at[1]
+    )]
+    BayAtLaneEnd {
+        /// The name of the lane.
+        lane: String,
+        /// The middle of the bay: `[x, z]` in metres.
+        at: [f32; 2],
+        /// The least length of the lane before and after the middle of a bay, in metres.
+        least_m: f32,
+    },
     /// Fewer free seats than people who sit.
     #[error("{people} people watch from {seats} seats; add stands or take fewer people")]
     TooFewSeats {
@@ -109,6 +122,7 @@ impl Error {
             | Self::UnknownName { .. }
             | Self::UnequalCrowd { .. }
             | Self::FootwayWithoutLength { .. }
+            | Self::BayAtLaneEnd { .. }
             | Self::TooFewSeats { .. }
             | Self::NoSuchPart { .. }
             | Self::RoadsTooFarApart { .. }

@@ -95,6 +95,9 @@ fn values_out_of_range_and_unknown_names_are_named_with_their_line() {
     refused(&twice, 18, "must be unique");
     let bay = format!("{GOOD}\n[[bay]]\nlane = \"north\"\nat = [0, 0]\n");
     refused(&bay, 18, "none is \"north\"");
+    let lane = "[[lane]]\nname = \"north\"\nends = [[0, 0], [40, 0]]\nvehicles = 2\n";
+    let at_end = bay.replace("at = [0, 0]", "at = [36, 3]") + lane;
+    refused(&at_end, 19, "9 metres or more from both of its ends");
     let camera =
         "\n[[camera]]\nname = \"a\"\n[[camera.key]]\nfrom = [0, 1, 2]\nto = [0, 1, 0]\nfov = 0\n";
     refused(&format!("{GOOD}{camera}"), 22, "`fov` of `key` of a [[camera]] must be from 1 to 170");

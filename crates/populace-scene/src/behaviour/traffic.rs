@@ -10,6 +10,8 @@ use crate::plan::{BayPlan, LanePlan};
 use crate::stage::VehicleModel;
 
 mod following;
+#[cfg(test)]
+mod tests;
 
 /// Comfortable loss of speed, in metres per second squared.
 const LOSS: f32 = 2.4;
@@ -17,7 +19,7 @@ const LOSS: f32 = 2.4;
 const JAM_M: f32 = 1.6;
 /// Distance ahead of a bay in which a vehicle changes over to it, and past it in which it is back
 /// in its lane, in metres.
-const SWERVE_M: f32 = 9.0;
+pub(crate) const SWERVE_M: f32 = 9.0;
 /// Speed while a vehicle parks or sets off, in metres per second.
 const SWERVE_M_PER_SEC: f32 = 3.2;
 /// Free lengths of the lane behind and ahead of a vehicle that sets off, in metres.
@@ -80,7 +82,7 @@ pub(crate) struct Lane {
 }
 
 impl Lane {
-    fn new(plan: &LanePlan) -> Self {
+    pub(crate) fn new(plan: &LanePlan) -> Self {
         let [from, to] = plan.ends.map(Vec2::from);
         let direction = (to - from).normalize_or(Vec2::X);
         let yaw_rad = direction.x.atan2(direction.y);
@@ -95,6 +97,20 @@ impl Lane {
 
     pub(crate) fn height_m(&self) -> f32 {
         self.height_m
+    }
+
+    /// Returns true if a vehicle can park in a bay at a point and set off again before the end of
+    /// the lane, from which it comes to the start.
+    pub(crate) fn has_room_for_bay(&self, at: Vec2) -> bool {
+        let [along_m, _] = self.place(at);
+        along_m >= SWERVE_M && along_m + SWERVE_M <= self.length_m
+    }
+
+    /// Returns how far a length along the lane is ahead of another, or behind it as a negative
+    /// number: the shorter way, since the end of the lane comes to its start.
+    fn off_m(&self, from_m: f32, to_m: f32) -> f32 {
+        let ahead_m = (to_m - from_m).rem_euclid(self.length_m);
+        if ahead_m > 0.5 * self.length_m { ahead_m - self.length_m } else { ahead_m }
     }
 
     /// Returns the length along the lane of the point nearest to another, and its distance to
@@ -144,7 +160,12 @@ impl Traffic {
             let lane = lane.ok_or_else(|| {
                 Error::unknown("lane", &plan.lane, lanes.iter().map(|lane| &lane.name))
             })?;
-            let [along_m, aside_m] = traffic.lanes[lane].place(plan.at.into());
+            let at = Vec2::from(plan.at);
+            if !traffic.lanes[lane].has_room_for_bay(at) {
+                let lane = plan.lane.clone();
+                return Err(Error::BayAtLaneEnd { lane, at: plan.at, least_m: SWERVE_M });
+            }
+            let [along_m, aside_m] = traffic.lanes[lane].place(at);
             traffic.bays.push(Bay { lane, along_m, aside_m, vehicle: None });
         }
         if models.is_empty() {
@@ -257,7 +278,7 @@ impl Traffic {
                         vehicle.drive = Drive::Stands { bay, since: now };
                     }
                 }
-                Drive::SetsOff { bay } if vehicle.along_m > self.bays[bay].along_m + SWERVE_M => {
+                Drive::SetsOff { bay } if vehicle.along_m >= self.bays[bay].along_m + SWERVE_M => {
                     vehicle.drive = Drive::Cruises;
                     self.bays[bay].vehicle = None;
                 }
@@ -338,7 +359,7 @@ impl Traffic {
             return false;
         };
         let is_free = self.vehicles.iter().enumerate().all(|(index, other)| {
-            let off = other.along_m - along_m;
+            let off = self.lanes[lane].off_m(along_m, other.along_m);
             let [behind, ahead] = MERGE_M;
             let is_near = off > -(behind + 1.5 * other.speed) && off < ahead;
             index == vehicle

@@ -5,6 +5,7 @@ use glam::Vec2;
 use super::fault::{Fault, first, first_of, unknown};
 use super::limits::{COORDINATE, DRIVING_SPEED, HEADING, LIGHTS_AHEAD, Limits, WIDTH};
 use super::props;
+use crate::behaviour::{Lane, SWERVE_M};
 use crate::plan::{
     BayPlan, CrossingPlan, FootwayPlan, LanePlan, LeanPlan, ScenePlan, SeatPlan, SpotPlan, WallPlan,
 };
@@ -86,7 +87,19 @@ fn check_lane(lane: &LanePlan) -> Option<Fault> {
 fn check_bay(plan: &ScenePlan, bay: &BayPlan) -> Option<Fault> {
     let lanes = plan.lanes.iter().map(|lane| lane.name.as_str());
     let lane = unknown("a lane of the file", &bay.lane, lanes);
-    first([lane.map(|rule| Fault::of("lane", rule)), COORDINATE.check_all("at", &bay.at)])
+    first([
+        lane.map(|rule| Fault::of("lane", rule)),
+        COORDINATE.check_all("at", &bay.at),
+        is_at_end(plan, bay).then(|| {
+            let rule = format!("beside the lane, {SWERVE_M} metres or more from both of its ends");
+            Fault::of("at", rule)
+        }),
+    ])
+}
+
+fn is_at_end(plan: &ScenePlan, bay: &BayPlan) -> bool {
+    let lane = plan.lanes.iter().find(|lane| lane.name == bay.lane);
+    lane.is_some_and(|lane| !Lane::new(lane).has_room_for_bay(bay.at.into()))
 }
 
 fn check_wall(wall: &WallPlan) -> Option<Fault> {
