@@ -276,7 +276,7 @@ impl ReplayJob<'_> {
 
 /// Returns the number of people who are there at the same time.
 fn capacity(motions: &Motions) -> usize {
-    people::peak(motions).max(1)
+    motions.peak().max(1)
 }
 
 /// People who follow trajectories.

@@ -107,6 +107,26 @@ impl Motions {
         let agents = recording.agents.iter().map(motion).collect();
         Self { agents, cutoff_hz, sway_m }
     }
+
+    /// The largest number of agents who are there at the same time: the capacity that a crowd needs
+    /// for all people of a [`Replay`](crate::Replay). Agents count until [`Motion::PAST_SECS`]
+    /// after their last rows.
+    #[must_use]
+    pub fn peak(&self) -> usize {
+        // Somebody who comes at the last moment of another is there together with it.
+        let (comes, goes) = (0_u8, 1_u8);
+        let spans = self.agents.iter().flat_map(Motion::secs);
+        let ends =
+            spans.flat_map(|[from, until]| [(from, comes), (until + Motion::PAST_SECS, goes)]);
+        let mut ends: Vec<(f64, u8)> = ends.collect();
+        ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let (mut now, mut peak) = (0_usize, 0);
+        for (_, end) in ends {
+            now = if end == comes { now + 1 } else { now - 1 };
+            peak = peak.max(now);
+        }
+        peak
+    }
 }
 
 impl Motion {
@@ -393,6 +413,16 @@ mod tests {
         assert!(secs > 1.0);
         assert_eq!(motions.agents[0].at(secs), motions.agents[0].at(1.0));
         assert!(motions.agents[0].at(1.0).is_some() && motions.agents[0].at(1.01).is_none());
+    }
+
+    /// The second one comes within the time for which the first is still there.
+    #[test]
+    fn peaks_count_agents_until_they_are_gone() {
+        let peak = |second: &str| {
+            let rows = format!("id,t,x,y\n1,0,0,0\n1,1,1,0\n2,{second},0,5\n2,3,1,5\n");
+            Motions::new(&recording(&rows)).peak()
+        };
+        assert_eq!(["1", "1.0005", "1.1"].map(peak), [2, 2, 1]);
     }
 
     #[test]

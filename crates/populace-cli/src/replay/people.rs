@@ -97,16 +97,12 @@ fn counts(motions: &Motions) -> Vec<(f64, usize)> {
     changes.into_iter().map(&mut next).collect()
 }
 
-/// Returns the largest number of agents who are there at the same time.
-pub(super) fn peak(motions: &Motions) -> usize {
-    counts(motions).into_iter().map(|(_, count)| count).max().unwrap_or(0)
-}
-
 /// Returns the middle of the longest time in which most agents are there, in seconds; `None` if
 /// nobody ever is.
 pub(super) fn busiest(motions: &Motions) -> Option<f64> {
-    let (counts, peak) = (counts(motions), peak(motions));
-    let busy = counts.windows(2).filter(|pair| pair[0].1 == peak);
+    let counts = counts(motions);
+    let most = counts.iter().map(|(_, count)| *count).max()?;
+    let busy = counts.windows(2).filter(|pair| pair[0].1 == most);
     let longest = busy.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)));
     longest.map(|pair| f64::midpoint(pair[0].0, pair[1].0))
 }
