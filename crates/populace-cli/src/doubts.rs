@@ -1,7 +1,12 @@
 //! Doubts about a recording that was read without a fault: heights of heads taken for elevations,
 //! jumps, and areas where nobody walks.
 
-use populace_trajectory::{Kind, Polygon, Recording, Track};
+use std::collections::HashSet;
+
+use populace_trajectory::{Kind, PlaceChange, Polygon, Recording, Track};
+
+/// A point `[x, y]` in metres.
+type Point = [f64; 2];
 
 /// Speed in metres per second that nobody on foot reaches.
 const FASTEST_M_S: f64 = 12.0;
@@ -17,8 +22,9 @@ const HUGE_M: f64 = 1000.0;
 const HUGE: f64 = 50.0;
 /// Most positions that are looked for in an area.
 const SAMPLES: usize = 2000;
-/// Most points of a ring whose sides are compared with each other.
-const MOST_POINTS: usize = 2000;
+/// Most pairs of sides of outlines that are compared, and of positions and sides. Files may hold
+/// millions of points, and all are looked at before the first picture.
+const MOST_PAIRS: usize = 20_000_000;
 
 /// Returns what looks wrong in a recording, and how to mend it.
 pub(crate) fn doubts(recording: &Recording) -> Vec<String> {
@@ -67,19 +73,23 @@ fn jumps(recording: &Recording) -> Option<String> {
     let steps = crate::report::counted(count, "step");
     (count > 0).then(|| {
         format!(
-            "{steps} from a row to the next faster than {FASTEST_M_S} m/s: the fastest is that of \
-             \"{id}\", {after_secs:.2} s after the beginning, with {speed:.1} m/s; look for \
-             jumps in the rows"
+            "{steps} from a row to the next faster than {FASTEST_M_S} m/s: the fastest is \
+             that of \"{id}\", {after_secs:.2} s after the beginning, with {speed:.1} m/s; look \
+             for jumps in the rows"
         )
     })
 }
 
-/// Walkable areas without an inside, or whose outline crosses itself.
+/// Walkable areas whose outline crosses itself. Outlines that stay the same when the area changes
+/// are looked at once.
 fn shape(recording: &Recording) -> Option<String> {
+    let mut looked_at = HashSet::new();
+    let bits = |ring: &[Point]| ring.iter().map(|at| at.map(f64::to_bits)).collect::<Vec<_>>();
+    let mut pairs_left = MOST_PAIRS;
     let areas = recording.place.changes.iter().flat_map(|change| &change.walkable);
-    let mut rings = areas.flat_map(|area| std::iter::once(&area.outline).chain(&area.holes));
+    let mut rings = areas.flat_map(rings).filter(|ring| looked_at.insert(bits(ring)));
     rings.find_map(|ring| {
-        let [x, y] = crossing(ring)?;
+        let [x, y] = crossing(ring, &mut pairs_left)?;
         Some(format!(
             "an outline of the walkable area crosses itself near {x:.2}, {y:.2} m; bring its \
              points into the order in which they go round"
@@ -87,34 +97,52 @@ fn shape(recording: &Recording) -> Option<String> {
     })
 }
 
-/// Returns where two sides of a ring cross each other.
-fn crossing(ring: &[[f64; 2]]) -> Option<[f64; 2]> {
-    if ring.len() > MOST_POINTS {
-        return None;
-    }
-    let side = |nth: usize| [ring[nth], ring[(nth + 1) % ring.len()]];
-    let turn = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
-        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-    };
-    for first in 0..ring.len() {
-        for second in first + 2..ring.len() {
-            let ([a, b], [c, d]) = (side(first), side(second));
-            let (from, to) = (turn(a, b, c), turn(a, b, d));
-            if from * to < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0 {
-                let part = from / (from - to);
-                return Some([0, 1].map(|axis| c[axis] + (d[axis] - c[axis]) * part));
+/// Returns the outline of an area and its holes.
+fn rings(area: &Polygon) -> impl Iterator<Item = &[Point]> {
+    std::iter::once(&area.outline).chain(&area.holes).map(Vec::as_slice)
+}
+
+/// Returns where two sides of a ring cross each other. Pairs whose ranges of x overlap are compared,
+/// and taken from `pairs_left`, until none is left.
+fn crossing(ring: &[Point], pairs_left: &mut usize) -> Option<Point> {
+    let mut sides: Vec<[Point; 2]> =
+        (0..ring.len()).map(|nth| [ring[nth], ring[(nth + 1) % ring.len()]]).collect();
+    let low_x = |[a, b]: &[Point; 2]| a[0].min(b[0]);
+    sides.sort_by(|a, b| low_x(a).total_cmp(&low_x(b)));
+    for (nth, side) in sides.iter().enumerate() {
+        let high_x = side[0][0].max(side[1][0]);
+        for other in sides[nth + 1..].iter().take_while(|other| low_x(other) <= high_x) {
+            *pairs_left = pairs_left.checked_sub(1)?;
+            let at = meeting(*side, *other);
+            if at.is_some() {
+                return at;
             }
         }
     }
     None
 }
 
+/// Returns where two sides cross between their ends.
+fn meeting([a, b]: [Point; 2], [c, d]: [Point; 2]) -> Option<Point> {
+    let turn = |a: Point, b: Point, c: Point| {
+        (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    };
+    let (from, to) = (turn(a, b, c), turn(a, b, d));
+    let part = from / (from - to);
+    let cross = from * to < 0.0 && turn(c, d, a) * turn(c, d, b) < 0.0;
+    cross.then(|| [0, 1].map(|axis| c[axis] + (d[axis] - c[axis]) * part))
+}
+
 /// A walkable area in which nobody, or almost nobody, walks.
 fn elsewhere(recording: &Recording) -> Option<String> {
     let rows: usize = people(recording).map(|(_, track)| track.times.len()).sum();
     let all = people(recording).flat_map(|(_, track)| track.times.iter().zip(track.positions));
+    let points =
+        |change: &PlaceChange| change.walkable.iter().flat_map(rings).map(<[_]>::len).sum();
+    let most_points = recording.place.changes.iter().map(points).max().unwrap_or(0);
+    let samples = SAMPLES.min(MOST_PAIRS / most_points.max(1)).max(1);
     let (mut looked, mut within) = (0_usize, 0_usize);
-    for (secs, at) in all.step_by(rows.div_ceil(SAMPLES).max(1)) {
+    for (secs, at) in all.step_by(rows.div_ceil(samples).max(1)) {
         let areas = recording.place.walkable_at(*secs);
         if areas.is_empty() {
             return None;
@@ -148,8 +176,8 @@ fn huge(recording: &Recording) -> Option<String> {
 }
 
 /// Returns the longer side of the rectangle around points.
-fn side(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
-    let grown = |[low, high]: [[f64; 2]; 2], [a, b]: [[f64; 2]; 2]| {
+fn side(points: impl Iterator<Item = Point>) -> Option<f64> {
+    let grown = |[low, high]: [Point; 2], [a, b]: [Point; 2]| {
         [[0, 1].map(|n| low[n].min(a[n])), [0, 1].map(|n| high[n].max(b[n]))]
     };
     let [low, high] = points.map(|at| [at; 2]).reduce(grown)?;
@@ -157,8 +185,8 @@ fn side(points: impl Iterator<Item = [f64; 2]>) -> Option<f64> {
 }
 
 /// Returns true for a point within a polygon and outside of its holes.
-fn holds(area: &Polygon, [x, y]: [f64; 2]) -> bool {
-    let within = |ring: &Vec<[f64; 2]>| {
+fn holds(area: &Polygon, [x, y]: Point) -> bool {
+    let within = |ring: &Vec<Point>| {
         let next = ring.iter().cycle().skip(1);
         let crossed = ring.iter().zip(next).filter(|(a, b)| {
             (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1])
@@ -172,7 +200,7 @@ fn holds(area: &Polygon, [x, y]: [f64; 2]) -> bool {
 mod tests {
     use std::fmt::Write;
 
-    use populace_trajectory::{Place, PlaceChange, ReadSettings, parse};
+    use populace_trajectory::{Place, ReadSettings, parse};
 
     use super::*;
 
@@ -227,5 +255,45 @@ mod tests {
         assert!(long.len() == 1 && long[0].contains("is 2000 m long"), "{long:?}");
         let crossed = in_area(&[square[0], square[2], square[1], square[3]]);
         assert!(crossed[0].contains("crosses itself near 1.00, 2.00 m"), "{crossed:?}");
+    }
+
+    /// The sides from the first corner to the second and from the third to the fourth are crossed;
+    /// that along y = 0 has many points.
+    fn crossed_with_points(count: u32) -> Vec<Point> {
+        let along = (0..=count).map(|nth| [4.0 * f64::from(nth) / f64::from(count) - 1.0, 0.0]);
+        along.chain([[-1.0, 4.0], [3.0, 4.0]]).collect()
+    }
+
+    #[test]
+    fn long_outlines_that_cross_themselves_are_doubted() {
+        let found = in_area(&crossed_with_points(10_000));
+        assert!(found.iter().any(|doubt| doubt.contains("near 1.00, 2.00 m")), "{found:?}");
+    }
+
+    #[test]
+    fn no_more_pairs_of_sides_are_compared_than_are_left() {
+        let outline = crossed_with_points(10_000);
+        let mut pairs_left = MOST_PAIRS;
+        assert!(crossing(&outline, &mut pairs_left).is_some());
+        assert!(MOST_PAIRS - pairs_left < 50_000, "{pairs_left} pairs are left");
+        pairs_left = 0;
+        assert_eq!((crossing(&outline, &mut pairs_left), pairs_left), (None, 0));
+    }
+
+    /// All sides of the first outline are side by side, and no two of such outlines can be looked
+    /// at.
+    #[test]
+    fn outlines_that_come_again_are_looked_at_once() {
+        let zigzag = (0..5001_u32).map(|nth| [f64::from(nth % 2), f64::from(nth)]);
+        let zigzag: Vec<Point> = zigzag.chain([[2.0, 5001.0], [2.0, -1.0]]).collect();
+        let outlines = [&zigzag, &zigzag, &zigzag, &crossed_with_points(10)];
+        let mut recording = walk([0.0; 2]);
+        let change = |outline: &Vec<Point>| PlaceChange {
+            from_secs: 0.0,
+            walkable: vec![Polygon { outline: outline.clone(), holes: Vec::new() }],
+        };
+        recording.place.changes = outlines.map(change).into();
+        let found = shape(&recording);
+        assert!(found.is_some_and(|doubt| doubt.contains("near 1.00, 2.00 m")));
     }
 }
