@@ -5,6 +5,7 @@ use populace_random::{mixed, unit_of};
 
 use crate::Error;
 use crate::motion::Moment;
+use crate::neighbours::Neighbours;
 
 /// Distance in metres at which a direction of view is looked along.
 const ALONG_M: f32 = 4.0;
@@ -47,14 +48,11 @@ struct Gaze {
 #[derive(Clone, Debug)]
 pub(crate) struct Gazes {
     all: Vec<Gaze>,
-    /// Positions of people along the plan's x, in order, and their indices among the people
-    /// present.
-    by_x: Vec<(f32, usize)>,
 }
 
 impl Gazes {
     pub(crate) fn new(agents: usize) -> Self {
-        Self { all: vec![Gaze::default(); agents], by_x: Vec::new() }
+        Self { all: vec![Gaze::default(); agents] }
     }
 
     /// Forgets the gaze of an agent who leaves.
@@ -69,33 +67,33 @@ impl Gazes {
         people: &[Somebody],
         (secs, step_secs): (f64, f32),
     ) -> Result<(), Error> {
-        self.by_x.clear();
-        let x = |somebody: &Somebody| somebody.moment.position[0];
-        self.by_x.extend(people.iter().enumerate().map(|(index, of)| (x(of), index)));
-        self.by_x.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let places = people.iter().map(|somebody| somebody.moment.position);
+        let neighbours = Neighbours::new(places, NOTICED_M);
         for somebody in people.iter().filter(|somebody| somebody.eye_m > 0.0) {
             if let Some(view_rad) = somebody.moment.view_rad {
                 look(crowd, somebody, along(somebody, view_rad))?;
                 continue;
             }
             if self.all[somebody.agent].at.is_none() && is_turn(somebody.agent, secs, step_secs) {
-                self.notice(somebody, people, secs);
+                let near = neighbours.around(somebody.moment.position);
+                self.notice(somebody, near.map(|index| &people[index]), secs);
             }
             self.glance(crowd, somebody, people, secs)?;
         }
         Ok(())
     }
 
-    /// Decides whether somebody looks at the nearest person who passes.
-    fn notice(&mut self, somebody: &Somebody, people: &[Somebody], secs: f64) {
+    /// Decides whether somebody looks at the nearest person who passes, among those who are near.
+    fn notice<'a>(
+        &mut self,
+        somebody: &Somebody,
+        near: impl Iterator<Item = &'a Somebody>,
+        secs: f64,
+    ) {
         let gaze = &mut self.all[somebody.agent];
         if secs < gaze.rests_until {
             return;
         }
-        let x = somebody.moment.position[0];
-        let first = self.by_x.partition_point(|(at, _)| *at < x - NOTICED_M);
-        let near = self.by_x[first..].iter().take_while(|(at, _)| *at <= x + NOTICED_M);
-        let near = near.map(|(_, index)| &people[*index]);
         let passes = |other: &&Somebody| somebody.passes(other);
         let distance = |other: &Somebody| somebody.to(other)[0].hypot(somebody.to(other)[1]);
         let nearest = near

@@ -1,6 +1,7 @@
 //! A legend, trails, ids and a clock over pictures of trajectories, and people in the legend's colours.
 
 mod corner;
+mod density;
 mod trails;
 
 use populace::character::Image;
@@ -16,9 +17,6 @@ use crate::failure::Failure;
 use crate::names::hint;
 use crate::roles::CrowdRole;
 
-/// Radius in metres of the circle in which density counts people, and the difference of elevations
-/// from which on people are on other floors.
-const DENSITY_M: f32 = 1.5;
 /// Share of numbers below the least and above the greatest of a scale: outliers take no colour away.
 const OUTLIERS: f64 = 0.02;
 /// Numbers from which a scale is made, at most.
@@ -194,7 +192,7 @@ impl Colours {
             Quantity::Density => {
                 let place = |at: Moment| [at.position[0], at.position[1], at.elevation_m];
                 let places = present.map(|agent| moment(agent).map_or([0.0; 3], place));
-                densities(&places.collect::<Vec<_>>())
+                density::densities(&places.collect::<Vec<_>>())
             }
             Quantity::Column(..) => {
                 let now = |agent| self.in_column(recording, (agent, replay.secs()));
@@ -228,22 +226,6 @@ impl Colours {
 
 fn speed([x, y]: [f32; 2]) -> f64 {
     f64::from(x.hypot(y))
-}
-
-/// Returns people per square metre around each place on the plan with its elevation: those within a
-/// circle on the same floor, by its area.
-fn densities(places: &[[f32; 3]]) -> Vec<f64> {
-    let mut by_x: Vec<[f32; 3]> = places.to_vec();
-    by_x.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-    let area = f64::from(std::f32::consts::PI * DENSITY_M * DENSITY_M);
-    let density = |[x, y, z]: &[f32; 3]| {
-        let first = by_x.partition_point(|at| at[0] < x - DENSITY_M);
-        let near = by_x[first..].iter().take_while(|at| at[0] <= x + DENSITY_M);
-        let on_floor = near.filter(|at| (at[2] - z).abs() < DENSITY_M);
-        let within = on_floor.filter(|at| (at[0] - x).hypot(at[1] - y) <= DENSITY_M);
-        within.map(|_| 1.0 / area).sum()
-    };
-    places.iter().map(density).collect()
 }
 
 /// Returns the value of a column in an agent's row at a time or before it; of words, their place.
@@ -364,18 +346,6 @@ fn range(mut values: Vec<f64>) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn densities_count_people_around() {
-        let alone = densities(&[[0.0; 3], [10.0, 0.0, 0.0]]);
-        assert!((alone[0] - 1.0 / 7.069).abs() < 1e-3 && alone[0] == alone[1], "{alone:?}");
-        let around = [[0.0; 3], [1.0, 0.0, 0.2], [0.0, 1.4, -0.2], [1.4, 1.4, 0.0]];
-        let three = densities(&around);
-        assert!((three[0] / alone[0] - 3.0).abs() < 1e-6, "{three:?}");
-        // The same again one floor above.
-        let above = around.map(|[x, y, z]| [x, y, z + 3.0]);
-        assert_eq!(densities(&[around, above].concat()), [three.clone(), three].concat());
-    }
 
     pub(super) fn recording(text: &str) -> Recording {
         let settings = populace_trajectory::ReadSettings::default();
