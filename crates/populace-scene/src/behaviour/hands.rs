@@ -1,5 +1,7 @@
 //! Phones in the hands of people who telephone and read.
 
+use std::collections::HashMap;
+
 use populace::{CharacterId, Crowd, Error as CrowdError, JointIndex, MemberId, Placement, Trs};
 
 use super::body::{Body, Use};
@@ -15,7 +17,10 @@ const LEAST: f32 = 0.05;
 #[derive(Clone, Debug)]
 pub(crate) struct Phones {
     character: Option<CharacterId>,
+    /// The phones in hands, and those that go back to pockets.
     held: Vec<Phone>,
+    /// The indices of the phones in hands, by owners.
+    in_hands: HashMap<MemberId, usize>,
 }
 
 /// A phone in a hand.
@@ -42,7 +47,7 @@ pub(crate) fn place(body: &Body, usage: Use) -> Option<Grip> {
 impl Phones {
     /// Starts without phones. `character` is their model; `None` in a scene without one.
     pub(crate) fn new(character: Option<CharacterId>) -> Self {
-        Self { character, held: Vec::new() }
+        Self { character, held: Vec::new(), in_hands: HashMap::new() }
     }
 
     /// Gives somebody a phone at a place, or takes away what it holds. `now` is the time in
@@ -54,8 +59,8 @@ impl Phones {
         place: Option<Grip>,
         now: f64,
     ) -> Result<(), Error> {
-        for phone in self.held.iter_mut().filter(|phone| phone.owner == owner) {
-            phone.until = phone.until.or(Some(now));
+        if let Some(index) = self.in_hands.remove(&owner) {
+            self.held[index].until = Some(now);
         }
         let (Some((joint, offset)), Some(character)) = (place, self.character) else {
             return Ok(());
@@ -70,6 +75,7 @@ impl Phones {
         let since = if now > 0.0 { now } else { -POCKET_SECS };
         let held = Phone { owner, phone, joint, offset, since, until: None };
         held.attach(crowd, now)?;
+        self.in_hands.insert(owner, self.held.len());
         self.held.push(held);
         Ok(())
     }
@@ -87,7 +93,12 @@ impl Phones {
                 phone.attach(crowd, now)?;
             }
         }
+        let before = self.held.len();
         self.held.retain(|phone| !phone.has_gone(now));
+        if self.held.len() < before {
+            let in_hands = self.held.iter().enumerate().filter(|(_, phone)| phone.until.is_none());
+            self.in_hands = in_hands.map(|(index, phone)| (phone.owner, index)).collect();
+        }
         Ok(())
     }
 }
