@@ -10,8 +10,9 @@ use crate::{Error, Fact, HeadingSource, ReadSettings, Source, Unit};
 const FAR_M: f64 = 4096.0;
 /// Origins are multiples of this length in metres.
 const ORIGIN_STEP_M: f64 = 1000.0;
-/// Nobody on foot is faster, in metres per second.
-const FASTEST_M_PER_SEC: f64 = 15.0;
+/// Median speed in metres per second above which the unit is another: more than that of the fastest
+/// sprinters, 12 m/s, since the noise of positions adds to it.
+const OTHER_UNIT_M_PER_SEC: f64 = 15.0;
 /// Most people who move are not slower, in metres per second.
 const SLOWEST_M_PER_SEC: f64 = 0.01;
 /// The way in metres from which on somebody moves; less is noise.
@@ -183,7 +184,7 @@ impl Rows {
     /// Returns the unit, after a look at the speeds that it gives.
     fn unit(&mut self, unit: Fact<Unit>, per_sec: f64, order: &[usize]) -> Fact<Unit> {
         let speed = self.median_speed(order) * unit.value.in_metres() * per_sec;
-        if speed <= FASTEST_M_PER_SEC {
+        if speed <= OTHER_UNIT_M_PER_SEC {
             return unit;
         }
         if unit == Fact::assumed(Unit::Metres) {
