@@ -17,10 +17,10 @@ pub enum Error {
         /// The missing file or folder.
         what: String,
     },
-    /// A file could not be read.
+    /// A file or folder could not be read.
     #[error("{}: cannot be read: {source}", path.display())]
     Io {
-        /// The file.
+        /// The file or folder.
         path: PathBuf,
         /// The reason.
         source: std::io::Error,

@@ -41,7 +41,7 @@ impl Source {
             return Err(missing("the path does not exist".into()));
         }
         let place = if path.is_dir() {
-            let root = find_folder(path, MAX_DEPTH)
+            let root = find_folder(path, MAX_DEPTH)?
                 .ok_or_else(|| missing(format!("no folder below it holds {MESH}")))?;
             Place::Folder(root)
         } else {
@@ -122,18 +122,41 @@ fn read_all(from: impl Read) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// Returns the folder that holds the mesh: `folder` itself or the first below it by name.
-fn find_folder(folder: &Path, depth: usize) -> Option<PathBuf> {
+/// Returns the folder that holds the mesh: `folder` itself or the first below it by name. A folder
+/// that cannot be read is an error: it may be the first.
+fn find_folder(folder: &Path, depth: usize) -> Result<Option<PathBuf>, Error> {
     if folder.join(MESH).is_file() {
-        return Some(folder.to_owned());
+        return Ok(Some(folder.to_owned()));
     }
     if depth == 0 {
-        return None;
+        return Ok(None);
     }
-    let entries = std::fs::read_dir(folder).ok()?.flatten();
-    // Symbolic links are not followed, so a cycle cannot occur.
-    let folders = entries.filter(|e| e.file_type().is_ok_and(|t| t.is_dir())).map(|e| e.path());
-    let mut folders: Vec<_> = folders.collect();
+    let below = folders(folder).map_err(|source| Error::Io { path: folder.to_owned(), source })?;
+    let found = below.iter().map(|below| find_folder(below, depth - 1));
+    found.filter_map(Result::transpose).next().transpose()
+}
+
+/// Returns the folders in a folder, by name. Symbolic links are left out, so a cycle cannot occur.
+fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
+    let mut folders = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        if entry.file_type()?.is_dir() {
+            folders.push(entry.path());
+        }
+    }
     folders.sort();
-    folders.iter().find_map(|below| find_folder(below, depth - 1))
+    Ok(folders)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn folders_that_cannot_be_read_are_named() {
+        let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("Cargo.toml");
+        let error = find_folder(&file, 1).expect_err("it is no folder");
+        assert!(error.to_string().contains("Cargo.toml: cannot be read: "), "{error}");
+    }
 }
