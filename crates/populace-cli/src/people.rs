@@ -5,14 +5,12 @@ use populace::character::Character;
 use populace::model::Role;
 use populace::{Affine, BackendError, Crowd, MemberId};
 use populace_locomotion::GaitSpace;
+use populace_scene::EYES;
 use populace_variety::{Appearance, Variety};
 
 use crate::built_in;
 use crate::failure::Failure;
 use crate::roles::CrowdRole;
-
-/// Height of a person's eyes as a share of its own (Pheasant, "Bodyspace", 1996).
-pub(crate) const EYES: f32 = 0.935;
 
 /// Returns where somebody's eyes are after the last update, in metres of world space; `None` for
 /// who has no head, and before the first update.

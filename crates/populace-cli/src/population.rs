@@ -5,11 +5,12 @@ use std::collections::HashMap;
 use populace::clip::RootMotion;
 use populace::{ClipPlayback, Crowd, MemberId, Placement};
 use populace_random::Rng;
+use populace_scene::EYES;
 use populace_variety::Appearance;
 
 use crate::camera::Pose;
 use crate::failure::Failure;
-use crate::people::{EYES, appearances};
+use crate::people::appearances;
 use crate::placement::{Place, places};
 use crate::progress::Progress;
 use crate::roles::{CrowdRole, RoleClip};

@@ -7,6 +7,9 @@ use crate::Error;
 use crate::motion::Moment;
 use crate::neighbours::Neighbours;
 
+/// Height of a person's eyes as a share of its own (S. Pheasant, "Bodyspace", 1996).
+pub const EYES: f32 = 0.935;
+
 /// Distance in metres at which a direction of view is looked along.
 const ALONG_M: f32 = 4.0;
 /// Distance in metres within which somebody is noticed.

@@ -18,6 +18,7 @@ mod street;
 
 pub use behaviour::{Behaviours, Counts};
 pub use error::Error;
+pub use gaze::EYES;
 pub use motion::{Moment, Motion, Motions};
 pub use neighbours::Neighbours;
 pub use place::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};

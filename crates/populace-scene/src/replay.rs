@@ -12,7 +12,7 @@ use populace_trajectory::Recording;
 
 use crate::Error;
 use crate::footsteps::led_step;
-use crate::gaze::{Gazes, Somebody};
+use crate::gaze::{EYES, Gazes, Somebody};
 use crate::motion::{Moment, Motion, Motions};
 
 /// The part of a cycle by which neighbouring agents step apart: the golden ratio spreads them
@@ -25,8 +25,6 @@ const FROM_TOUCH_DOWN: f32 = 0.5;
 
 /// Seconds in which people fade in and out.
 const FADE_SECS: f64 = 0.4;
-/// Height of the eyes as a fraction of that of the body.
-const EYES: f32 = 0.93;
 
 /// The body of an agent.
 #[derive(Clone, Copy, Debug)]

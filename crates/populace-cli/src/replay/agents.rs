@@ -3,13 +3,12 @@
 use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 
-use populace_scene::{Moment, Motions};
+use populace_scene::{EYES, Moment, Motions};
 use populace_trajectory::Recording;
 
 use super::place::floor_m;
 use crate::camera::{Pose, Subject, figure};
 use crate::frames::single;
-use crate::people::EYES;
 
 /// Seconds between positions that the camera frames.
 const FRAMED_SECS: f64 = 1.0;

@@ -10,7 +10,7 @@ use populace::{Crowd, MemberId};
 use populace_locomotion::GaitSpace;
 use populace_render::Camera;
 use populace_scene::plan::{BehaviourPlan, CastPlan, ScenePlan};
-use populace_scene::{Behaviours, Counts, Person, Stage};
+use populace_scene::{Behaviours, Counts, EYES, Person, Stage};
 
 use super::past::Past;
 use super::{SceneSource, clips};
@@ -19,7 +19,7 @@ use crate::camera::{Cameras, Pose, Subject, View, figure};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::levels::Levels;
-use crate::people::{EYES, appearances, eyes, gaits};
+use crate::people::{appearances, eyes, gaits};
 use crate::roles::{self, ClipChoice, CrowdRole, LoadedRoles};
 
 /// Half the width of a person in metres, for framing.

@@ -6,6 +6,7 @@ use populace_locomotion::{Goal, Walkers};
 use populace_physics::Ragdolls;
 
 use crate::Error;
+use crate::gaze::EYES;
 use crate::plan::{
     CrossingPlan, FightPlan, LeanPlan, SeatPlan, SpectatePlan, SpotPlan, StrollPlan,
 };
@@ -26,8 +27,6 @@ const ARRIVED_M: f32 = 0.12;
 const STANDS_M_PER_SEC: f32 = 0.05;
 /// Seconds in which heads turn.
 const LOOK_SECS: f32 = 0.35;
-/// Height of the eyes as a fraction of that of the body.
-const EYES: f32 = 0.93;
 /// Cosine of the angle within which somebody faces a direction: 0.06 rad.
 const FACES: f32 = 0.9982;
 
