@@ -194,8 +194,12 @@ fn is_sound(ring: &mut Ring, what: &'static str, warnings: &mut Vec<PlaceWarning
     }
     ring.dedup();
     let cells = Cells::new([&*ring]);
-    let triangles = cells.triangles(|at| plan::is_inside(ring, at));
-    let is_empty = triangles.iter().map(|t| plan::area(t)).sum::<f64>() < LEAST_M2;
+    let mut area_m2 = 0.0;
+    let has_room = |triangle: [Point; 3]| {
+        area_m2 += plan::area(&triangle);
+        area_m2 >= LEAST_M2
+    };
+    let is_empty = !cells.triangles(|at| plan::is_inside(ring, at)).any(has_room);
     if is_empty {
         warn(warnings, PlaceWarning::EmptyRing { what });
     }

@@ -29,11 +29,15 @@ impl Cells {
         Self { triangulation }
     }
 
-    /// Returns the triangles whose middle is inside, counter-clockwise.
-    pub(super) fn triangles(&self, inside: impl Fn(Point) -> bool) -> Vec<[Point; 3]> {
+    /// Returns the triangles whose middle is inside, counter-clockwise. `inside` is asked as they
+    /// are taken, since it may look at all points of a ring.
+    pub(super) fn triangles(
+        &self,
+        inside: impl Fn(Point) -> bool,
+    ) -> impl Iterator<Item = [Point; 3]> {
         let faces = self.triangulation.inner_faces();
         let corners = faces.map(|face| face.positions().map(|p| [p.x, p.y]));
-        corners.filter(|corners| inside(middle(corners))).collect()
+        corners.filter(move |corners| inside(middle(corners)))
     }
 
     /// Returns the loops around all triangles whose middle is inside, with the inside on the left:
@@ -88,4 +92,24 @@ fn trace(start: usize, place: Point, ways: &mut BTreeMap<usize, Vec<(usize, Poin
 
 fn middle([a, b, c]: &[Point; 3]) -> Point {
     [0, 1].map(|i| (a[i] + b[i] + c[i]) / 3.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+
+    use super::*;
+
+    #[test]
+    fn no_more_triangles_are_asked_for_than_are_taken() {
+        let steps = (0..1000_u32).map(|nth| [f64::from(nth), f64::from(nth % 2)]);
+        let ring: Ring = steps.chain([[1000.0, 5.0], [-1.0, 5.0]]).collect();
+        let asked = Cell::new(0);
+        let inside = |_| {
+            asked.set(asked.get() + 1);
+            true
+        };
+        let cells = Cells::new([&ring]);
+        assert_eq!((cells.triangles(inside).take(3).count(), asked.get()), (3, 3));
+    }
 }
