@@ -6,60 +6,46 @@
 // Twin of populace-native/src/poses.rs and populace-native/src/abreast.rs: same arithmetic, same order
 // of operations.
 
-// Poses a block of joints of a member whose layer 0 plays one slot. Nothing is weighted or divided:
-// this gives the same bits as a sum of one term of weight 1, and its mean. Zeros among ranges are
-// positive, as sums are that begin with 0.
-INLINE void pose_alone(const Company *all, const Posing *posing, uint lane, uint first,
-                       bool no_floats, uint spans, Posed *posed, uint *at_rest)
+// Poses a member whose layer 0 plays one slot. Nothing is weighted or divided: this gives the same
+// bits as a sum of one term of weight 1, and its mean. Zeros among ranges are positive, as sums are
+// that begin with 0.
+INLINE uint pose_alone(const Company *all, const ClipTables *tables, uint lane, uint joint,
+                       bool no_floats, bool two_spans, Local *first, Local *second)
 {
-    const ClipTables *tables = posing->clips;
-    const Playback playback = all->plays[lane];
-    const Playing playing = playing_at(playback, all->layers[lane][0].alone);
-    BlockSlot slot = block_slot(playing, first, no_floats);
-    Stored rest = stored_at(tables, all->body.rest_first, POSE_PLANES, first);
+    const Playing playing = playing_at(all->plays[lane], all->layers[lane][0].alone);
+    const BlockSlot slot = block_slot(playing, joint, no_floats), next = next_span(slot);
+    const Stored rest = stored_at(tables, all->body.rest_first, POSE_PLANES, joint);
     const uint flags = slot.columns.block.flags;
-    for (uint span = 0; span < spans; span++) {
-        put_rotation(posed[span], lane, rotation_alone(tables, slot, rest));
-        if (!(flags & REST_TRANSLATION))
-            put_vector(posed[span], lane, TRANSLATION, vector_alone(tables, slot, TRANSLATION));
-        if (!(flags & REST_SCALE))
-            put_vector(posed[span], lane, SCALE, vector_alone(tables, slot, SCALE));
-        slot = next_span(slot);
-        rest += LANES;
+    first->r = rotation_alone(tables, slot, rest);
+    if (two_spans) second->r = rotation_alone(tables, next, rest + LANES);
+    if (!(flags & REST_TRANSLATION)) {
+        first->t = vector_alone(tables, slot, TRANSLATION);
+        if (two_spans) second->t = vector_alone(tables, next, TRANSLATION);
     }
-    *at_rest = flags;
+    if (!(flags & REST_SCALE)) {
+        first->s = vector_alone(tables, slot, SCALE);
+        if (two_spans) second->s = vector_alone(tables, next, SCALE);
+    }
+    return flags;
 }
 
-// Sums the slots of layer 0 of a member, for LANES joints or for a whole block. The pose of one slot
-// is complete.
-INLINE void sum_member(const Company *all, const Posing *posing, uint lane, uint first,
-                       bool no_floats, uint spans, Posed *posed, uint *at_rest)
+// Sums the slots of layer 0 of a member for one or two spans of LANES joints, as sum_spans() does.
+// The pose of one slot is complete.
+INLINE uint sum_member(const Company *all, const Posing *posing, uint lane, uint joint,
+                       bool no_floats, bool two_spans, Local *first, Local *second)
 {
     const ClipTables *tables = posing->clips;
-    const Playback playback = all->plays[lane];
-    if (all->layers[lane][0].alone != NONE) {
-        pose_alone(all, posing, lane, first, no_floats, spans, posed, at_rest);
-        return;
-    }
-    if (spans == 1) {
-        const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, false);
-        put_local(posed[0], lane, sums.first, sums.at_rest);
-        *at_rest = sums.at_rest;
-        return;
-    }
-#if SPANS > 1
-    const SpanSums sums = sum_spans(tables, playback, 0, all->body, first, no_floats, true);
-    put_local(posed[0], lane, sums.first, sums.at_rest);
-    put_local(posed[1], lane, sums.second, sums.at_rest);
-    *at_rest = sums.at_rest;
-#endif
+    if (all->layers[lane][0].alone != NONE)
+        return pose_alone(all, tables, lane, joint, no_floats, two_spans, first, second);
+    return sum_spans(tables, all->plays[lane], 0, all->body, joint, no_floats, two_spans, first,
+                     second);
 }
 
 // Does the same for a member with a clip that stores floats; see show_any_layer().
-APART void sum_any_member(const Company *all, const Posing *posing, uint lane, uint first,
-                          uint spans, Posed *posed, uint *at_rest)
+APART uint sum_any_member(const Company *all, const Posing *posing, uint lane, uint joint,
+                          bool two_spans, Local *first, Local *second)
 {
-    sum_member(all, posing, lane, first, false, spans, posed, at_rest);
+    return sum_member(all, posing, lane, joint, false, two_spans, first, second);
 }
 
 INLINE uint at_rest_in_all(const Company *all, const uint *at_rest)
@@ -69,25 +55,44 @@ INLINE uint at_rest_in_all(const Company *all, const uint *at_rest)
     return still;
 }
 
-// Sums the slots of layer 0 of all members, for a block of joints.
-INLINE void sum_block(const Company *all, const Posing *posing, uint first, uint spans,
-                      Posed *posed, uint *at_rest)
+// Sums the slots of layer 0 of all members, as sum_member() does.
+INLINE void sum_members(const Company *all, const Posing *posing, uint joint, bool two_spans,
+                        Posed first, Posed second, uint *at_rest)
 {
-    for (uint lane = 0; lane < all->count; lane++) {
-        if (all->plays[lane].has_floats)
-            sum_any_member(all, posing, lane, first, spans, posed, &at_rest[lane]);
-        else sum_member(all, posing, lane, first, true, spans, posed, &at_rest[lane]);
-    }
+    for (uint lane = 0; lane < all->count; lane++)
+        at_rest[lane] =
+            all->plays[lane].has_floats
+                ? sum_any_member(all, posing, lane, joint, two_spans, &first[lane], &second[lane])
+                : sum_member(all, posing, lane, joint, true, two_spans, &first[lane],
+                             &second[lane]);
 }
 
-// Turns components into lanes of members.
-INLINE void turn_components(const Company *all, Posed posed, uint first, uint end)
+// Turns components into lanes of members. `all` points at the component of the first.
+INLINE void turn_component(Real *all, uint count)
 {
+    const uint step = sizeof(Local) / sizeof(Real);
+    for (uint lane = count; lane < LANES; lane++) all[lane * step] = 0.0f;
+    Real turned[LANES];
 #pragma unroll
-    for (uint c = first; c < end; c++) {
-        for (uint lane = all->count; lane < LANES; lane++) posed[c][lane] = 0.0f;
-        transpose(posed[c]);
-    }
+    for (uint lane = 0; lane < LANES; lane++) turned[lane] = all[lane * step];
+    transpose(turned);
+#pragma unroll
+    for (uint at = 0; at < LANES; at++) all[at * step] = turned[at];
+}
+
+INLINE void turn_vectors(Vec3 *all, uint count)
+{
+    turn_component(&all->x, count);
+    turn_component(&all->y, count);
+    turn_component(&all->z, count);
+}
+
+INLINE void turn_rotations(Quat *all, uint count)
+{
+    turn_component(&all->x, count);
+    turn_component(&all->y, count);
+    turn_component(&all->z, count);
+    turn_component(&all->w, count);
 }
 
 // Turns the sums of LANES joints into local transforms in lanes of members, except properties that
@@ -105,22 +110,22 @@ INLINE uint pose_span(const Company *all, const Posing *posing, uint first, cons
         if (all->layers[lane][0].alone != NONE) {
             // Other members may move what is at rest in this one.
             const uint missing = at_rest[lane] & ~left_out;
-            if (missing & REST_TRANSLATION) put_vector(posed, lane, TRANSLATION, rest.t);
-            if (missing & REST_SCALE) put_vector(posed, lane, SCALE, rest.s);
+            if (missing & REST_TRANSLATION) posed[lane].t = rest.t;
+            if (missing & REST_SCALE) posed[lane].s = rest.s;
             continue;
         }
         const float total = all->layers[lane][0].total;
-        const Sum sum = { local_of(posed, lane), { total, false, at_rest[lane] } };
+        const Sum sum = { posed[lane], { total, false, at_rest[lane] } };
         // Each branch stores on its own, so that the other keeps no registers.
-        if (sum.terms.total > LEAST_TOTAL) put_local(posed, lane, mean_of(sum, rest), left_out);
-        else put_local(posed, lane, rest, left_out);
+        if (sum.terms.total > LEAST_TOTAL) put_local(&posed[lane], mean_of(sum, rest), left_out);
+        else put_local(&posed[lane], rest, left_out);
     }
     if (posing->any_changes) change_poses(all, posing, first, at_rest, posed);
-    if (planes) store_trs(local_of(posed, 0), planes + first, all->body.padded_count);
+    if (planes) store_trs(posed[0], planes + first, all->body.padded_count);
     const uint still = at_rest_in_all(all, at_rest);
-    if (!(still & REST_TRANSLATION)) turn_components(all, posed, 0, 3);
-    turn_components(all, posed, 3, 7);
-    if (!(still & REST_SCALE)) turn_components(all, posed, 7, COMPONENTS);
+    if (!(still & REST_TRANSLATION)) turn_vectors(&posed->t, all->count);
+    turn_rotations(&posed->r, all->count);
+    if (!(still & REST_SCALE)) turn_vectors(&posed->s, all->count);
     return still;
 }
 
@@ -129,7 +134,7 @@ INLINE Local posed_joint(const Company *all, const Posing *posing, const Posed p
                          uint first, uint at)
 {
     const Stored rest = stored_at(posing->clips, all->body.rest_first, POSE_PLANES, first + at);
-    Local trs = local_of(posed, at);
+    Local trs = posed[at];
     if (still & REST_TRANSLATION) {
         trs.t.x = rest[4 * JOINT_BLOCK];
         trs.t.y = rest[5 * JOINT_BLOCK];
@@ -182,7 +187,8 @@ INLINE void place_block(const Company *all, const Posing *posing, uint first, Hi
     uint sums[LANES];
     // The second half of the last block may have no joints.
     const uint spans = first + LANES < all->body.joint_count ? SPANS : 1;
-    sum_block(all, posing, first, spans, posed, sums);
+    if (spans == 1) sum_members(all, posing, first, false, posed[0], posed[0], sums);
+    else sum_members(all, posing, first, true, posed[0], posed[SPANS - 1], sums);
     for (uint span = 0; span < spans; span++)
         place_span(all, posing, first + span * LANES, sums, posed[span], joints, planes);
 }

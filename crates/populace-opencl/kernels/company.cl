@@ -19,6 +19,34 @@ INLINE LayerSlots with_slot(LayerSlots layer, uint playing, float weight)
     return more;
 }
 
+// Asks for memory, in lines of the cache of 16 words, so that it is in the second-level cache when it
+// is read. Rows of sixteen members do not fit into the first.
+// Compilers for GPUs may have the function, but only for pointers without an address space.
+INLINE void fetch_lines(__global const void *from, uint words)
+{
+#if defined(CALLS) && __has_builtin(__builtin_prefetch)
+    __global const uint *word = from, *last = word + words - 1;
+    for (; word < last; word += 16) __builtin_prefetch(word, 0, 2);
+    // Words that do not begin a line reach into one line more.
+    if (words > 0) __builtin_prefetch(last, 0, 2);
+#endif
+}
+
+// Asks for two rows of a clip, two lines of each at a time: every slot of every member does.
+INLINE void fetch_rows(RowStart from, RowStart to, uint words)
+{
+#if defined(CALLS) && __has_builtin(__builtin_prefetch)
+    for (uint word = 0; word < words; word += 32) {
+        __builtin_prefetch(from + word, 0, 2);
+        __builtin_prefetch(from + word + 16, 0, 2);
+        __builtin_prefetch(to + word, 0, 2);
+        __builtin_prefetch(to + word + 16, 0, 2);
+    }
+    __builtin_prefetch(from + (words - 1), 0, 2);
+    __builtin_prefetch(to + (words - 1), 0, 2);
+#endif
+}
+
 // Collects the member's slots that have weight now, in order.
 INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
                          const ClipTables *tables, __global const float *row_times,
@@ -38,9 +66,11 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         slot.ranges = tables->poses + clip.range_first;
         slot.from = row_start(tables, slot.at.row0);
         slot.to = row_start(tables, slot.at.row1);
-        playback.has_floats = playback.has_floats || tables->clips[clip.rows].has_floats;
+        __global const ClipRows *stored = tables->clips + clip.rows;
+        fetch_rows(slot.from, slot.to, stored->row_stride);
+        playback.has_floats = playback.has_floats || stored->has_floats;
         // Additive layers show differences from the first row.
-        if (slot.layer != 0) slot.first = row_start(tables, tables->clips[clip.rows].row_first);
+        if (slot.layer != 0) slot.first = row_start(tables, stored->row_first);
         if (slot.layer == 0) lowest = with_slot(lowest, playback.count, slot.at.weight);
         else layers[slot.layer] = with_slot(layers[slot.layer], playback.count, slot.at.weight);
         playing[playback.count++] = slot;
@@ -58,30 +88,6 @@ typedef struct {
     Body body;
     __global const uint *parents;
 } Company;
-
-// Asks for memory, in lines of the cache of 16 words, so that it is in the second-level cache when it
-// is read. Rows of sixteen members do not fit into the first.
-// Compilers for GPUs may have the function, but only for pointers without an address space.
-INLINE void fetch_lines(__global const void *from, uint words)
-{
-#if defined(CALLS) && __has_builtin(__builtin_prefetch)
-    __global const uint *word = from, *last = word + words - 1;
-    for (; word < last; word += 16) __builtin_prefetch(word, 0, 2);
-    // Words that do not begin a line reach into one line more.
-    if (words > 0) __builtin_prefetch(last, 0, 2);
-#endif
-}
-
-// Asks for the rows that a member mixes.
-INLINE void fetch_rows(const ClipTables *tables, Playback playback)
-{
-    for (uint s = 0; s < playback.count; s++) {
-        const Playing playing = playing_at(playback, s);
-        const ClipRows clip = tables->clips[tables->bound_clips[playing.bound_clip].rows];
-        fetch_lines(tables->rows + playing.at.row0, clip.row_stride);
-        fetch_lines(tables->rows + playing.at.row1, clip.row_stride);
-    }
-}
 
 // Asks for a member and its slots.
 INLINE void fetch_member(__global const Member *members, __global const Slot *slots,
@@ -103,7 +109,6 @@ INLINE void join(Company *all, uint owner, Member member, __global const Slot *s
     all->plays[lane] = play_all(slots + owner * slots_per_member, slots_per_member, machines, tick,
                                 tables, row_times, buckets, all->layer_counts[lane],
                                 all->playing[lane], all->layers[lane]);
-    fetch_rows(tables, all->plays[lane]);
 }
 
 // Asks for the members' controls and states, for the steps of their programs, and for the settings of

@@ -140,11 +140,9 @@ INLINE void write_block(const Company *all, __global const Entry *entries, Hiera
         }
         __global const Entry *entry = entries + block + e;
         const float4 row0 = entry->row0, row1 = entry->row1, row2 = entry->row2;
-        const Matrix bind = { { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y, row1.z, row1.w,
-                                row2.x, row2.y, row2.z, row2.w } };
-        Matrix models;
-        models_of(joints, entry->joint, &models);
-        matrix_product(&models, &bind, &palettes[e]);
+        const float bind[12] = { row0.x, row0.y, row0.z, row0.w, row1.x, row1.y,
+                                 row1.z, row1.w, row2.x, row2.y, row2.z, row2.w };
+        models_after(joints, entry->joint, bind, &palettes[e]);
     }
     // Four matrices are 48 numbers, or three lines of the cache.
     for (uint i = 0; i < 48; i += 16)

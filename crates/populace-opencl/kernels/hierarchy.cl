@@ -61,6 +61,25 @@ INLINE void keep_beneath(Hierarchy all, uint parent, uint joint, const Matrix *l
     }
 }
 
+// Writes the transforms of a joint after a matrix that all members share.
+INLINE void models_after(Hierarchy all, uint joint, const float *shared, Matrix *to)
+{
+    IN_MEMORY __global const Real *m = all.joints[joint].m;
+#pragma unroll
+    for (uint column = 0; column < 4; column += 2) {
+        const Real x = shared[column], y = shared[4 + column], z = shared[8 + column];
+        const Real next_x = shared[column + 1], next_y = shared[5 + column],
+                   next_z = shared[9 + column];
+#pragma unroll
+        for (uint row = 0; row < 12; row += 4) {
+            const Real a = m[row], b = m[row + 1], c = m[row + 2];
+            to->m[row + column] = a * x + b * y + c * z;
+            const Real next = a * next_x + b * next_y + c * next_z;
+            to->m[row + column + 1] = column == 2 ? next + m[row + 3] : next;
+        }
+    }
+}
+
 INLINE void locals_of(Hierarchy joints, uint joint, Matrix *locals)
 {
     models_of(joints, joint, locals);

@@ -63,6 +63,13 @@ typedef int16 Choice;
 #define LOAD(pointer) vload16(0, pointer)
 #define STORE(value, pointer) vstore16(value, 0, pointer)
 #endif
+// Qualifier of numbers that are used where they stand in memory. Eight lanes have sixteen registers,
+// and compilers would read more than these hold and put copies on the stack.
+#if LANES == 8
+#define IN_MEMORY volatile
+#else
+#define IN_MEMORY
+#endif
 // Spans of LANES joints in a block of joints: one or two.
 #define SPANS (JOINT_BLOCK / LANES)
 #define LANE(value, lane) (((const float *)&(value))[lane])

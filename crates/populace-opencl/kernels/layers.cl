@@ -4,45 +4,16 @@
 // Twin of populace-native/src/poses.rs and populace-native/src/joint.rs: same arithmetic, same order
 // of operations.
 
-// Components of a local transform: translation, rotation, scale.
-#define COMPONENTS 10
+// Sums over the slots of layer 0, and then poses: LANES joints of each member, after transposition
+// all members of each joint.
+typedef Local Posed[LANES];
 
-// Sums over the slots of layer 0, and then poses: each component of LANES joints of each member.
-typedef Real Posed[COMPONENTS][LANES];
-
-// Returns the local transforms of neighbouring joints of a member, or after transposition of a joint
-// of all members.
-INLINE Local local_of(const Posed posed, uint at)
+// Stores local transforms, except properties that are left out.
+INLINE void put_local(Local *to, Local trs, uint still)
 {
-    const Local trs = { { posed[0][at], posed[1][at], posed[2][at] },
-                        { posed[3][at], posed[4][at], posed[5][at], posed[6][at] },
-                        { posed[7][at], posed[8][at], posed[9][at] } };
-    return trs;
-}
-
-INLINE void put_rotation(Posed posed, uint lane, Quat r)
-{
-    posed[3][lane] = r.x;
-    posed[4][lane] = r.y;
-    posed[5][lane] = r.z;
-    posed[6][lane] = r.w;
-}
-
-// Stores translations or scales of a lane.
-INLINE void put_vector(Posed posed, uint lane, uint property, Vec3 v)
-{
-    const uint first = property == TRANSLATION ? 0 : 7;
-    posed[first][lane] = v.x;
-    posed[first + 1][lane] = v.y;
-    posed[first + 2][lane] = v.z;
-}
-
-// Stores the local transforms of a lane, except properties that are left out.
-INLINE void put_local(Posed posed, uint lane, Local trs, uint still)
-{
-    if (!(still & REST_TRANSLATION)) put_vector(posed, lane, TRANSLATION, trs.t);
-    put_rotation(posed, lane, trs.r);
-    if (!(still & REST_SCALE)) put_vector(posed, lane, SCALE, trs.s);
+    if (!(still & REST_TRANSLATION)) to->t = trs.t;
+    to->r = trs.r;
+    if (!(still & REST_SCALE)) to->s = trs.s;
 }
 
 // Inputs of the members' poses.
@@ -92,9 +63,9 @@ INLINE bool show_own(const Company *all, const Posing *posing, uint lane, uint l
             sum_changes(tables, playback, l, stored, first, no_floats, &shown->terms.at_rest);
         return true;
     }
-    const SpanSums sums = sum_spans(tables, playback, l, all->body, first, no_floats, false);
-    shown->terms.at_rest = sums.at_rest;
-    const Sum sum = { sums.first, shown->terms };
+    shown->terms.at_rest =
+        sum_spans(tables, playback, l, all->body, first, no_floats, false, &shown->own, 0);
+    const Sum sum = { shown->own, shown->terms };
     shown->own = mean_of(sum, rest);
     return true;
 }
@@ -176,12 +147,11 @@ INLINE void lay_in_lane(Shown *shown, Local rest, uint lane, uint *at_rest, Pose
     const uint own = shown->terms.at_rest;
     const uint kept =
         (shown->how.additive ? own : own & *at_rest) & (REST_TRANSLATION | REST_SCALE);
-    const Local beneath = local_of(posed, lane);
+    const Local beneath = posed[lane];
     complete(shown, kept, rest);
-    put_rotation(posed, lane, laid_rotation(beneath.r, *at_rest & NEAR_REST, shown, rest.r));
-    if (!(kept & REST_TRANSLATION))
-        put_vector(posed, lane, TRANSLATION, laid_translation(beneath.t, shown));
-    if (!(kept & REST_SCALE)) put_vector(posed, lane, SCALE, laid_scale(beneath.s, shown));
+    posed[lane].r = laid_rotation(beneath.r, *at_rest & NEAR_REST, shown, rest.r);
+    if (!(kept & REST_TRANSLATION)) posed[lane].t = laid_translation(beneath.t, shown);
+    if (!(kept & REST_SCALE)) posed[lane].s = laid_scale(beneath.s, shown);
     *at_rest &= kept;
 }
 
@@ -212,20 +182,20 @@ APART void change_poses(const Company *all, const Posing *posing, uint first, ui
     for (uint lane = 0; lane < all->count; lane++) {
         layer_count = max(layer_count, all->layer_counts[lane]);
         if (!posing->changes[lane].inertializes) continue;
-        Local pose = local_of(posed, lane);
+        Local pose = posed[lane];
         inertialize(posing->clips, all->plays[lane].inertialization, 0, false, first, &stored,
                     &pose);
-        put_local(posed, lane, pose, 0);
+        posed[lane] = pose;
         at_rest[lane] = 0;
     }
     for (uint l = 1; l < layer_count; l++)
         lay_over_all(all, posing, l, first, rest, at_rest, posed);
     for (uint lane = 0; lane < all->count; lane++) {
         if (!posing->changes[lane].adjusts) continue;
-        Local pose = local_of(posed, lane);
+        Local pose = posed[lane];
         adjust(posing->adjustments, posing->adjustments.controls + all->controls[lane], first,
                &pose);
-        put_local(posed, lane, pose, 0);
+        posed[lane] = pose;
         at_rest[lane] = 0;
     }
 }

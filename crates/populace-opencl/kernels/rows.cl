@@ -61,12 +61,6 @@ INLINE Planes planes_of(BoundBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
-// Returns the first word of a plane, after the beginning of its row.
-INLINE uint plane_at(Planes planes, uint plane)
-{
-    return planes.first + plane * (planes.lanes & ~ROW_FLOATS);
-}
-
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
 // that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
 // none.
@@ -78,7 +72,10 @@ typedef struct {
 
 INLINE Columns columns_of(__global const BoundBlock *blocks, uint joint, bool no_floats)
 {
-    const Columns columns = { blocks[joint / JOINT_BLOCK], joint % JOINT_BLOCK, no_floats };
+    // Counted in words, since compilers would multiply an index again for each slot.
+    __global const uint *words =
+        (__global const uint *)blocks + joint / JOINT_BLOCK * (uint)(sizeof(BoundBlock) / 4);
+    const Columns columns = { *(__global const BoundBlock *)words, joint % JOINT_BLOCK, no_floats };
     return columns;
 }
 
@@ -87,19 +84,25 @@ INLINE bool are_floats(Columns columns, Planes planes)
     return !columns.no_floats && planes.lanes & ROW_FLOATS;
 }
 
+// Returns the first word of a plane, after the beginning of its row.
+INLINE uint plane_at(Columns columns, Planes planes, uint plane)
+{
+    return planes.first + plane * (columns.no_floats ? planes.lanes : planes.lanes & ~ROW_FLOATS);
+}
+
 #if LANES == 1
 
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return tables->rows[row + plane_at(planes, plane) + columns.lane];
+    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane];
 }
 
 // Returns words whose lower halves are those of a plane with two lanes in a word.
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    return tables->rows[row + plane_at(planes, plane) + columns.lane / 2]
+    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane / 2]
            >> 16 * (columns.lane % 2);
 }
 
@@ -108,13 +111,14 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return LOAD(row + plane_at(planes, plane) + columns.lane);
+    return LOAD(row + plane_at(columns, planes, plane) + columns.lane);
 }
 
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    __global const ushort *halves = (__global const ushort *)(row + plane_at(planes, plane));
+    __global const ushort *halves =
+        (__global const ushort *)(row + plane_at(columns, planes, plane));
     return CONVERT_WORDS(LOAD(halves + columns.lane));
 }
 
@@ -132,7 +136,8 @@ typedef struct {
 INLINE uint halves_of(float between)
 {
     // Places that callers give may lie past the last row.
-    const uint second = min(convert_uint_sat(between * ROW_PARTS + 0.5f), (uint)ROW_PARTS);
+    const float part = between > 0.0f ? between < 1.0f ? between : 1.0f : 0.0f;
+    const uint second = (uint)(part * ROW_PARTS + 0.5f);
     return ((uint)ROW_PARTS - second) | second << 16;
 }
 

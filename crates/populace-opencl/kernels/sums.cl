@@ -119,23 +119,25 @@ INLINE BlockSlot next_span(BlockSlot slot)
     return slot;
 }
 
-// Sums of a layer's slots for one or two spans of LANES joints. `second` is unused if there is one.
-// `at_rest` is that of Terms.
-typedef struct {
-    Local first, second;
-    uint at_rest;
-} SpanSums;
+// A sum of rotations, which does not fit into registers beside the arithmetic.
+typedef IN_MEMORY Quat QuatSum;
 
-INLINE void add_quat(Quat q, Real k, Quat *sum) { *sum = quat_add(*sum, quat_scale(q, k)); }
+INLINE void add_quat(Quat q, Real k, QuatSum *sum)
+{
+    sum->x = sum->x + q.x * k;
+    sum->y = sum->y + q.y * k;
+    sum->z = sum->z + q.z * k;
+    sum->w = sum->w + q.w * k;
+}
 
 // Adds a rotation that may lie in either hemisphere.
-INLINE void add_any_quat(Quat q, Stored rest, float weight, Quat *sum)
+INLINE void add_any_quat(Quat q, Stored rest, float weight, QuatSum *sum)
 {
     add_quat(q, unit_of(q, stored_quat(rest, 0)) * weight, sum);
 }
 
 // Adds a rotation in the hemisphere of the rest rotation.
-INLINE void add_near_quat(Quat q, float weight, Quat *sum)
+INLINE void add_near_quat(Quat q, float weight, QuatSum *sum)
 {
     add_quat(q, near_unit_of(q) * weight, sum);
 }
@@ -152,7 +154,7 @@ INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
 
 // Adds weight times rotation of a slot.
 INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, bool two_spans,
-                         Quat *first, Quat *second)
+                         QuatSum *first, QuatSum *second)
 {
     const BlockSlot next = next_span(slot);
     if (slot.columns.block.rotation_first == NONE) {
@@ -215,42 +217,48 @@ INLINE void add_property(const ClipTables *tables, BlockSlot slot, uint property
     }
 }
 
-// Adds the translations or scales of a layer's slots.
+// Sums the translations or scales of a layer's slots.
 INLINE void sum_property(const ClipTables *tables, Playback playback, uint layer, uint property,
                          uint joint, Stored rest, bool no_floats, bool two_spans, Vec3 *first,
                          Vec3 *second)
 {
+    Vec3 sum = no_local().t, next = sum;
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
-        add_property(tables, slot, property, rest, two_spans, first, second);
+        add_property(tables, slot, property, rest, two_spans, &sum, &next);
     }
+    *first = sum;
+    if (two_spans) *second = next;
 }
 
 // Sums weight times value over a layer's slots, for LANES joints or for all sixteen of a block.
-// `two_spans` is a constant. Properties are summed one after the other: registers hold the sums of
-// one. Both spans use the columns that are found once. Properties at rest are left out. All slots
-// have weight, since play_all() leaves out others.
-INLINE SpanSums sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
-                          uint joint, bool no_floats, bool two_spans)
+// `two_spans` is a constant; without it, `second` is unused. Properties are summed one after the
+// other: registers hold the sums of one. Both spans use the columns that are found once. Properties
+// at rest are left out. All slots have weight, since play_all() leaves out others. Returns `at_rest`
+// of Terms.
+INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
+                      uint joint, bool no_floats, bool two_spans, Local *first, Local *second)
 {
     const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
-    SpanSums sums = { no_local(), no_local(), REST_TRANSLATION | REST_SCALE | NEAR_REST };
+    uint at_rest = REST_TRANSLATION | REST_SCALE | NEAR_REST;
+    first->r = no_local().r;
+    if (two_spans) second->r = no_local().r;
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
-        add_rotation(tables, slot, rest, two_spans, &sums.first.r, &sums.second.r);
-        sums.at_rest &= slot.columns.block.flags;
+        add_rotation(tables, slot, rest, two_spans, &first->r, &second->r);
+        at_rest &= slot.columns.block.flags;
     }
-    if (!(sums.at_rest & REST_TRANSLATION))
+    if (!(at_rest & REST_TRANSLATION))
         sum_property(tables, playback, layer, TRANSLATION, joint, rest, no_floats, two_spans,
-                     &sums.first.t, &sums.second.t);
-    if (!(sums.at_rest & REST_SCALE))
-        sum_property(tables, playback, layer, SCALE, joint, rest, no_floats, two_spans,
-                     &sums.first.s, &sums.second.s);
-    return sums;
+                     &first->t, &second->t);
+    if (!(at_rest & REST_SCALE))
+        sum_property(tables, playback, layer, SCALE, joint, rest, no_floats, two_spans, &first->s,
+                     &second->s);
+    return at_rest;
 }
 
 // Returns the rotation of a slot, of length 1 and in the hemisphere of the rest.
