@@ -32,7 +32,8 @@ pub(super) struct Colours {
 }
 
 impl Colours {
-    /// Returns the colours for the name of a column, or of a quantity that the file has no column of.
+    /// Returns the colours for the name of a column, or of a quantity that the file has no column
+    /// of.
     pub(super) fn new(
         name: &str,
         recording: &Recording,
@@ -141,7 +142,8 @@ fn column_colours(index: usize, recording: &Recording) -> Colours {
 }
 
 fn legend(title: &str, unit: &str, scale: Scale, words: &[String]) -> Legend {
-    Legend { title: title.to_owned(), unit: unit.to_owned(), scale, words: words.to_owned() }
+    let (title, unit, words) = (title.to_owned(), unit.to_owned(), words.to_owned());
+    Legend { title, unit, scale, words, has_none: false }
 }
 
 /// Returns the place of each word in the order of the alphabet.

@@ -62,6 +62,7 @@ mod tests {
             unit: "m/s".to_owned(),
             scale: Scale::number(0.0, 2.0),
             words: Vec::new(),
+            has_none: false,
         };
         let camera = Camera {
             eye: [0.0, 20.0, 0.0],
