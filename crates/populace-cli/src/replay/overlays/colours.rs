@@ -1,8 +1,10 @@
 //! The colours of people by a quantity or a column.
 
-use populace_overlay::{Corner, Legend, Scale};
+use std::cmp::Reverse;
+
+use populace_overlay::{Corner, Legend, Scale, WORD_COLORS};
 use populace_scene::{Moment, Motions, Replay};
-use populace_trajectory::{Column, Recording, Values};
+use populace_trajectory::{Agent, Kind, Recording, Values};
 
 use super::densities;
 use crate::failure::Failure;
@@ -19,8 +21,8 @@ enum Quantity {
     Speed,
     /// People per square metre.
     Density,
-    /// The column of this index, and the places of its words in the order of the legend.
-    Column(usize, Vec<u32>),
+    /// A number of each row, or the place of its word in the legend; NaN where a row has none.
+    Rows(Vec<f32>),
 }
 
 /// The colours of people by a quantity.
@@ -45,11 +47,11 @@ impl Colours {
         match name {
             "speed" => {
                 let [_, most] = range(speeds(recording, motions));
-                let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), &[]);
+                let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), Vec::new());
                 Ok(Self { quantity: Quantity::Speed, legend, corner: Corner::TopRight })
             }
             "density" => {
-                let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), &[]);
+                let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), Vec::new());
                 Ok(Self { quantity: Quantity::Density, legend, corner: Corner::TopRight })
             }
             _ => Err(no_column(name, recording)),
@@ -58,22 +60,18 @@ impl Colours {
 
     /// Returns the quantity of each person who is there; NaN where there is none.
     pub(super) fn values(&self, recording: &Recording, replay: &Replay) -> Vec<f64> {
-        let moment = |agent: usize| replay.motions().agents[agent].at(replay.secs());
-        let present = replay.present().map(|(agent, _)| agent);
-        match &self.quantity {
-            Quantity::Speed => present
-                .map(|agent| moment(agent).map_or(f64::NAN, |at| speed(at.velocity)))
-                .collect(),
-            Quantity::Density => {
-                let place = |at: Moment| [at.position[0], at.position[1], at.elevation_m];
-                let places = present.map(|agent| moment(agent).map_or([0.0; 3], place));
-                densities(&places.collect::<Vec<_>>())
-            }
-            Quantity::Column(..) => {
-                let now = |agent| self.in_column(recording, (agent, replay.secs()));
-                present.map(|agent| now(agent).unwrap_or(f64::NAN)).collect()
-            }
+        let secs = replay.secs();
+        let moment = |agent: usize| replay.motions().agents[agent].at(secs);
+        let present = replay.present().map(|(agent, _)| (agent, moment(agent)));
+        if let Quantity::Density = self.quantity {
+            let place = |at: Moment| [at.position[0], at.position[1], at.elevation_m];
+            let places = present.map(|(_, moment)| moment.map_or([0.0; 3], place));
+            return densities(&places.collect::<Vec<_>>());
         }
+        let value = |(agent, moment): (usize, Option<Moment>)| {
+            moment.and_then(|moment| self.value_then(recording, (agent, secs), &moment))
+        };
+        present.map(|at| value(at).unwrap_or(f64::NAN)).collect()
     }
 
     /// Returns the quantity of an agent at a time in seconds, from its moment then; `None` for
@@ -81,21 +79,16 @@ impl Colours {
     pub(super) fn value_then(
         &self,
         recording: &Recording,
-        then: (usize, f64),
+        (agent, secs): (usize, f64),
         moment: &Moment,
     ) -> Option<f64> {
-        match self.quantity {
+        match &self.quantity {
             Quantity::Speed => Some(speed(moment.velocity)),
             Quantity::Density => None,
-            Quantity::Column(..) => self.in_column(recording, then),
+            Quantity::Rows(values) => {
+                values.get(row_at(recording, agent, secs)).map(|v| (*v).into())
+            }
         }
-    }
-
-    /// Returns the value of an agent at a time in seconds in the column; of words, their place in
-    /// the legend. `None` for other quantities.
-    fn in_column(&self, recording: &Recording, (agent, secs): (usize, f64)) -> Option<f64> {
-        let Quantity::Column(index, places) = &self.quantity else { return None };
-        Some(value_at(recording, (&recording.columns[*index], places), agent, secs))
     }
 }
 
@@ -103,58 +96,104 @@ fn speed([x, y]: [f32; 2]) -> f64 {
     f64::from(x.hypot(y))
 }
 
-/// Returns the value of a column in an agent's row at a time or before it; of words, their place.
-fn value_at(
-    recording: &Recording,
-    (column, places): (&Column, &[u32]),
-    agent: usize,
-    secs: f64,
-) -> f64 {
+/// Returns the row of an agent at a time in seconds or before it.
+fn row_at(recording: &Recording, agent: usize, secs: f64) -> usize {
     let agent = &recording.agents[agent];
     let times = recording.track(agent).times;
-    let row = recording.rows(agent).start + times.partition_point(|at| *at <= secs).max(1) - 1;
-    match &column.values {
-        Values::Numbers(numbers) => numbers.get(row).map_or(f64::NAN, |value| f64::from(*value)),
-        Values::Words { indices, .. } => {
-            let place = indices.get(row).and_then(|index| places.get(*index as usize));
-            place.map_or(f64::NAN, |place| f64::from(*place))
-        }
-    }
+    recording.rows(agent).start + times.partition_point(|at| *at <= secs).max(1) - 1
 }
 
 fn column_colours(index: usize, recording: &Recording) -> Colours {
     let column = &recording.columns[index];
-    let mut places = Vec::new();
-    let (scale, words) = match &column.values {
-        Values::Numbers(numbers) => {
-            let [low, high] = range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
-            (Scale::number(low, high), Vec::new())
+    let numbers = match &column.values {
+        Values::Words { words, indices } => {
+            return word_colours(&column.name, words, indices, recording);
         }
-        Values::Words { words, .. } => {
-            places = places_of(words);
-            let mut sorted = words.clone();
-            sorted.sort_unstable();
-            (Scale::words(words.len()), sorted)
-        }
+        Values::Numbers(numbers) => numbers,
     };
-    let legend = legend(&column.name, "", scale, &words);
-    Colours { quantity: Quantity::Column(index, places), legend, corner: Corner::TopRight }
-}
-
-fn legend(title: &str, unit: &str, scale: Scale, words: &[String]) -> Legend {
-    let (title, unit, words) = (title.to_owned(), unit.to_owned(), words.to_owned());
-    Legend { title, unit, scale, words, has_none: false }
-}
-
-/// Returns the place of each word in the order of the alphabet.
-fn places_of(words: &[String]) -> Vec<u32> {
-    let mut order: Vec<usize> = (0..words.len()).collect();
-    order.sort_unstable_by_key(|nth| &words[*nth]);
-    let mut places = vec![0; words.len()];
-    for (place, nth) in (0_u32..).zip(order) {
-        places[nth] = place;
+    if let Some((words, indices)) = few_whole(numbers, recording) {
+        return word_colours(&column.name, &words, &indices, recording);
     }
-    places
+    let [low, high] = range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
+    let legend = legend(&column.name, "", Scale::number(low, high), Vec::new());
+    Colours { quantity: Quantity::Rows(numbers.clone()), legend, corner: Corner::TopRight }
+}
+
+/// Returns the colours of words, with the index of the word of each row. The words of most people
+/// have colours of their own.
+fn word_colours(title: &str, words: &[String], indices: &[u32], recording: &Recording) -> Colours {
+    let counts = people_of_words(words.len(), indices, recording);
+    let mut order: Vec<usize> = (0..words.len()).filter(|word| counts[*word] > 0).collect();
+    order.sort_by_cached_key(|word| by_number_or_alphabet(&words[*word]));
+    let mut by_count = order.clone();
+    by_count.sort_by_key(|word| Reverse(counts[*word]));
+    let coloured = &by_count[..by_count.len().min(WORD_COLORS)];
+    order.sort_by_key(|word| !coloured.contains(word));
+    // Places of others are beyond all that have a colour.
+    let mut places = vec![f32::INFINITY; words.len()];
+    for (place, word) in (0_u8..).zip(&order[..coloured.len()]) {
+        places[*word] = place.into();
+    }
+    let place = |index: &u32| places.get(*index as usize).copied().unwrap_or(f32::NAN);
+    let quantity = Quantity::Rows(indices.iter().map(place).collect());
+    let scale = Scale::words(order.len());
+    let words = order.into_iter().map(|word| words[word].clone()).collect();
+    Colours { quantity, legend: legend(title, "", scale, words), corner: Corner::TopRight }
+}
+
+/// Returns the number of people who have each word in one of their rows.
+fn people_of_words(words: usize, indices: &[u32], recording: &Recording) -> Vec<usize> {
+    let mut counts = vec![0; words];
+    for person in people(recording) {
+        let mut own: Vec<u32> = indices[recording.rows(person)].to_vec();
+        own.sort_unstable();
+        own.dedup();
+        for index in own {
+            // Rows without a word have an index beyond them.
+            if let Some(count) = counts.get_mut(index as usize) {
+                *count += 1;
+            }
+        }
+    }
+    counts
+}
+
+/// Returns the key by which words are sorted: whole numbers by their value, before the alphabet.
+fn by_number_or_alphabet(word: &str) -> (bool, Option<i128>, String) {
+    let number = word.parse().ok();
+    (number.is_none(), number, word.to_owned())
+}
+
+/// Returns the numbers of people as words, and the index of each row's word, if the numbers are
+/// whole and few.
+fn few_whole(numbers: &[f32], recording: &Recording) -> Option<(Vec<String>, Vec<u32>)> {
+    let mut found: Vec<f32> = Vec::new();
+    let mut indices = vec![u32::MAX; numbers.len()];
+    for row in people(recording).flat_map(|person| recording.rows(person)) {
+        let number = numbers[row];
+        if number.is_nan() {
+            continue;
+        }
+        let known = found.iter().position(|other| *other == number);
+        if known.is_none() {
+            if number.fract() != 0.0 || found.len() == WORD_COLORS {
+                return None;
+            }
+            found.push(number);
+        }
+        indices[row] = u32::try_from(known.unwrap_or(found.len() - 1)).ok()?;
+    }
+    // The sum has no minus before 0.
+    Some((found.iter().map(|number| (number + 0.0).to_string()).collect(), indices))
+}
+
+fn people(recording: &Recording) -> impl Iterator<Item = &Agent> {
+    recording.agents.iter().filter(|agent| agent.kind == Kind::Person)
+}
+
+fn legend(title: &str, unit: &str, scale: Scale, words: Vec<String>) -> Legend {
+    let (title, unit) = (title.to_owned(), unit.to_owned());
+    Legend { title, unit, scale, words, has_none: false }
 }
 
 fn no_column(name: &str, recording: &Recording) -> Failure {
@@ -207,11 +246,11 @@ mod tests {
 
     #[test]
     fn columns_of_the_file_come_before_quantities_of_the_same_name() {
-        let recording = recording("id,t,x,y,density\na,0,0,0,150\na,1,1,0,250\n");
+        let recording = recording("id,t,x,y,density\na,0,0,0,150.5\na,1,1,0,250\n");
         let motions = Motions::new(&recording);
         let colours = |name| Colours::new(name, &recording, &motions);
         let density = colours("density").expect("a column");
-        assert!(matches!(density.quantity, Quantity::Column(0, _)));
+        assert!(matches!(density.quantity, Quantity::Rows(_)));
         assert_eq!(density.legend.title, "density");
         assert!(matches!(colours("speed").expect("computed").quantity, Quantity::Speed));
         let error = colours("sped").err().expect("no column").to_string();
@@ -234,15 +273,70 @@ mod tests {
         assert!(speeds.iter().any(|speed| *speed > 1.5), "those at the end");
     }
 
+    /// Returns the words of the legend of a column, and its values at times.
+    fn in_words(text: &str, column: &str, at: &[(usize, f64)]) -> (Vec<String>, Vec<f64>) {
+        let recording = recording(text);
+        let motions = Motions::new(&recording);
+        let colours = Colours::new(column, &recording, &motions).expect("a column");
+        let value = |(agent, secs): &(usize, f64)| {
+            let moment = motions.agents[*agent].at(*secs).expect("somebody");
+            colours.value_then(&recording, (*agent, *secs), &moment).expect("a column")
+        };
+        (colours.legend.words.clone(), at.iter().map(value).collect())
+    }
+
     #[test]
     fn words_of_a_legend_are_in_the_order_of_the_alphabet() {
-        let recording = recording("id,t,x,y,group\n1,0,0,0,B\n1,1,1,0,A\n2,0,0,9,C\n2,1,1,9,\n");
-        let colours =
-            Colours::new("group", &recording, &Motions::new(&recording)).expect("a column");
-        assert_eq!(colours.legend.words, ["A", "B", "C"]);
-        let at = |agent, secs| colours.in_column(&recording, (agent, secs)).expect("a column");
-        assert_eq!([at(0, 0.5), at(0, 1.0), at(1, 0.0)], [1.0, 0.0, 2.0]);
-        assert!(at(1, 1.0).is_nan(), "no group");
+        let text = "id,t,x,y,group\n1,0,0,0,B\n1,1,1,0,A\n2,0,0,9,C\n2,1,1,9,\n";
+        let (words, at) = in_words(text, "group", &[(0, 0.5), (0, 1.0), (1, 0.0), (1, 1.0)]);
+        assert_eq!(words, ["A", "B", "C"]);
+        assert_eq!(at[..3], [1.0, 0.0, 2.0]);
+        assert!(at[3].is_nan(), "no group");
+    }
+
+    #[test]
+    fn few_whole_numbers_are_words_in_their_order() {
+        let text = |numbers: [&str; 4]| {
+            let [a, b, c, d] = numbers;
+            format!("id,t,x,y,exit\n1,0,0,0,{a}\n1,1,1,0,{b}\n2,0,0,9,{c}\n2,1,1,9,{d}\n")
+        };
+        let at = [(0, 0.0), (0, 1.0), (1, 0.0), (1, 1.0)];
+        let (words, places) = in_words(&text(["16", "8", "-1", ""]), "exit", &at);
+        assert_eq!(words, ["-1", "8", "16"]);
+        assert_eq!(places[..3], [2.0, 1.0, 0.0]);
+        assert!(places[3].is_nan(), "no exit");
+        let (words, values) = in_words(&text(["16", "8", "0.5", "8"]), "exit", &at);
+        assert_eq!((words.len(), values[0]), (0, 16.0), "a quantity");
+        // Words among them leave the numbers sorted as such.
+        let (words, _) = in_words(&text(["10", "9", "x", "100"]), "exit", &at);
+        assert_eq!(words, ["9", "10", "100", "x"]);
+    }
+
+    #[test]
+    fn many_whole_numbers_are_a_quantity() {
+        let rows = |count: u32| {
+            let row = |n: u32| format!("{n},0,0,{n},{n}\n{n},1,1,{n},{n}\n");
+            "id,t,x,y,group\n".to_owned() + &(0..count).map(row).collect::<String>()
+        };
+        assert_eq!(in_words(&rows(10), "group", &[]).0.len(), 10);
+        assert_eq!(in_words(&rows(11), "group", &[]).0.len(), 0);
+    }
+
+    #[test]
+    fn words_of_most_people_have_colours() {
+        let mut text = "id,t,x,y,group\n".to_owned();
+        // Twelve groups: two people are in some, and one changes over.
+        for n in (1..13).chain([2, 8, 9]) {
+            let (id, until) = (text.len(), if n == 12 { 1 } else { n });
+            text += &format!("{id},0,0,{id},g{n}\n{id},1,1,{id},g{until}\n");
+        }
+        let people: Vec<(usize, f64)> = (0..12).map(|agent| (agent, 0.0)).collect();
+        let (words, places) = in_words(&text, "group", &people);
+        assert_eq!(words.len(), 12);
+        assert_eq!(words[..10], ["g1", "g10", "g11", "g12", "g2", "g3", "g4", "g5", "g8", "g9"]);
+        assert_eq!(words[10..], ["g6", "g7"], "others");
+        assert_eq!(places[..2], [0.0, 4.0]);
+        assert!(places[5] > 9.0 && places[6] > 9.0, "{places:?}");
     }
 
     #[test]
