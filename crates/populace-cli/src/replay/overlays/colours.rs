@@ -116,7 +116,7 @@ fn column_colours(index: usize, recording: &Recording) -> Colours {
     }
     let [low, high] = range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
     let legend = legend(&column.name, "", Scale::number(low, high), Vec::new());
-    Colours { quantity: Quantity::Rows(numbers.clone()), legend, corner: Corner::TopRight }
+    row_colours(legend, numbers.clone(), recording)
 }
 
 /// Returns the colours of words, with the index of the word of each row. The words of most people
@@ -135,10 +135,17 @@ fn word_colours(title: &str, words: &[String], indices: &[u32], recording: &Reco
         places[*word] = place.into();
     }
     let place = |index: &u32| places.get(*index as usize).copied().unwrap_or(f32::NAN);
-    let quantity = Quantity::Rows(indices.iter().map(place).collect());
+    let values = indices.iter().map(place).collect();
     let scale = Scale::words(order.len());
     let words = order.into_iter().map(|word| words[word].clone()).collect();
-    Colours { quantity, legend: legend(title, "", scale, words), corner: Corner::TopRight }
+    row_colours(legend(title, "", scale, words), values, recording)
+}
+
+/// Returns the colours of the values of rows. Says in the legend if somebody lacks one.
+fn row_colours(legend: Legend, values: Vec<f32>, recording: &Recording) -> Colours {
+    let lacks = |person: &Agent| values[recording.rows(person)].iter().any(|v| v.is_nan());
+    let legend = Legend { has_none: people(recording).any(lacks), ..legend };
+    Colours { quantity: Quantity::Rows(values), legend, corner: Corner::TopRight }
 }
 
 /// Returns the number of people who have each word in one of their rows.
@@ -310,6 +317,21 @@ mod tests {
         // Words among them leave the numbers sorted as such.
         let (words, _) = in_words(&text(["10", "9", "x", "100"]), "exit", &at);
         assert_eq!(words, ["9", "10", "100", "x"]);
+    }
+
+    #[test]
+    fn legends_say_that_people_lack_a_value() {
+        let has_none = |text: &str| {
+            let recording = recording(text);
+            let colours = Colours::new("load", &recording, &Motions::new(&recording));
+            colours.expect("a column").legend.has_none
+        };
+        let head = "id,t,x,y,load,type\n".to_owned();
+        let rows = head.clone() + "1,0,0,0,0.5,pedestrian\n1,1,1,0,1.5,pedestrian\n";
+        assert!(!has_none(&rows));
+        assert!(has_none(&(rows.clone() + "2,0,0,9,2.5,pedestrian\n2,1,1,9,,pedestrian\n")));
+        assert!(!has_none(&(rows + "c,0,0,9,,car\nc,1,1,9,,car\n")), "vehicles are not drawn");
+        assert!(has_none(&(head + "1,0,0,0,A,pedestrian\n1,1,1,0,,pedestrian\n")));
     }
 
     #[test]
