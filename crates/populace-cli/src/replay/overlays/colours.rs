@@ -1,14 +1,15 @@
-//! The colours of people by a quantity or a column.
+//! The colours of people by a quantity, a column or their ids.
 
 use std::cmp::Reverse;
 
+use populace::model::did_you_mean;
+use populace::nearest_names;
 use populace_overlay::{Corner, Legend, Scale, WORD_COLORS};
 use populace_scene::{Moment, Motions, Replay};
 use populace_trajectory::{Agent, Kind, Recording, Values};
 
 use super::densities;
 use crate::failure::Failure;
-use crate::names::hint;
 
 /// Share of numbers below the least and above the greatest of a scale: outliers take no colour away.
 const OUTLIERS: f64 = 0.02;
@@ -21,6 +22,8 @@ enum Quantity {
     Speed,
     /// People per square metre.
     Density,
+    /// Metres.
+    Elevation,
     /// A number of each row, or the place of its word in the legend; NaN where a row has none.
     Rows(Vec<f32>),
 }
@@ -44,18 +47,26 @@ impl Colours {
         if let Some(index) = recording.columns.iter().position(|column| column.name == name) {
             return Ok(column_colours(index, recording));
         }
-        match name {
+        let (quantity, legend) = match name {
             "speed" => {
                 let [_, most] = range(speeds(recording, motions));
-                let legend = legend("Speed", "m/s", Scale::number(0.0, most.max(0.1)), Vec::new());
-                Ok(Self { quantity: Quantity::Speed, legend, corner: Corner::TopRight })
+                let scale = Scale::number(0.0, most.max(0.1));
+                (Quantity::Speed, legend("Speed", "m/s", scale, Vec::new()))
             }
             "density" => {
-                let legend = legend("Density", "1/m²", Scale::number(0.0, 5.0), Vec::new());
-                Ok(Self { quantity: Quantity::Density, legend, corner: Corner::TopRight })
+                let scale = Scale::number(0.0, 5.0);
+                (Quantity::Density, legend("Density", "1/m²", scale, Vec::new()))
             }
-            _ => Err(no_column(name, recording)),
-        }
+            "z" if has_elevations(recording) => {
+                let all: Vec<f64> = elevations(recording).collect();
+                let [low, high] = range(thinned(all.iter().copied(), all.len()));
+                let scale = Scale::number(low, high);
+                (Quantity::Elevation, legend("Elevation", "m", scale, Vec::new()))
+            }
+            "id" => return Ok(id_colours(recording)),
+            _ => return Err(no_column(name, recording)),
+        };
+        Ok(Self { quantity, legend, corner: Corner::TopRight })
     }
 
     /// Returns the quantity of each person who is there; NaN where there is none.
@@ -85,6 +96,7 @@ impl Colours {
         match &self.quantity {
             Quantity::Speed => Some(speed(moment.velocity)),
             Quantity::Density => None,
+            Quantity::Elevation => Some(moment.elevation_m.into()),
             Quantity::Rows(values) => {
                 values.get(row_at(recording, agent, secs)).map(|v| (*v).into())
             }
@@ -117,6 +129,16 @@ fn column_colours(index: usize, recording: &Recording) -> Colours {
     let [low, high] = range(thinned(numbers.iter().map(|v| f64::from(*v)), numbers.len()));
     let legend = legend(&column.name, "", Scale::number(low, high), Vec::new());
     row_colours(legend, numbers.clone(), recording)
+}
+
+fn id_colours(recording: &Recording) -> Colours {
+    let ends = recording.agents.iter().map(|agent| recording.rows(agent).end);
+    let mut indices = vec![u32::MAX; ends.max().unwrap_or(0)];
+    for (index, agent) in (0_u32..).zip(&recording.agents) {
+        indices[recording.rows(agent)].fill(index);
+    }
+    let ids: Vec<String> = recording.agents.iter().map(|agent| agent.id.clone()).collect();
+    word_colours("id", &ids, &indices, recording)
 }
 
 /// Returns the colours of words, with the index of the word of each row. The words of most people
@@ -206,13 +228,22 @@ fn legend(title: &str, unit: &str, scale: Scale, words: Vec<String>) -> Legend {
 fn no_column(name: &str, recording: &Recording) -> Failure {
     let names = || recording.columns.iter().map(|column| column.name.as_str());
     let is_column = |name: &&str| names().any(|column| column == *name);
-    let computed = ["speed", "density"].into_iter().filter(|name| !is_column(name));
-    let all: Vec<_> = computed.chain(names()).collect();
-    let hint = hint(name, all.iter().copied());
-    Failure::usage(format!(
-        "people cannot be coloured by \"{name}\"{hint}; there are {}",
-        all.join(", ")
-    ))
+    let elevation = has_elevations(recording).then_some("z");
+    let computed = ["speed", "density", "id"].into_iter().chain(elevation);
+    let all: Vec<_> = computed.filter(|name| !is_column(name)).chain(names()).collect();
+    let hint = did_you_mean(&nearest_names(name, all.iter().copied()));
+    let all = all.join(", ");
+    Failure::usage(format!("people cannot be coloured by \"{name}\"{hint}; there are {all}"))
+}
+
+fn has_elevations(recording: &Recording) -> bool {
+    elevations(recording).next().is_some()
+}
+
+/// Returns the elevations of people in metres.
+fn elevations(recording: &Recording) -> impl Iterator<Item = f64> {
+    let of = |person: &Agent| recording.track(person).elevations.iter();
+    people(recording).flat_map(of).map(|metres| f64::from(*metres))
 }
 
 /// Returns the speeds of people once a second, or less often in recordings of many people.
@@ -261,7 +292,10 @@ mod tests {
         assert_eq!(density.legend.title, "density");
         assert!(matches!(colours("speed").expect("computed").quantity, Quantity::Speed));
         let error = colours("sped").err().expect("no column").to_string();
-        assert!(error.ends_with("there are speed, density"), "{error}");
+        let all = "\"sped\"; did you mean \"speed\"?; there are speed, id, density";
+        assert!(error.ends_with(all), "{error}");
+        let error = colours("z").err().expect("no elevations").to_string();
+        assert!(error.ends_with("by \"z\"; there are speed, id, density"), "{error}");
     }
 
     #[test]
@@ -332,6 +366,21 @@ mod tests {
         assert!(has_none(&(rows.clone() + "2,0,0,9,2.5,pedestrian\n2,1,1,9,,pedestrian\n")));
         assert!(!has_none(&(rows + "c,0,0,9,,car\nc,1,1,9,,car\n")), "vehicles are not drawn");
         assert!(has_none(&(head + "1,0,0,0,A,pedestrian\n1,1,1,0,,pedestrian\n")));
+    }
+
+    #[test]
+    fn ids_are_words_and_elevations_a_quantity() {
+        let text =
+            "id,t,x,y,z\n10,0,0,0,0\n10,9,9,0,0\nb,0,0,9,2\nb,9,9,9,6\n9,0,0,5,4\n9,9,9,5,4\n";
+        let at = [(0, 0.0), (1, 0.0), (2, 9.0)];
+        let (ids, places) = in_words(text, "id", &at);
+        assert_eq!(ids, ["9", "10", "b"]);
+        assert_eq!(places, [1.0, 2.0, 0.0]);
+        let (words, metres) = in_words(text, "z", &at);
+        assert!(words.is_empty());
+        for (found, wanted) in metres.iter().zip([0.0, 2.0, 4.0]) {
+            assert!((found - wanted).abs() < 0.3, "{metres:?}");
+        }
     }
 
     #[test]
