@@ -100,7 +100,7 @@ impl ReplayJob<'_> {
         if args.film.images.contains(&ImageKind::Id) {
             more = report::with_fields(more, json!({"ids": action.ids()}));
         }
-        filmed.report(&crowd, args.json, more)
+        filmed.report((&crowd, &action), args.json, more)
     }
 
     /// Brings people and place into a crowd for a window, with room for `slots` clips each.

@@ -247,6 +247,7 @@ fn images_beside_a_picture_know_people_and_their_ids() {
     let values: std::collections::BTreeSet<u8> = ids.pixels().map(|pixel| pixel.0[2]).collect();
     assert_eq!(values.into_iter().collect::<Vec<_>>(), [0, 2, 3]);
     assert_eq!(d["ids"], json!({"1": "q7", "2": "12", "3": "A"}));
+    assert_eq!((&d["members"], &d["drawn_members"]), (&json!(2), &json!(2)), "the place is nobody");
 }
 
 /// A wall height without walls is said to have no effect, and what looks wrong is said too.
