@@ -16,7 +16,7 @@ use crate::failure::Failure;
 use crate::frames::single;
 use fit::{elevated, fit, upright};
 pub(crate) use keys::Keys;
-pub(crate) use subject::{Pose, Poses, Subject, figure};
+pub(crate) use subject::{Pose, Poses, Subject, figure, rectangle};
 pub(crate) use view::View;
 
 /// Visibility in distances of the camera from what it shows: haze leaves 83 % of the contrasts.

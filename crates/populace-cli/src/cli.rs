@@ -83,18 +83,19 @@ pub(crate) enum Command {
     ///
     /// The path of the film, of the picture, or of the first of several, is printed on stdout. With
     /// --json, a document is printed instead. Its `out` is that path, `frames` the number of
-    /// frames, of which `skipped` existed, and `device`, `schedule` and `members` say who was
-    /// evaluated where. `ms_median` holds medians of milliseconds per frame: `behave` is the time
-    /// of behaviours and of trajectories; then `animate` lasts from the call that evaluates the
-    /// frame until the device has finished, `draw` from then until the picture is read back, and
-    /// `total` from the beginning until the file is written, or the picture handed to the encoder
-    /// of the film. `view` is the part of `animate` that chose visibility and levels of detail.
-    /// `shadow`, `members` and `surroundings` are the times of passes by the timers of OpenGL.
+    /// frames, of which `skipped` existed, and `device`, `schedule` and `members` say where how
+    /// many people were evaluated. `ms_median` holds medians of milliseconds per frame: `behave` is
+    /// the time of behaviours and of trajectories; then `animate` lasts from the call that
+    /// evaluates the frame until the device has finished, `draw` from then until the picture is
+    /// read back, and `total` from the beginning until the file is written, or the picture handed
+    /// to the encoder of the film. `view` is the part of `animate` that chose visibility and levels
+    /// of detail. `shadow`, `members` and `surroundings` are the times of passes by the timers of
+    /// OpenGL.
     ///
     /// These fields describe the last picture: `drawn_members`, `triangles`, what the `shadow` map
-    /// shows, `draw_calls` by pass, members in view by their level of detail in `levels`, those out
+    /// shows, `draw_calls` by pass, people in view by their level of detail in `levels`, those out
     /// of view that throw a shadow into it in `shadow_only`, and those that cannot be seen in
-    /// `hidden`.
+    /// `hidden`. `triangles`, `shadow` and `draw_calls` count vehicles, things and the place too.
     ///
     /// With a trajectory file, `foot_skate` holds the mean and the 95th percentile of the speed at
     /// which planted feet slide, in m/s, and `position_error` the greatest distance of people from

@@ -100,7 +100,7 @@ impl DrawJob<'_> {
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
         let played = (&mut action as &mut dyn Action, &filming.scene());
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
-        filmed.report(&crowd, args.json, Value::Null)
+        filmed.report((&crowd, &action), args.json, Value::Null)
     }
 
     /// Returns the frames that are drawn.

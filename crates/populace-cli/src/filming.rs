@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::{Crowd, CrowdBuilder};
+use populace::interop::Visibility;
+use populace::{Crowd, CrowdBuilder, Instance, ViewStatistics};
 use populace_film::FilmSettings;
 use populace_render::{Drawn, Preset, Renderer, Scene};
 use serde_json::{Value, json};
@@ -106,16 +107,25 @@ impl<'a> Filming<'a> {
 }
 
 impl Filmed {
-    /// Says how long frames took, and prints the path of the result or, with --json, a document
-    /// with `more` fields.
-    pub(crate) fn report(&self, crowd: &Crowd, json: bool, more: Value) -> Result<(), Failure> {
+    /// Says how long frames of a played crowd took, and prints the path of the result or, with
+    /// --json, a document with `more` fields.
+    pub(crate) fn report(
+        &self,
+        (crowd, action): (&Crowd, &dyn Action),
+        json: bool,
+        more: Value,
+    ) -> Result<(), Failure> {
         let Self { frames, skipped, times, drawn, out } = self;
         let count = frames.count();
         let [total, behave, animate, view_ms, draw] = times.medians();
+        let people = people(crowd, action);
+        let in_view = people.levels.iter().sum::<usize>();
+        let members = in_view + people.shadow_only + people.hidden;
+        // None are drawn if all frames existed.
+        let drawn_members = in_view.min(drawn.members.instances);
         message!(
-            "{} of {} drawn, {}",
-            drawn.members.instances,
-            counted(crowd.member_count(), "member"),
+            "{drawn_members} of {} drawn, {}",
+            counted(members, "member"),
             counted(drawn.members.triangles, "triangle")
         );
         let median = if count == 1 { "" } else { ", median" };
@@ -130,12 +140,11 @@ impl Filmed {
         if !json {
             return report::path(out);
         }
-        let view = crowd.view_statistics();
         let document = json!({
             "schema": 1,
             "device": crowd.device_info().devices.to_string(),
             "schedule": crowd.device_info().schedule.name(),
-            "members": crowd.member_count(),
+            "members": members,
             "frames": count,
             "skipped": skipped,
             "ms_median": {
@@ -148,7 +157,7 @@ impl Filmed {
                 "members": times.pass(|pass| pass.members_ms),
                 "surroundings": times.pass(|pass| pass.surroundings_ms),
             },
-            "drawn_members": drawn.members.instances,
+            "drawn_members": drawn_members,
             "triangles": drawn.members.triangles,
             "shadow": {"members": drawn.shadow.instances, "triangles": drawn.shadow.triangles},
             "draw_calls": {
@@ -156,13 +165,32 @@ impl Filmed {
                 "members": drawn.members.draw_calls,
                 "surroundings": drawn.surroundings.draw_calls,
             },
-            "levels": view.levels,
-            "shadow_only": view.shadow_only,
-            "hidden": view.hidden,
+            "levels": people.levels,
+            "shadow_only": people.shadow_only,
+            "hidden": people.hidden,
             "out": out.to_string_lossy(),
         });
         report::json(&report::with_fields(document, more))
     }
+}
+
+/// Counts the people of a crowd by what the last update chose for them. A place, vehicles and what
+/// people hold are members too.
+fn people(crowd: &Crowd, action: &dyn Action) -> ViewStatistics {
+    let mut counts = ViewStatistics::default();
+    for person in crowd.members().filter(|member| action.person(member.id()).is_some()) {
+        let Instance { visibility, level, .. } = person.instance();
+        match visibility {
+            Visibility::InView => {
+                let level = level as usize;
+                counts.levels.resize(counts.levels.len().max(level + 1), 0);
+                counts.levels[level] += 1;
+            }
+            Visibility::ShadowOnly => counts.shadow_only += 1,
+            Visibility::Hidden => counts.hidden += 1,
+        }
+    }
+    counts
 }
 
 /// Builds a crowd, and keeps the program's way to end.

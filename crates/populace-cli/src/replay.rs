@@ -55,12 +55,14 @@ pub(crate) struct ReplayJob<'a> {
     pub(crate) picture: &'a PictureArgs,
 }
 
-/// Says so if nobody is there in any of the pictures.
-fn warn_of_absence(recording: &Recording, motions: &Motions, frames: Frames) {
+/// Says so if nobody is there in any of the pictures. Returns whether somebody is.
+fn warn_of_absence(recording: &Recording, motions: &Motions, frames: Frames) -> bool {
     let secs = [frames.first, frames.last].map(|frame| frames.rate.secs(frame) + frames.late_secs);
-    if let Some(warning) = people::absence(motions, recording.secs()[0], secs) {
+    let warning = people::absence(motions, recording.secs()[0], secs);
+    if let Some(warning) = &warning {
         message!("warning: {warning}");
     }
+    warning.is_none()
 }
 
 impl ReplayJob<'_> {
@@ -71,7 +73,7 @@ impl ReplayJob<'_> {
         describe(&recording);
         let motions = Motions::new(&recording);
         let frames = self.frames(&recording, &motions)?;
-        warn_of_absence(&recording, &motions, frames);
+        let is_somebody = warn_of_absence(&recording, &motions, frames);
         let Some(out) = self.out else {
             let capacity = capacity(&motions);
             let mut crowd = build(args.device.crowd_to_read().capacity(capacity))?;
@@ -89,6 +91,9 @@ impl ReplayJob<'_> {
         let [width, height] = args.size();
         action.set_aspect(width as f32 / height as f32)?;
         action.place_legend([width, height], (!self.is_film()).then_some(frames))?;
+        if is_somebody {
+            action.warn_of_moved(frames, [width, height])?;
+        }
         let renderer = renderer
             .map_err(Failure::from)
             .and_then(|renderer| CrowdRenderer::new(renderer, &mut crowd, &roles, &args.hide));
@@ -100,7 +105,7 @@ impl ReplayJob<'_> {
         if args.film.images.contains(&ImageKind::Id) {
             more = report::with_fields(more, json!({"ids": action.ids()}));
         }
-        filmed.report(&crowd, args.json, more)
+        filmed.report((&crowd, &action), args.json, more)
     }
 
     /// Brings people and place into a crowd for a window, with room for `slots` clips each.
@@ -323,6 +328,29 @@ impl ReplayAction {
         let views = views.into_iter().map(|secs| Ok((from + secs, self.camera(secs)?)));
         let views = views.collect::<Result<Vec<_>, Failure>>()?;
         self.overlays.place_legend(size, views, self.replay.motions());
+        Ok(())
+    }
+
+    /// Says so if a camera with a position of its own sees nobody in any frame, and positions of
+    /// the file were moved: the camera's may be one of the file.
+    fn warn_of_moved(&self, frames: Frames, size: [u32; 2]) -> Result<(), Failure> {
+        let is_placed = matches!(self.view, View::At { .. } | View::Keys(_));
+        if !is_placed || self.recording.origin_m == [0.0; 2] {
+            return Ok(());
+        }
+        for frame in frames.first..=frames.last {
+            let secs = frames.rate.secs(frame) + frames.late_secs;
+            if self.subject.are_seen(&self.camera(secs)?, secs, size) {
+                return Ok(());
+            }
+        }
+        let [x, y] = self.recording.origin_m.map(|v| 0.0 - v);
+        message!(
+            "warning: the camera sees nobody in any frame; positions were moved by {x:.0}, {y:.0} \
+             m, and cameras are in moved coordinates: those of the file need {x:+.0} m in X and \
+             {:+.0} m in Z",
+            0.0 - y
+        );
         Ok(())
     }
 

@@ -135,7 +135,7 @@ impl SceneJob<'_> {
         let filmed = filming.shoot(&mut crowd, played, renderer, sink)?;
         let counts = counts::as_json(action.counts());
         let more = json!({"counts": counts, "crowds": counts::crowds(&source.plan)});
-        filmed.report(&crowd, args.json, more)
+        filmed.report((&crowd, &action), args.json, more)
     }
 
     fn frames(&self) -> Result<Frames, Failure> {

@@ -48,6 +48,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         unit: unit.to_owned(),
         scale,
         words: words.iter().map(|word| (*word).to_owned()).collect(),
+        has_none: true,
     };
     canvas.legend(&legend("Speed", "m/s", scale, &[]), Corner::BottomRight);
     canvas.legend(&legend("Density", "1/m²", Scale::number(-0.5, 4.0), &[]), Corner::TopRight);

@@ -18,7 +18,8 @@
 //! canvas.trails(&[trail], &[]);
 //! canvas.clock(12.4, Corner::TopLeft);
 //! let (title, unit) = ("Speed".to_owned(), "m/s".to_owned());
-//! canvas.legend(&Legend { title, unit, scale, words: Vec::new() }, Corner::BottomRight);
+//! let legend = Legend { title, unit, scale, words: Vec::new(), has_none: false };
+//! canvas.legend(&legend, Corner::BottomRight);
 //! # Ok(())
 //! # }
 //! ```

@@ -54,6 +54,8 @@ pub struct Legend {
     pub scale: Scale,
     /// The words of a scale of words, in the order of their indices.
     pub words: Vec<String>,
+    /// True for an entry "none", with the colour of what has no value.
+    pub has_none: bool,
 }
 
 impl Canvas<'_> {
@@ -100,6 +102,9 @@ impl Canvas<'_> {
             taken.push([from, to]);
             self.number(&word, x, [area.high[1], area.high[1] + under]);
         }
+        if let Some(none) = legend.none() {
+            self.entry(&none, [area.low[0], area.high[1] + under + LINE * size]);
+        }
     }
 
     /// Draws a tick from a height down, and a number under it on a base line.
@@ -131,24 +136,29 @@ impl Canvas<'_> {
         let Some(Swatches { title, entries, wide }) = Swatches::new(legend, self.size()) else {
             return;
         };
-        let indent = INDENT * size;
         let [left, top] = self.panel(wide, corner);
         let mut base = top + CAP_HEIGHT * size;
         if !title.is_empty() {
             self.panel_text(&title, [left, base], Anchor::Start, TEXT);
             base += LINE * size;
         }
-        for (word, color) in entries {
-            let middle = base.round() - 0.5 * CAP_HEIGHT * size;
-            let half = 0.5 * SWATCH * size;
-            let area = Area {
-                low: [left, (middle - half).round()],
-                high: [left + (2.0 * half).round(), (middle - half).round() + (2.0 * half).round()],
-            };
-            self.plate(area, 0.22 * size, 0.0, color);
-            self.panel_text(&word, [left + indent, base], Anchor::Start, QUIET_TEXT);
+        for entry in entries {
+            self.entry(&entry, [left, base]);
             base += LINE * size;
         }
+    }
+
+    /// Draws a swatch and its word on a base line.
+    fn entry(&mut self, (word, color): &Entry, [left, base]: [f64; 2]) {
+        let size = self.text_size();
+        let middle = base.round() - 0.5 * CAP_HEIGHT * size;
+        let half = 0.5 * SWATCH * size;
+        let area = Area {
+            low: [left, (middle - half).round()],
+            high: [left + (2.0 * half).round(), (middle - half).round() + (2.0 * half).round()],
+        };
+        self.plate(area, 0.22 * size, 0.0, *color);
+        self.panel_text(word, [left + INDENT * size, base], Anchor::Start, QUIET_TEXT);
     }
 
     /// Paints a plate for contents of a size, in pixels, and returns their upper left corner.
@@ -187,8 +197,14 @@ impl Legend {
         }
     }
 
-    /// Returns the words with a colour of their own, and "others" if there are more.
-    fn entries(&self, size_px: f64) -> Vec<(String, [u8; 4])> {
+    /// Returns the entry of what has no value.
+    fn none(&self) -> Option<Entry> {
+        let color = self.scale.color(f64::NAN).opaque();
+        self.has_none.then(|| ("none".to_owned(), color))
+    }
+
+    /// Returns the words with a colour of their own, "others" if there are more, and "none".
+    fn entries(&self, size_px: f64) -> Vec<Entry> {
         let own = self.scale.own_colors().min(self.words.len());
         let mut entries: Vec<_> = (0_u32..)
             .zip(&self.words[..own])
@@ -197,8 +213,9 @@ impl Legend {
             })
             .collect();
         if own < self.words.len() {
-            entries.push(("others".to_owned(), self.scale.color(f64::NAN).opaque()));
+            entries.push(("others".to_owned(), self.scale.color(f64::INFINITY).opaque()));
         }
+        entries.extend(self.none());
         entries
     }
 }
@@ -222,6 +239,9 @@ fn panel(wide: [f64; 2], corner: Corner, picture: [u32; 2]) -> ([f64; 2], Area) 
         Area { low: [x - around, y - around], high: [x + wide[0] + around, y + wide[1] + around] };
     ([x, y], area)
 }
+
+/// A word of a legend and its colour.
+type Entry = (String, [u8; 4]);
 
 /// The parts of a legend of numbers, in pixels.
 struct Bar {
@@ -247,10 +267,14 @@ impl Bar {
         let halves = [&ends[0], &ends[1]].map(|(_, word)| 0.5 * text_width(word, size));
         // The numbers at the ends stand half beside the bar, and apart from each other.
         let side = halves.into_iter().fold(0.8 * size, f64::max).ceil();
-        let least = text_width(&title, size).max(halves[0] + halves[1] + GAP * size);
+        let none = legend.none();
+        let none_width = none.iter().map(|(word, _)| INDENT * size + text_width(word, size));
+        let numbers_width = halves[0] + halves[1] + GAP * size;
+        let least = none_width.fold(text_width(&title, size).max(numbers_width), f64::max);
         let width = (BAR_WIDTH * size).min(most).max(least).round();
         let under = (TICK + 0.35 + CAP_HEIGHT) * size;
-        let wide = [width + 2.0 * side, title_rows + BAR_HEIGHT * size + under];
+        let none_rows = if none.is_some() { LINE * size } else { 0.0 };
+        let wide = [width + 2.0 * side, title_rows + BAR_HEIGHT * size + under + none_rows];
         Self { title, ends, side, width, title_rows, under, wide }
     }
 }
@@ -258,7 +282,7 @@ impl Bar {
 /// The parts of a legend of words, in pixels.
 struct Swatches {
     title: String,
-    entries: Vec<(String, [u8; 4])>,
+    entries: Vec<Entry>,
     /// Width and height of all.
     wide: [f64; 2],
 }
@@ -342,10 +366,14 @@ mod tests {
             unit: String::new(),
             scale: Scale::words(count),
             words: (0..count).map(|i| i.to_string()).collect(),
+            has_none: false,
         };
         assert_eq!(legend(10).entries(12.0).len(), 10);
         let many = legend(11).entries(12.0);
-        assert_eq!((many.len(), many[9].0.as_str()), (10, "others"));
+        assert_eq!((many.len(), many[10].0.as_str()), (11, "others"));
         assert!(legend(0).entries(12.0).is_empty());
+        let with_none = Legend { has_none: true, ..legend(11) }.entries(12.0);
+        assert_eq!((&with_none[..11], with_none[11].0.as_str()), (&many[..], "none"));
+        assert_ne!(with_none[11].1, with_none[10].1);
     }
 }

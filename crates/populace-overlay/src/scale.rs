@@ -30,8 +30,10 @@ const WORDS: [[f64; 3]; WORD_COLORS] = [
     [0.430, 0.050, 0.060],
     [0.360, -0.005, -0.090],
 ];
-/// Colour of all words beyond, and of what has no value.
+/// Colour of all words beyond.
 const OTHERS: [f64; 3] = [0.640, 0.0, 0.0];
+/// Colour of what has no value.
+const NONE: [f64; 3] = [0.920, 0.0, 0.0];
 
 /// A scale of colours: the same for people, trails and the legend.
 #[derive(Clone, Debug, PartialEq)]
@@ -61,8 +63,7 @@ impl Scale {
         Self { kind: Kind::Number { low, high, ramp: even_ramp() } }
     }
 
-    /// Returns a scale for `count` words. With more than [`WORD_COLORS`], the last colour of words
-    /// is given up for "others".
+    /// Returns a scale for `count` words. Those beyond [`WORD_COLORS`] share the grey of "others".
     #[must_use]
     pub fn words(count: usize) -> Self {
         Self { kind: Kind::Words { count } }
@@ -73,19 +74,18 @@ impl Scale {
     pub fn own_colors(&self) -> usize {
         match self.kind {
             Kind::Number { .. } => 0,
-            Kind::Words { count } if count > WORD_COLORS => WORD_COLORS - 1,
-            Kind::Words { count } => count,
+            Kind::Words { count } => count.min(WORD_COLORS),
         }
     }
 
     /// Returns the colour of a number; of a scale of words, that of the word with this index.
     ///
-    /// Numbers beyond the ends have the colour of the nearer end. NaN, and words beyond those with
-    /// a colour of their own, are grey.
+    /// Numbers beyond the ends have the colour of the nearer end. Words beyond those with a colour
+    /// of their own are grey. NaN is what has no value, and a light grey.
     #[must_use]
     pub fn color(&self, value: f64) -> Color {
         match &self.kind {
-            _ if value.is_nan() => Color::of(OTHERS),
+            _ if value.is_nan() => Color::of(NONE),
             Kind::Number { low, high, ramp } => {
                 // Halves: the difference of the ends may be beyond the largest number.
                 let part = (0.5 * value - 0.5 * low) / (0.5 * high - 0.5 * low);
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn words_differ() {
-        let all: Vec<_> = WORDS.into_iter().chain([OTHERS]).collect();
+        let all: Vec<_> = WORDS.into_iter().chain([OTHERS, NONE]).collect();
         for (i, a) in all.iter().enumerate() {
             for (j, b) in all.iter().enumerate().take(i) {
                 assert!(distance(*a, *b) > 0.115, "{i} and {j}: {}", distance(*a, *b));
@@ -193,15 +193,16 @@ mod tests {
         assert_eq!(scale.color(-1.0), scale.color(0.0));
         assert_eq!(scale.color(9.0), scale.color(2.0));
         assert_ne!(scale.color(0.9), scale.color(1.1));
-        assert_eq!(scale.color(f64::NAN).srgb(), Color::of(OTHERS).srgb());
+        assert_eq!(scale.color(f64::NAN).srgb(), Color::of(NONE).srgb());
         assert_eq!(Scale::number(2.0, 0.0), scale);
         for (low, high) in [(1.0, 1.0), (f64::NAN, 0.0), (f64::MIN, f64::MAX)] {
             let color = Scale::number(low, high).color(0.5);
             assert!(color.linear().iter().all(|v| v.is_finite()));
         }
         let words = Scale::words(40);
-        assert_eq!(words.own_colors(), WORD_COLORS - 1);
-        assert_eq!(words.color(9.0), words.color(30.0));
-        assert_ne!(Scale::words(10).color(9.0), words.color(9.0));
+        assert_eq!(words.own_colors(), WORD_COLORS);
+        assert_eq!(words.color(10.0), words.color(30.0));
+        assert_eq!(Scale::words(10).color(9.0), words.color(9.0));
+        assert_ne!(words.color(f64::NAN), words.color(30.0));
     }
 }

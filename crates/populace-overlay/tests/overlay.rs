@@ -35,6 +35,7 @@ fn legend(scale: Scale, words: &[&str]) -> Legend {
         unit: "m/s".to_owned(),
         scale,
         words: words.iter().map(|word| (*word).to_owned()).collect(),
+        has_none: false,
     }
 }
 
@@ -180,8 +181,10 @@ fn legends_leave_room_in_small_pictures() {
 fn bounds_of_legends_are_those_of_what_is_drawn() {
     let numbers = legend(Scale::number(0.0, 2.0), &[]);
     let words = legend(Scale::words(2), &["in", "out"]);
+    let with_none = [&numbers, &words].map(|of| Legend { has_none: true, ..of.clone() });
     let corners = [Corner::TopLeft, Corner::TopRight, Corner::BottomLeft, Corner::BottomRight];
-    for (legend, corner) in [&numbers, &words].into_iter().flat_map(|of| corners.map(|c| (of, c))) {
+    let legends = [&numbers, &words, &with_none[0], &with_none[1]];
+    for (legend, corner) in legends.into_iter().flat_map(|of| corners.map(|c| (of, c))) {
         let size = [640, 360];
         let rgba = drawn(size, |canvas| canvas.legend(legend, corner));
         let [low, high] = legend.bounds(size, corner).expect("a legend");
@@ -209,6 +212,10 @@ fn legend_shows_the_colours_of_its_scale() {
         let near = |p: &&[u8]| (0..3).all(|i| p[i].abs_diff(color[i]) <= 3);
         assert!(found.iter().any(near), "{value}: {color:?}");
     }
+    let none = Legend { has_none: true, ..legend };
+    let rgba = drawn([640, 360], |canvas| canvas.legend(&none, Corner::BottomRight));
+    let color = scale.color(f64::NAN).opaque();
+    assert!(rgba.chunks_exact(4).filter(|p| **p == color).count() > 40, "none");
     let words = ["pupils", "staff"];
     let scale = Scale::words(2);
     let legend = self::legend(scale.clone(), &words);

@@ -15,6 +15,13 @@ pub const fn mixed(bits: u64) -> u64 {
     b ^ (b >> 31)
 }
 
+/// Returns 64 bits that look random and depend on all of a text (FNV-1a, mixed).
+#[must_use]
+pub fn mixed_text(text: &str) -> u64 {
+    let add = |bits: u64, byte: u8| (bits ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+    mixed(text.bytes().fold(0xcbf2_9ce4_8422_2325, add))
+}
+
 /// Returns the multiple of 2^-24 in `0..1` that the upper 24 bits give.
 #[must_use]
 pub fn unit_of(bits: u64) -> f32 {
@@ -131,6 +138,13 @@ mod tests {
         let streams = [Rng::new(1), Rng::stream(1, 2), Rng::stream(2, 1)];
         let first = streams.map(|mut rng| rng.bits());
         assert_eq!(first, [0x1dfd_cec4_ec04_f63f, 0xc50f_2c2a_1b32_9d4b, 0x162d_1cd5_1c20_b20c]);
+    }
+
+    #[test]
+    fn texts_stay_as_they_are() {
+        assert_eq!(mixed_text(""), mixed(0xcbf2_9ce4_8422_2325));
+        assert_eq!(mixed_text("a"), mixed(0xaf63_dc4c_8601_ec8c));
+        assert_ne!(mixed_text("ab"), mixed_text("ba"));
     }
 
     #[test]

@@ -87,9 +87,7 @@ impl Variety {
             others.iter().for_each(|other| nearby[*other].push(member));
         }
         for (member, (character, _)) in members.iter().enumerate() {
-            let seed =
-                self.seed.wrapping_add((member as u64 + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15));
-            let mut random = fastrand::Rng::with_seed(seed);
+            let mut random = self.random(member as u64);
             let decided = nearby[member].iter().filter_map(|other| {
                 (members[*other].0 == *character).then_some(all[*other].as_ref()?.look)
             });
@@ -101,11 +99,41 @@ impl Variety {
                 (0..TRIES).map(|_| wardrobe.look(&mut random, self.worn)).collect::<Vec<_>>()
             });
             let look = tried.min_by_key(|look| likeness(look)).unwrap_or_default();
-            let height = 1.0 + within(self.height, 0.3) * bell(&mut random);
-            let pace = 1.0 + within(self.pace, 0.9) * (2.0 * random.f32() - 1.0);
-            all[member] = Some(Appearance { look, height, pace });
+            all[member] = Some(self.appearance(look, &mut random));
         }
         all.into_iter().flatten().collect()
+    }
+
+    /// Returns the appearance of each member, given as the number of its character in `characters`
+    /// and a key. A member looks the same whoever else is there, and in any order, so
+    /// neighbours can look alike. Members of numbers out of range look as their characters do.
+    #[must_use]
+    pub fn appearances_by_key(
+        &self,
+        characters: &[&Character],
+        members: &[(usize, u64)],
+    ) -> Vec<Appearance> {
+        let wardrobes: Vec<_> = characters.iter().map(|c| Wardrobe::of(c)).collect();
+        let appearance = |(character, key): &(usize, u64)| {
+            let mut random = self.random(*key);
+            let wardrobe = wardrobes.get(*character);
+            let look = wardrobe.map(|wardrobe| wardrobe.look(&mut random, self.worn));
+            self.appearance(look.unwrap_or_default(), &mut random)
+        };
+        members.iter().map(appearance).collect()
+    }
+
+    /// Returns the random numbers of a member.
+    fn random(&self, key: u64) -> fastrand::Rng {
+        let number = key.wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+        fastrand::Rng::with_seed(self.seed.wrapping_add(number))
+    }
+
+    /// Returns an appearance with a look.
+    fn appearance(&self, look: MemberLook, random: &mut fastrand::Rng) -> Appearance {
+        let height = 1.0 + within(self.height, 0.3) * bell(random);
+        let pace = 1.0 + within(self.pace, 0.9) * (2.0 * random.f32() - 1.0);
+        Appearance { look, height, pace }
     }
 }
 

@@ -35,6 +35,22 @@ fn seeds_decide_everything() {
 }
 
 #[test]
+fn members_with_keys_look_the_same_whoever_else_is_there() {
+    let people = populace_cast::cast().unwrap();
+    let characters: Vec<&Character> = people.iter().collect();
+    let variety = Variety { seed: 5, ..Variety::default() };
+    let of = |members: &[(usize, u64)]| variety.appearances_by_key(&characters, members);
+    let members: Vec<_> = (0..50).map(|i| (i % people.len(), 1000 * i as u64)).collect();
+    let all = of(&members);
+    let backwards: Vec<_> = members.iter().rev().copied().collect();
+    assert_eq!(of(&backwards).into_iter().rev().collect::<Vec<_>>(), all);
+    assert_eq!(of(&members[7..8]), all[7..8]);
+    let same = |nth: usize| all.iter().filter(|other| other.look == all[nth].look).count();
+    assert!((0..50).all(|nth| same(nth) == 1), "looks differ by key");
+    assert_ne!(Variety { seed: 6, ..variety }.appearances_by_key(&characters, &members), all);
+}
+
+#[test]
 fn heights_and_paces_stay_within_their_ranges() {
     let people = populace_cast::cast().unwrap();
     let (_, appearances) = dressed(&people, 1000, 1);

@@ -2,6 +2,7 @@
 #![expect(clippy::disallowed_methods, reason = "angles of the host alone; no device computes them")]
 
 use glam::Vec3;
+use populace_render::Camera;
 
 /// Position and heading of a person.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,20 @@ pub(crate) fn figure([x, y, z]: [f32; 3], [height_m, half_m]: [f32; 2]) -> [[f32
         [x, y, z + half_m],
         [x, y + height_m, z],
     ]
+}
+
+/// Returns the rectangle around those points that are before a camera, in pixels of a picture of a
+/// size: its upper left and its lower right corner.
+pub(crate) fn rectangle(
+    camera: &Camera,
+    points: &[[f32; 3]],
+    size: [u32; 2],
+) -> Option<[[f64; 2]; 2]> {
+    let seen = points.iter().filter_map(|point| camera.project(*point, size));
+    let ends = seen.map(|at| [at.map(f64::from); 2]);
+    ends.reduce(|[low, high], [a, b]| {
+        [[0, 1].map(|n| low[n].min(a[n])), [0, 1].map(|n| high[n].max(b[n]))]
+    })
 }
 
 /// Where people are: the pose of a number at a time in seconds, as [`Subject::pose`] gives it.

@@ -21,8 +21,8 @@ pub(crate) struct TrajectoryArgs {
 /// Options for what is drawn over pictures of trajectories.
 #[derive(Args, Clone, Debug)]
 pub(crate) struct OverlayArgs {
-    /// Colour clothes by speed, density (people within 1.5 m, by area) or a column of the file,
-    /// with a legend
+    /// Colour clothes by speed, density (people within 1.5 m, by area), id, z (elevation) or a
+    /// column of the file, with a legend
     #[arg(long, value_name = "NAME", alias = "color-by", help_heading = "Trajectory files")]
     pub(crate) colour_by: Option<String>,
     /// Draw the way that people came in the last seconds

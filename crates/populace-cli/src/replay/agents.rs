@@ -3,11 +3,12 @@
 use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 
+use populace_render::Camera;
 use populace_scene::{EYES, Moment, Motions};
 use populace_trajectory::Recording;
 
 use super::place::floor_m;
-use crate::camera::{Pose, Subject, figure};
+use crate::camera::{Pose, Subject, figure, rectangle};
 use crate::frames::single;
 
 /// Seconds between positions that the camera frames.
@@ -50,6 +51,24 @@ impl Agents {
         let spans = motion.secs().map(|[from, until]| secs.clamp(from, until));
         let nearest = spans.min_by(|a, b| (a - secs).abs().total_cmp(&(b - secs).abs()));
         motion.at(nearest?)
+    }
+}
+
+impl Agents {
+    /// Returns whether a camera sees somebody at a time in seconds since frame 0, in a picture of a
+    /// size.
+    pub(super) fn are_seen(&self, camera: &Camera, secs: f64, size: [u32; 2]) -> bool {
+        let [width, height] = size.map(f64::from);
+        let is_within = |[from, to]: [[f64; 2]; 2]| {
+            from[0] < width && to[0] > 0.0 && from[1] < height && to[1] > 0.0
+        };
+        self.motions.agents.iter().zip(&self.heights).any(|(motion, height_m)| {
+            let now = motion.at(self.from_secs + secs);
+            now.is_some_and(|Moment { position: [x, y], elevation_m, .. }| {
+                let points = figure([x, elevation_m, -y], [*height_m, FIGURE_M[1]]);
+                rectangle(camera, &points, size).is_some_and(is_within)
+            })
+        })
     }
 }
 

@@ -1,10 +1,11 @@
 //! The people who play the agents of a recording.
 
-use populace_random::Rng;
+use populace::character::Character;
+use populace_random::{Rng, mixed_text};
 use populace_scene::{Motion, Motions, Person};
 use populace_trajectory::{Agent, Kind, Recording};
+use populace_variety::Variety;
 
-use crate::people::appearances;
 use crate::roles::CrowdRole;
 
 /// Fewest agents of whom equal heights are an assumption of the file, and not measured.
@@ -21,24 +22,24 @@ pub(crate) struct CastSettings {
     pub(crate) height_m: Option<f32>,
 }
 
-/// Returns a person for each agent.
+/// Returns a person for each agent. Its character and look depend on the seed and the agent's id
+/// alone, so that an id is the same person in all films of a simulation and its variants.
 pub(crate) fn cast(
     recording: &Recording,
     roles: &[CrowdRole],
     settings: &CastSettings,
 ) -> Vec<Person> {
     let heights: Vec<Option<f32>> = heights(recording, settings.height_m);
-    let mut random = Rng::from_state(settings.seed);
-    let chosen: Vec<usize> =
-        heights.iter().map(|height| role_of_height(roles, *height, &mut random)).collect();
-    let places = recording.agents.iter().map(|agent| {
-        let at = recording.track(agent).positions.first().copied().unwrap_or_default();
-        [at[0], 0.0, -at[1]]
-    });
-    let places: Vec<[f32; 3]> = places.collect();
-    let appearances =
-        appearances(roles, &chosen, &places, (!settings.plain).then_some(settings.seed));
-    let person = |(agent, role): (usize, &usize)| {
+    let keys = recording.agents.iter().map(|agent| mixed_text(&agent.id));
+    let role = |(key, height): (u64, &Option<f32>)| {
+        (role_of_height(roles, *height, &mut Rng::stream(settings.seed, key)), key)
+    };
+    let chosen: Vec<(usize, u64)> = keys.zip(&heights).map(role).collect();
+    let characters: Vec<&Character> = roles.iter().map(|role| &*role.character).collect();
+    let variety = Variety { seed: settings.seed, ..Variety::default() };
+    let of_keys = || variety.appearances_by_key(&characters, &chosen);
+    let appearances = if settings.plain { Vec::new() } else { of_keys() };
+    let person = |(agent, (role, _)): (usize, &(usize, u64))| {
         let role = &roles[*role];
         let appearance = appearances.get(agent);
         let scale = match heights[agent] {
@@ -138,11 +139,52 @@ pub(super) fn absence(motions: &Motions, start: f64, [first, last]: [f64; 2]) ->
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
     use std::path::Path;
+    use std::sync::Arc;
 
+    use populace::{Crowd, Device};
     use populace_trajectory::{ReadSettings, parse};
 
     use super::*;
+    use crate::built_in;
+
+    fn recording(rows: String) -> Recording {
+        parse(Path::new("a.csv"), rows.into(), &ReadSettings::default()).expect("a recording")
+    }
+
+    #[test]
+    fn an_id_is_the_same_person_in_any_order_and_company() {
+        let mut crowd = Crowd::builder().device(Device::Native { threads: 1 }).build().unwrap();
+        let characters = built_in::people("people").unwrap();
+        let role = |character: Arc<Character>| CrowdRole {
+            id: crowd.add_character(character.clone()).unwrap(),
+            character,
+            clips: Vec::new(),
+            scale: 1.0,
+            is_built_in: true,
+            is_clipless: false,
+        };
+        let roles: Vec<_> = characters.into_iter().map(role).collect();
+        let people = |ids: &[usize], seed| {
+            let row = |id: &usize| format!("p{id},0,{id},0\np{id},1,{id},1\n");
+            let recording =
+                recording("id,t,x,y\n".to_owned() + &ids.iter().map(row).collect::<String>());
+            let settings = CastSettings { seed, plain: false, height_m: None };
+            cast(&recording, &roles, &settings)
+        };
+        let all: Vec<usize> = (0..40).collect();
+        let others: Vec<usize> = (10..60).rev().collect();
+        let [found, with_others] = [&all, &others].map(|ids| people(ids, 0));
+        let facts = |of: &Person| (of.character, of.scale, of.look);
+        for (person, other) in found[10..].iter().zip(with_others[20..].iter().rev()) {
+            assert_eq!(facts(person), facts(other));
+        }
+        let of_seed = people(&all, 1);
+        assert!(found.iter().zip(&of_seed).any(|(a, b)| a.character != b.character));
+        let kinds: HashSet<_> = found.iter().map(|person| person.character).collect();
+        assert!(kinds.len() > 4, "{kinds:?}");
+    }
 
     #[test]
     fn times_without_people_name_the_nearest_ones_with_people() {
@@ -150,9 +192,7 @@ mod tests {
         for tenth in (10..31).chain(90..111) {
             rows += &format!("{},{},{},0\n", tenth / 50, f64::from(tenth) / 10.0, tenth);
         }
-        let settings = ReadSettings::default();
-        let recording = parse(Path::new("a.csv"), rows.into(), &settings).expect("a recording");
-        let motions = Motions::new(&recording);
+        let motions = Motions::new(&recording(rows));
         let of = |first, last| absence(&motions, 1.0, [first, last]);
         let gap = "nobody is there at 5.00 s; somebody is there until 2.00 s, and from 8.00 s on";
         assert_eq!(of(5.0, 5.0).as_deref(), Some(gap));

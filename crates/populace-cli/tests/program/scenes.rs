@@ -11,7 +11,12 @@ fn the_street_says_what_happened() {
     let folder = Folder::new();
     let out = folder.text("street.png");
     let d = json_of(&[&["demo", "--json", "--at", "1", "--out", &out][..], &SMALL].concat());
-    assert!(d["members"].as_u64() > Some(40), "people, props and vehicles: {d}");
+    assert_eq!(d["members"], 8, "people, without vehicles and things: {d}");
+    let levels = d["levels"].as_array().expect("a list").iter().filter_map(|n| n.as_u64());
+    let in_view: u64 = levels.sum();
+    assert_eq!(d["drawn_members"], in_view, "{d}");
+    let others = ["shadow_only", "hidden"].map(|key| d[key].as_u64().expect("a number"));
+    assert_eq!(in_view + others[0] + others[1], 8, "{d}");
     assert!(d["counts"]["crossed"].is_u64() && d["counts"]["sat"].is_u64(), "{d}");
     let [crowd] = &d["crowds"].as_array().expect("a list")[..] else { panic!("{d}") };
     assert_eq!([&crowd["first"], &crowd["count"]], [0, 8], "{crowd}");

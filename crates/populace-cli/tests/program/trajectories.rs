@@ -247,6 +247,7 @@ fn images_beside_a_picture_know_people_and_their_ids() {
     let values: std::collections::BTreeSet<u8> = ids.pixels().map(|pixel| pixel.0[2]).collect();
     assert_eq!(values.into_iter().collect::<Vec<_>>(), [0, 2, 3]);
     assert_eq!(d["ids"], json!({"1": "q7", "2": "12", "3": "A"}));
+    assert_eq!((&d["members"], &d["drawn_members"]), (&json!(2), &json!(2)), "the place is nobody");
 }
 
 /// A wall height without walls is said to have no effect, and what looks wrong is said too.
@@ -293,6 +294,31 @@ fn areas_without_an_inside_are_left_out_of_inspect() {
         ])
     );
     refused(&[&inspect[..], &["--strict"]].concat(), 1, &["walk.txt", "it has no area"]);
+}
+
+/// Coordinates of the file are not those of cameras where positions are moved.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn cameras_in_coordinates_of_a_moved_file_are_warned_of() {
+    let folder = Folder::new();
+    let out = folder.text("x.png");
+    let draw = |[x, y]: [u32; 2], camera: &str| {
+        let rows = format!("id,t,x,y\n1,0,{x},{y}\n1,1,{},{y}\n", x + 1);
+        let file = write(&folder, "walk.csv", &rows);
+        let args = ["render", &file, "--cast", "@child", "--at", "0.5", "--out", &out];
+        let size = ["--size", "32x18", "--device", "native", "--camera", camera];
+        stderr_of(&[&args[..], &size].concat())
+    };
+    let far = [458_300, 5_428_100];
+    let stderr = draw(far, "458300,2,-5428095,458300,0,-5428100");
+    let warning = "warning: the camera sees nobody in any frame; positions were moved by -458000, \
+                   -5428000 m, and cameras are in moved coordinates: those of the file need \
+                   -458000 m in X and +5428000 m in Z";
+    assert!(stderr.contains(warning), "{stderr}");
+    for (at, camera) in [(far, "300,2,-95,300,0,-100"), ([3, 1], "90,2,5,90,0,0")] {
+        let stderr = draw(at, camera);
+        assert!(!stderr.contains("sees nobody"), "{camera}: {stderr}");
+    }
 }
 
 /// A picture of a time within a gap or after the file's end shows nobody, and the program says so.

@@ -3,7 +3,7 @@
 use populace_overlay::{Corner, Legend};
 use populace_render::Camera;
 
-use crate::camera::figure;
+use crate::camera::{figure, rectangle};
 
 /// Corners in the order in which they are taken.
 const CORNERS: [Corner; 4] =
@@ -40,12 +40,7 @@ fn boxes<'a>(
     size: [u32; 2],
 ) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
     people.iter().filter_map(move |(at, height_m)| {
-        let points = figure(*at, [*height_m, HALF_M]);
-        let seen = points.into_iter().filter_map(|point| camera.project(point, size));
-        let ends = seen.map(|at| [at.map(f64::from); 2]);
-        ends.reduce(|[low, high], [a, b]| {
-            [[0, 1].map(|n| low[n].min(a[n])), [0, 1].map(|n| high[n].max(b[n]))]
-        })
+        rectangle(camera, &figure(*at, [*height_m, HALF_M]), size)
     })
 }
 
@@ -62,6 +57,7 @@ mod tests {
             unit: "m/s".to_owned(),
             scale: Scale::number(0.0, 2.0),
             words: Vec::new(),
+            has_none: false,
         };
         let camera = Camera {
             eye: [0.0, 20.0, 0.0],
