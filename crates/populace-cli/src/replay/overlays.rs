@@ -158,3 +158,14 @@ impl Overlays {
         present.into_iter().filter_map(label).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    pub(super) fn recording(text: &str) -> Recording {
+        let settings = populace_trajectory::ReadSettings::default();
+        let parsed = populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings);
+        parsed.expect("a recording")
+    }
+}

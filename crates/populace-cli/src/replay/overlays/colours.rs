@@ -279,13 +279,8 @@ fn range(mut values: Vec<f64>) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::recording;
     use super::*;
-
-    fn recording(text: &str) -> Recording {
-        let settings = populace_trajectory::ReadSettings::default();
-        let parsed = populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings);
-        parsed.expect("a recording")
-    }
 
     #[test]
     fn columns_of_the_file_come_before_quantities_of_the_same_name() {

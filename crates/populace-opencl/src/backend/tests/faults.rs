@@ -341,10 +341,10 @@ faults! {
             "laid_rotation(beneath.r, true";
     }
     check_sampling_between_keys {
-        lone_scales_are_translations: "lane, SCALE, vector_alone(tables, slot, SCALE)" =>
-            "lane, SCALE, vector_alone(tables, slot, TRANSLATION)";
-        lone_slots_do_not_move: "*at_rest = flags;" =>
-            "*at_rest = REST_TRANSLATION | REST_SCALE;";
+        lone_scales_are_translations: "first->s = vector_alone(tables, slot, SCALE)" =>
+            "first->s = vector_alone(tables, slot, TRANSLATION)";
+        lone_slots_do_not_move: "return flags;" =>
+            "return REST_TRANSLATION | REST_SCALE;";
     }
     check_blends {
         full_groups_write_one_palette: "to[lane] + first, true" => "to[0] + first, true";
@@ -355,23 +355,23 @@ faults! {
             "unit_of(q, stored_quat(rest, 0))";
         near_rotations_are_not_weighted: "near_unit_of(q) * weight" => "near_unit_of(q)";
         vectors_of_spans_are_not_weighted: "vec3_scale(v, weight)" => "v";
-        second_spans_are_not_mixed: "put_local(posed[1], lane, sums.second" =>
-            "put_local(posed[1], lane, sums.first";
+        second_spans_are_not_mixed: "add_near_quat(quat_of(tables, next)" =>
+            "add_near_quat(quat_of(tables, slot)";
     }
     check_inertialization {
         inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
         inertialized_poses_stay_at_rest:
-            "put_local(posed, lane, pose, 0);\n        at_rest[lane] = 0;\n    }\n    for" =>
-            "put_local(posed, lane, pose, 0);\n    }\n    for";
+            "posed[lane] = pose;\n        at_rest[lane] = 0;\n    }\n    for" =>
+            "posed[lane] = pose;\n    }\n    for";
     }
     check_overrides {
         overrides_stay_at_rest:
-            "put_local(posed, lane, pose, 0);\n        at_rest[lane] = 0;\n    }\n}" =>
-            "put_local(posed, lane, pose, 0);\n    }\n}";
+            "posed[lane] = pose;\n        at_rest[lane] = 0;\n    }\n}" =>
+            "posed[lane] = pose;\n    }\n}";
     }
     check_live_clips {
         floats_are_read_as_halves:
-            "playback.has_floats || tables->clips[clip.rows].has_floats" => "false";
+            "playback.has_floats || stored->has_floats" => "false";
         layers_read_floats_as_halves:
             "return show_layer(all, posing, lane, l, first, false, rest, shown);" =>
             "return show_layer(all, posing, lane, l, first, true, rest, shown);";
