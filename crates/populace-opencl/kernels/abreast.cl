@@ -67,32 +67,21 @@ INLINE void sum_members(const Company *all, const Posing *posing, uint joint, bo
                              &second[lane]);
 }
 
-// Turns components into lanes of members. `all` points at the component of the first.
-INLINE void turn_component(Real *all, uint count)
+// Turns neighbouring components of local transforms into lanes of members. `all` points at the first
+// component of the first member.
+INLINE void turn_components(Real *all, uint components, uint count)
 {
     const uint step = sizeof(Local) / sizeof(Real);
-    for (uint lane = count; lane < LANES; lane++) all[lane * step] = 0.0f;
-    Real turned[LANES];
 #pragma unroll
-    for (uint lane = 0; lane < LANES; lane++) turned[lane] = all[lane * step];
-    transpose(turned);
+    for (uint c = 0; c < components; c++) {
+        for (uint lane = count; lane < LANES; lane++) all[c + lane * step] = 0.0f;
+        Real turned[LANES];
 #pragma unroll
-    for (uint at = 0; at < LANES; at++) all[at * step] = turned[at];
-}
-
-INLINE void turn_vectors(Vec3 *all, uint count)
-{
-    turn_component(&all->x, count);
-    turn_component(&all->y, count);
-    turn_component(&all->z, count);
-}
-
-INLINE void turn_rotations(Quat *all, uint count)
-{
-    turn_component(&all->x, count);
-    turn_component(&all->y, count);
-    turn_component(&all->z, count);
-    turn_component(&all->w, count);
+        for (uint lane = 0; lane < LANES; lane++) turned[lane] = all[c + lane * step];
+        transpose(turned);
+#pragma unroll
+        for (uint at = 0; at < LANES; at++) all[c + at * step] = turned[at];
+    }
 }
 
 // Turns the sums of LANES joints into local transforms in lanes of members, except properties that
@@ -123,9 +112,9 @@ INLINE uint pose_span(const Company *all, const Posing *posing, uint first, cons
     if (posing->any_changes) change_poses(all, posing, first, at_rest, posed);
     if (planes) store_trs(posed[0], planes + first, all->body.padded_count);
     const uint still = at_rest_in_all(all, at_rest);
-    if (!(still & REST_TRANSLATION)) turn_vectors(&posed->t, all->count);
-    turn_rotations(&posed->r, all->count);
-    if (!(still & REST_SCALE)) turn_vectors(&posed->s, all->count);
+    if (!(still & REST_TRANSLATION)) turn_components(&posed->t.x, 3, all->count);
+    turn_components(&posed->r.x, 4, all->count);
+    if (!(still & REST_SCALE)) turn_components(&posed->s.x, 3, all->count);
     return still;
 }
 

@@ -1,7 +1,7 @@
 // hierarchy.cl - Storage of transforms on the way down the hierarchy, for each schedule, and of
 // rotations that steps hand down.
 //
-// Twin of populace-native/src/hierarchy.rs.
+// Twin of populace-native/src/hierarchy.rs and populace-native/src/matrices.rs.
 
 #if defined(GROUP)
 

@@ -61,6 +61,12 @@ INLINE Planes planes_of(BoundBlock block, uint property)
     return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
 }
 
+// Returns the first word of a plane, after the beginning of its row.
+INLINE uint plane_at(Planes planes, uint plane)
+{
+    return planes.first + plane * (planes.lanes & ~ROW_FLOATS);
+}
+
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
 // that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
 // none.
@@ -84,25 +90,19 @@ INLINE bool are_floats(Columns columns, Planes planes)
     return !columns.no_floats && planes.lanes & ROW_FLOATS;
 }
 
-// Returns the first word of a plane, after the beginning of its row.
-INLINE uint plane_at(Columns columns, Planes planes, uint plane)
-{
-    return planes.first + plane * (columns.no_floats ? planes.lanes : planes.lanes & ~ROW_FLOATS);
-}
-
 #if LANES == 1
 
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane];
+    return tables->rows[row + plane_at(planes, plane) + columns.lane];
 }
 
 // Returns words whose lower halves are those of a plane with two lanes in a word.
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    return tables->rows[row + plane_at(columns, planes, plane) + columns.lane / 2]
+    return tables->rows[row + plane_at(planes, plane) + columns.lane / 2]
            >> 16 * (columns.lane % 2);
 }
 
@@ -111,14 +111,13 @@ INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes,
 INLINE Words words_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                       uint plane)
 {
-    return LOAD(row + plane_at(columns, planes, plane) + columns.lane);
+    return LOAD(row + plane_at(planes, plane) + columns.lane);
 }
 
 INLINE Words halves_at(const ClipTables *tables, Columns columns, Planes planes, RowStart row,
                        uint plane)
 {
-    __global const ushort *halves =
-        (__global const ushort *)(row + plane_at(columns, planes, plane));
+    __global const ushort *halves = (__global const ushort *)(row + plane_at(planes, plane));
     return CONVERT_WORDS(LOAD(halves + columns.lane));
 }
 
