@@ -36,6 +36,7 @@ INLINE void fetch_lines(__global const void *from, uint words)
 INLINE void fetch_rows(RowStart from, RowStart to, uint words)
 {
 #if defined(CALLS) && __has_builtin(__builtin_prefetch)
+    if (words == 0) return;
     for (uint word = 0; word < words; word += 32) {
         __builtin_prefetch(from + word, 0, 2);
         __builtin_prefetch(from + word + 16, 0, 2);
@@ -47,7 +48,7 @@ INLINE void fetch_rows(RowStart from, RowStart to, uint words)
 #endif
 }
 
-// Collects the member's slots that have weight now, in order.
+// Collects the member's slots that have weight now, in order, and asks for their rows.
 INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines machines, ulong tick,
                          const ClipTables *tables, __global const float *row_times,
                          __global const uint *buckets, uint layer_count, Playing *playing,

@@ -105,8 +105,8 @@ impl Variety {
     }
 
     /// Returns the appearance of each member, given as the number of its character in `characters`
-    /// and a key. A member looks the same whoever else is there, and in any order, so
-    /// neighbours can look alike. Members of numbers out of range look as their characters do.
+    /// and a key. The looks of a member depend on the seed, its character and its key alone.
+    /// Neighbours can look alike. Members of numbers out of range look as their characters do.
     #[must_use]
     pub fn appearances_by_key(
         &self,
