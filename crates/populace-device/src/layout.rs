@@ -151,8 +151,6 @@ device_consts! {
     /// Maximum number of phases per frame: one for members attached to nothing, and four levels of
     /// attached members.
     pub const MAX_PHASES: u32 = 5;
-    /// Flag in the lanes of a [`RowBlock`]: the planes hold floats, one plane per component.
-    pub const ROW_FLOATS: u32 = populace_clip::ROW_FLOATS;
     /// Flag in a [`BoundBlock`]: all translations are at the body's rest.
     pub const REST_TRANSLATION: u32 = 1;
     /// Flag in a [`BoundBlock`]: all scales are at the body's rest.
@@ -160,6 +158,9 @@ device_consts! {
     /// Flag in a [`BoundBlock`]: all rotations lie in the hemisphere of the body's rest, whatever
     /// numbers rows hold.
     pub const NEAR_REST: u32 = 4;
+    /// Flag in a [`BoundBlock`]: rotations are stored as floats, one plane per component. The next
+    /// bit tells it of translations, the bit after that of scales.
+    pub const FLOATS: u32 = 8;
     /// [`Step::kind`]: applies a rotation to the joint that an earlier step has written.
     pub const STEP_ROTATION: u32 = 0;
     /// [`Step::kind`]: turns a chain to look at its targets.

@@ -2,7 +2,7 @@
 
 #[cfg(target_arch = "x86_64")]
 use populace_device::layout::ROW_PARTS;
-use populace_device::layout::{BoundBlock, BoundClip, ROW_FLOATS};
+use populace_device::layout::{BoundBlock, BoundClip};
 use populace_model::Property;
 
 use crate::encoding::{Encoding, Planes, Rows};
@@ -45,9 +45,7 @@ impl<'a> BlockColumns<'a> {
     /// Returns whether all columns are 16-bit numbers.
     #[inline(always)]
     fn are_halves(&self) -> bool {
-        let rows = self.bound.rows();
-        let lanes = rows.rotation_lanes | rows.translation_lanes | rows.scale_lanes;
-        lanes & ROW_FLOATS == 0
+        !self.bound.has_floats()
     }
 
     /// Returns the words of a component in two rows, and their encoding.

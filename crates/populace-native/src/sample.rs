@@ -50,7 +50,7 @@ pub(crate) fn sample_joint<R: SampleWidth<Stored: PoseWidth>>(
     rest: &Local<R>,
 ) -> Sample<R> {
     let columns = R::columns(joints, bound);
-    let at_rest = joints.bound_block(bound).flags & (REST_TRANSLATION | REST_SCALE);
+    let at_rest = joints.bound_block(bound).flags() & (REST_TRANSLATION | REST_SCALE);
     let local = if columns.are_common() {
         sample_columns::<R, true>(joints, &columns, bound, at, rest)
     } else {
@@ -91,7 +91,7 @@ fn sample_columns<R: RowWidth, const COMMON: bool>(
 ) -> Local<R> {
     let range = joints.stored(bound.range_first, RANGE_PLANES);
     let mut local = Local { r: sample_rotation::<R, COMMON>(columns, at, range), ..*rest };
-    let flags = joints.bound_block(bound).flags;
+    let flags = joints.bound_block(bound).flags();
     if flags & REST_TRANSLATION == 0 {
         local.t = sample_vector::<R, COMMON>(columns, Property::Translation, at, range, 5);
     }

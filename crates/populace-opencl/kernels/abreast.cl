@@ -15,7 +15,7 @@ INLINE uint pose_alone(const Company *all, const ClipTables *tables, uint lane, 
     const Playing playing = playing_at(all->plays[lane], all->layers[lane][0].alone);
     const BlockSlot slot = block_slot(playing, joint, no_floats), next = next_span(slot);
     const Stored rest = stored_at(tables, all->body.rest_first, POSE_PLANES, joint);
-    const uint flags = slot.columns.block.flags;
+    const uint flags = slot.columns.flags;
     first->r = rotation_alone(tables, slot, rest);
     if (two_spans) second->r = rotation_alone(tables, next, rest + LANES);
     if (!(flags & REST_TRANSLATION)) {

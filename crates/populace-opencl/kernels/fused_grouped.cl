@@ -228,7 +228,8 @@ INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uin
     __global const Slot *slots = tables->slots + owner * each;
     Inertialization inertialization = { slots, 0, tables->tick };
     if (!plain) inertialization = inertialization_of(slots, each, tables->tick);
-    const Playback playback = { playing_in(batch, nth), each, inertialization };
+    Playback playback = { playing_in(batch, nth), each, inertialization, plain, 0 };
+    playback.alone = alone_in_layers(playback);
     const Hierarchy models = models_in(batch, nth);
     for (; joint < body.joint_count; joint += JOINTS) {
         const Local trs = plain ? pose_joint(&tables->clips, tables->adjustments, NONE, playback, 0,
@@ -242,20 +243,61 @@ INLINE void pose_member(const Grouped *tables, const Batch *batch, uint nth, uin
     }
 }
 
-// Turns the local transform of a joint into model_from_joint.
-INLINE void descend(const Grouped *tables, const Batch *batch, uint nth, uint joint, bool plain)
+// Turns the local transform of a joint into model_from_joint. Without a parent, they are the same.
+INLINE void place_below(Hierarchy models, uint joint, uint parent)
+{
+    if (parent == NONE) return;
+    const float16 model = affine_mul(model_of(models, parent), model_of(models, joint));
+    keep_model(models, joint, model.s0123, model.s4567, model.s89ab);
+}
+
+// Computes model_from_joint of a joint, and runs its steps.
+INLINE void descend(const Grouped *tables, const Batch *batch, uint nth, uint joint)
 {
     const uint parent = tables->parents[body_of(tables, batch)->joint_first + joint],
-               control = plain ? NONE : tables->members[batch->places[nth].owner].control;
+               control = tables->members[batch->places[nth].owner].control;
     const Hierarchy models = models_in(batch, nth);
-    // Without a parent, the local transform is the model transform.
-    if (parent != NONE) {
-        const float16 model = affine_mul(model_of(models, parent), model_of(models, joint));
-        keep_model(models, joint, model.s0123, model.s4567, model.s89ab);
-    }
+    place_below(models, joint, parent);
     if (control == NONE) return;
     const Solver s = solver_of(&tables->constraints, control);
     solve_joint(&s, models, rotations_in(batch, nth), joint, parent);
+}
+
+// Computes model_from_joint of all joints, level by level.
+INLINE void descend_all(const Grouped *tables, const Batch *batch)
+{
+    const uint item = (uint)get_local_id(0);
+    for (uint l = 0; l < body_of(tables, batch)->level_count; l++) {
+        const uint level = body_of(tables, batch)->level_first + l, end = tables->levels[level + 1];
+        if (item % BATCH < batch->count)
+            for (uint joint = tables->levels[level] + item / BATCH; joint < end; joint += JOINTS)
+                descend(tables, batch, item % BATCH, joint);
+        LEVEL_BARRIER;
+    }
+}
+
+// Does the same for plain members. Each level's end, and the parent of a work-item's first joint,
+// are read while the level before is computed: steps leave no registers for that.
+INLINE void descend_plain(const Grouped *tables, const Batch *batch)
+{
+    const uint item = (uint)get_local_id(0);
+    const Hierarchy models = models_in(batch, item % BATCH);
+    const Body body = *body_of(tables, batch);
+    __global const uint *parents = tables->parents + body.joint_first;
+    __global const uint *levels = tables->levels + body.level_first;
+    const uint last = body.joint_count - 1;
+    uint first = levels[0] + item / BATCH, end = levels[1], parent = parents[min(first, last)];
+    for (uint l = 0; l < body.level_count; l++) {
+        const uint next = end + item / BATCH, next_parent = parents[min(next, last)],
+                   next_end = levels[min(l + 2, body.level_count)];
+        if (item % BATCH < batch->count)
+            for (uint joint = first; joint < end; joint += JOINTS)
+                place_below(models, joint, joint == first ? parent : parents[joint]);
+        LEVEL_BARRIER;
+        first = next;
+        end = next_end;
+        parent = next_parent;
+    }
 }
 
 // Computes model_from_joint of all joints of the members, for the whole group. `plain` is a
@@ -271,16 +313,11 @@ INLINE void batch_models(const Grouped *tables, const Batch *batch, bool plain,
     if (item / JOINTS < batch->count)
         pose_member(tables, batch, item / JOINTS, item % JOINTS, plain, planes);
     barrier(CLK_LOCAL_MEM_FENCE);
-    for (uint l = 0; l < body_of(tables, batch)->level_count; l++) {
-        const uint level = body_of(tables, batch)->level_first + l, end = tables->levels[level + 1];
-        if (item % BATCH < batch->count)
-            for (uint joint = tables->levels[level] + item / BATCH; joint < end; joint += JOINTS)
-                descend(tables, batch, item % BATCH, joint, plain);
-        LEVEL_BARRIER;
-    }
+    if (plain) descend_plain(tables, batch);
+    else descend_all(tables, batch);
 }
 
-// The part of a page's list that a group computes.
+// The members of a page, of which a group computes `run` places, at most BATCH.
 typedef struct {
     __global const uint *members;
     uint count, run, place_first, place_end, phase;
@@ -304,15 +341,16 @@ INLINE Place place_at(const Grouped *tables, bool plain, Page page, uint place)
     return is_plain == plain ? found : none;
 }
 
-// Lists the members of a group's run that this launch and this kernel are to compute, in order, and
-// returns their count.
+// Lists the members of a group's places that this launch and this kernel are to compute, in order,
+// and returns their count.
 INLINE uint list_places(const Grouped *tables, bool plain, Page page, __local Place *listed)
 {
     const uint item = (uint)get_local_id(0);
     Place own = { NONE, NONE };
-    if (item < page.run)
+    if (item < page.run) {
         own = place_at(tables, plain, page, (uint)get_group_id(0) * page.run + item);
-    listed[item] = own;
+        listed[item] = own;
+    }
     barrier(CLK_LOCAL_MEM_FENCE);
     uint before = 0, count = 0;
     for (uint i = 0; i < page.run; i++) {
@@ -363,7 +401,7 @@ INLINE void run_frame(const Grouped *tables, bool plain, Page page, __local Plac
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(GROUPED_PARAMETERS,
                                                                                PAGE_PARAMETERS)
 {
-    __local Place listed[GROUP];
+    __local Place listed[BATCH];
     const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
     const Page page = { PAGE_ARGUMENTS };
     run_frame(&tables, false, page, listed, room, memory, entries, page_first, palette);
@@ -373,7 +411,7 @@ __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped(G
 __kernel __attribute__((reqd_work_group_size(GROUP, 1, 1))) void fused_grouped_plain(
     GROUPED_PARAMETERS, PAGE_PARAMETERS)
 {
-    __local Place listed[GROUP];
+    __local Place listed[BATCH];
     const Grouped tables = grouped_of(GROUPED_ARGUMENTS);
     const Page page = { PAGE_ARGUMENTS };
     run_frame(&tables, true, page, listed, room, memory, entries, page_first, palette);

@@ -87,8 +87,8 @@ INLINE Local inertialization_sample(const ClipTables *tables, SampledState state
     SlotSample place = place_of(clip, state.row);
     if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
     if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);
-    return normalized(sample_joint(tables, state.bound_clip, joint, rows_of(tables, place), rest),
-                      rest);
+    return normalized(
+        sample_joint(tables, state.bound_clip, joint, rows_of(tables, place), rest, false), rest);
 }
 
 // Returns the part that is left of a clip's differences from its reference.

@@ -31,7 +31,7 @@ INLINE void show_alone(const ClipTables *tables, Playing playing, uint first, bo
                        Stored rest, Shown *shown)
 {
     const BlockSlot slot = block_slot(playing, first, no_floats);
-    const uint flags = slot.columns.block.flags;
+    const uint flags = slot.columns.flags;
     shown->terms.at_rest = flags;
     if (shown->how.additive) {
         shown->own = weighted_change(tables, playing, slot, rest);

@@ -22,7 +22,11 @@ typedef struct {
     FUSED const Playing *all;
     uint count;
     Inertialization inertialization;
-#if LANES > 1
+#if LANES == 1
+    // See sample_joint() and alone_in_layers().
+    bool at_once;
+    uint alone;
+#else
     // True if a clip that plays stores floats.
     bool has_floats;
 #endif
@@ -38,6 +42,8 @@ typedef struct {
     uint count;
     Machines machines;
     Inertialization inertialization;
+    bool at_once;
+    uint alone;
 } Playback;
 
 INLINE Playing playing_at(Playback playback, uint s)
@@ -48,6 +54,25 @@ INLINE Playing playing_at(Playback playback, uint s)
     if (slot_mode(slot) == SLOT_MACHINE && playing.at.weight > 0.0f)
         playing.bound_clip = machine_clip(slot.bound_clip, playback.machines);
     return playing;
+}
+
+#endif
+
+#if LANES == 1
+
+// Returns a bit for each layer that plays one slot, whose weight does not count in the layer's mean.
+INLINE uint alone_in_layers(Playback playback)
+{
+    uint any = 0, several = 0, weak = 0;
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.at.weight <= 0.0f) continue;
+        const uint layer = 1u << playing.layer;
+        several |= any & layer;
+        any |= layer;
+        if (playing.at.weight <= LEAST_TOTAL) weak |= layer;
+    }
+    return any & ~several & ~weak;
 }
 
 #endif

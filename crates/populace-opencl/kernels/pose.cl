@@ -42,9 +42,14 @@ __kernel void pose(
 
     const ClipTables clip_tables = { bound_clips, bound_blocks, clips, rows, poses, masks };
     const Machines machines = { machine_states, running };
-    const Playback playback = { slots + first_slot, samples + first_slot, slots_per_member,
-                                machines,
-                                inertialization_of(slots + first_slot, slots_per_member, tick) };
+    Playback playback = { slots + first_slot,
+                          samples + first_slot,
+                          slots_per_member,
+                          machines,
+                          inertialization_of(slots + first_slot, slots_per_member, tick),
+                          false,
+                          0 };
+    playback.alone = alone_in_layers(playback);
     const Adjustments adjustments = {
         controls, overrides, joint_scales STAGE_TABLES(steps, stage_values, tick, elapsed_ticks)
     };

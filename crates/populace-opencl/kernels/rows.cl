@@ -48,31 +48,12 @@ typedef struct {
 // Properties of a row.
 enum { ROTATION, TRANSLATION, SCALE };
 
-// The first word of a property's planes in a row, and the words from one plane to the next.
-typedef struct {
-    uint first, lanes;
-} Planes;
-
-INLINE Planes planes_of(BoundBlock block, uint property)
-{
-    const Planes rotation = { block.rotation_first, block.rotation_lanes };
-    const Planes translation = { block.translation_first, block.translation_lanes };
-    const Planes scale = { block.scale_first, block.scale_lanes };
-    return property == ROTATION ? rotation : property == TRANSLATION ? translation : scale;
-}
-
-// Returns the first word of a plane, after the beginning of its row.
-INLINE uint plane_at(Planes planes, uint plane)
-{
-    return planes.first + plane * (planes.lanes & ~ROW_FLOATS);
-}
-
 // Where the columns of a block of sixteen joints are stored. `lane` is the place of the first joint
 // that is sampled within the block. `no_floats` is a constant: true if the clip is known to store
 // none.
 typedef struct {
     BoundBlock block;
-    uint lane;
+    uint flags, lane;
     bool no_floats;
 } Columns;
 
@@ -81,14 +62,39 @@ INLINE Columns columns_of(__global const BoundBlock *blocks, uint joint, bool no
     // Counted in words, since compilers would multiply an index again for each slot.
     __global const uint *words =
         (__global const uint *)blocks + joint / JOINT_BLOCK * (uint)(sizeof(BoundBlock) / 4);
-    const Columns columns = { *(__global const BoundBlock *)words, joint % JOINT_BLOCK, no_floats };
+#if LANES == 1
+    // GPUs read all four words at once.
+    const uint4 all = *(__global const uint4 *)words;
+    const BoundBlock block = { all.x, all.y, all.z, all.w };
+#else
+    const BoundBlock block = *(__global const BoundBlock *)words;
+#endif
+    const Columns columns = { block, block.lanes_and_flags >> 24, joint % JOINT_BLOCK, no_floats };
     return columns;
 }
 
-INLINE bool are_floats(Columns columns, Planes planes)
+// The first word of a property's planes in a row, and the words from one plane to the next.
+// `floats` tells that each component has a plane of floats.
+typedef struct {
+    uint first, lanes;
+    bool floats;
+} Planes;
+
+INLINE Planes planes_of(Columns columns, uint property)
 {
-    return !columns.no_floats && planes.lanes & ROW_FLOATS;
+    const BoundBlock block = columns.block;
+    const Planes planes = {
+        property == ROTATION      ? block.rotation_first
+        : property == TRANSLATION ? block.translation_first
+                                  : block.scale_first,
+        block.lanes_and_flags >> 8 * property & 0xff,
+        !columns.no_floats && columns.flags & FLOATS << property,
+    };
+    return planes;
 }
+
+// Returns the first word of a plane, after the beginning of its row.
+INLINE uint plane_at(Planes planes, uint plane) { return planes.first + plane * planes.lanes; }
 
 #if LANES == 1
 
@@ -203,31 +209,39 @@ INLINE Real mix_floats(const ClipTables *tables, Columns columns, Planes planes,
            * ROW_PARTS;
 }
 
+INLINE Quat float_quats(const ClipTables *tables, Columns columns, Rows at)
+{
+    const Planes planes = planes_of(columns, ROTATION);
+    const Quat floats = { mix_floats(tables, columns, planes, at, 0),
+                          mix_floats(tables, columns, planes, at, 1),
+                          mix_floats(tables, columns, planes, at, 2),
+                          mix_floats(tables, columns, planes, at, 3) };
+    return floats;
+}
+
+INLINE Vec3 float_vectors(const ClipTables *tables, Columns columns, uint property, Rows at)
+{
+    const Planes planes = planes_of(columns, property);
+    const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
+                          mix_floats(tables, columns, planes, at, 1),
+                          mix_floats(tables, columns, planes, at, 2) };
+    return floats;
+}
+
 // Returns rotations between two rows, in ROW_PARTS of a step.
 INLINE Quat rotation_parts(const ClipTables *tables, Columns columns, Rows at)
 {
-    const Planes planes = planes_of(columns.block, ROTATION);
-    if (are_floats(columns, planes)) {
-        const Quat floats = { mix_floats(tables, columns, planes, at, 0),
-                              mix_floats(tables, columns, planes, at, 1),
-                              mix_floats(tables, columns, planes, at, 2),
-                              mix_floats(tables, columns, planes, at, 3) };
-        return floats;
-    }
-    return mix_quats(row_words(tables, columns, planes, ROTATION, at), at);
+    const Planes planes = planes_of(columns, ROTATION);
+    return planes.floats ? float_quats(tables, columns, at)
+                         : mix_quats(row_words(tables, columns, planes, ROTATION, at), at);
 }
 
 // Returns translations or scales between two rows, in ROW_PARTS of a step.
 INLINE Vec3 vector_parts(const ClipTables *tables, Columns columns, uint property, Rows at)
 {
-    const Planes planes = planes_of(columns.block, property);
-    if (are_floats(columns, planes)) {
-        const Vec3 floats = { mix_floats(tables, columns, planes, at, 0),
-                              mix_floats(tables, columns, planes, at, 1),
-                              mix_floats(tables, columns, planes, at, 2) };
-        return floats;
-    }
-    return mix_vectors(row_words(tables, columns, planes, property, at), at);
+    const Planes planes = planes_of(columns, property);
+    return planes.floats ? float_vectors(tables, columns, property, at)
+                         : mix_vectors(row_words(tables, columns, planes, property, at), at);
 }
 
 // Returns the offset of a joint's numbers.
@@ -282,7 +296,7 @@ INLINE Vec3 moving_vector(const ClipTables *tables, Columns columns, uint proper
 INLINE Vec3 sample_vector(const ClipTables *tables, Columns columns, uint property, Rows at,
                           Stored range, int plane)
 {
-    if (planes_of(columns.block, property).first == NONE) return stored_vec3(range, plane);
+    if (planes_of(columns, property).first == NONE) return stored_vec3(range, plane);
     return moving_vector(tables, columns, property, at, range, plane);
 }
 
@@ -315,24 +329,75 @@ INLINE Local normalized(Sample sample, Local rest)
     return sample.trs;
 }
 
-// Samples a clip between two rows. *trs comes in at rest.
+// What a joint reads from the rows of a clip and from its range, for rotations or translations.
+typedef struct {
+    bool moves, floats;
+    RowWords words;
+    Real part;
+} Reading;
+
+INLINE Reading reading_of(const ClipTables *tables, Columns columns, uint property, Rows rows,
+                          Stored range, int part_plane)
+{
+    const Words zero = 0;
+    const RowWords none = { zero, zero, zero, zero };
+    const Planes planes = planes_of(columns, property);
+    Reading reading = { planes.first != NONE, planes.floats, none, stored_real(range, part_plane) };
+    if (reading.moves) reading.words = row_words(tables, columns, planes, property, rows);
+    return reading;
+}
+
+// Samples a clip between two rows. *trs comes in at rest. Rotations and translations are read
+// before either is computed, so that a GPU waits once for both.
+INLINE void sample_at_once(const ClipTables *tables, Columns columns, Stored range, Rows rows,
+                           Local *trs)
+{
+    const bool shifts = !(columns.flags & REST_TRANSLATION);
+    const Reading turn = reading_of(tables, columns, ROTATION, rows, range, 4);
+    const Quat r = stored_quat(range, 0);
+    Reading shift;
+    Vec3 t = trs->t;
+    if (shifts) {
+        shift = reading_of(tables, columns, TRANSLATION, rows, range, 8);
+        t = stored_vec3(range, 5);
+    }
+    trs->r = r;
+    if (turn.moves) {
+        const Quat n =
+            turn.floats ? float_quats(tables, columns, rows) : mix_quats(turn.words, rows);
+        trs->r = quat_add(quat_scale(n, turn.part), r);
+    }
+    trs->t = t;
+    if (shifts && shift.moves) {
+        const Vec3 n = shift.floats ? float_vectors(tables, columns, TRANSLATION, rows)
+                                    : mix_vectors(shift.words, rows);
+        trs->t = vec3_add(vec3_scale(n, shift.part), t);
+    }
+    if (!(columns.flags & REST_SCALE))
+        trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
+}
+
+// Samples a clip between two rows, one property after the other. *trs comes in at rest.
 INLINE void sample_columns(const ClipTables *tables, Columns columns, Stored range, Rows rows,
                            Local *trs)
 {
     trs->r = sample_rotation(tables, columns, rows, range);
-    if (!(columns.block.flags & REST_TRANSLATION))
+    if (!(columns.flags & REST_TRANSLATION))
         trs->t = sample_vector(tables, columns, TRANSLATION, rows, range, 5);
-    if (!(columns.block.flags & REST_SCALE))
+    if (!(columns.flags & REST_SCALE))
         trs->s = sample_vector(tables, columns, SCALE, rows, range, 9);
 }
 
-// Returns local transforms between two rows. `bound` is an index into bound_clips.
-INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Rows rows, Local rest)
+// Returns local transforms between two rows. `bound` is an index into bound_clips. `at_once` is a
+// constant: true to read rotations and translations before either is computed.
+INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Rows rows, Local rest,
+                           bool at_once)
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
     const Columns columns = columns_of(tables->bound_blocks + clip->block_first, joint, false);
     const Stored range = stored_at(tables, clip->range_first, RANGE_PLANES, joint);
-    Sample sample = { rest, columns.block.flags & (REST_TRANSLATION | REST_SCALE) };
-    sample_columns(tables, columns, range, rows, &sample.trs);
+    Sample sample = { rest, columns.flags & (REST_TRANSLATION | REST_SCALE) };
+    if (at_once) sample_at_once(tables, columns, range, rows, &sample.trs);
+    else sample_columns(tables, columns, range, rows, &sample.trs);
     return sample;
 }

@@ -43,33 +43,19 @@ INLINE Local mean_or_rest(Sum sum, float least, Local rest)
 
 #if LANES == 1
 
-// Returns whether a layer plays one slot, whose weight does not count in the layer's mean.
-INLINE bool plays_alone(Playback playback, uint layer)
-{
-    uint count = 0;
-    float weight = 0.0f;
-    for (uint s = 0; s < playback.count; s++) {
-        const Playing playing = playing_at(playback, s);
-        if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
-        count++;
-        weight = playing.at.weight;
-    }
-    return count == 1 && weight > LEAST_TOTAL;
-}
-
 // Returns the sum of weight times value over a layer's slots, or of weight times difference from
 // the first row if the layer is additive.
 INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bool additive,
                      uint joint, Local rest)
 {
-    const bool alone = !additive && plays_alone(playback, layer);
+    const bool alone = !additive && playback.alone & 1u << layer;
     Sum sum = { no_local(), { 0.0f, alone, REST_TRANSLATION | REST_SCALE } };
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.at.weight <= 0.0f || playing.layer != layer) continue;
         const float weight = alone ? 1.0f : playing.at.weight;
-        const Sample sample =
-            sample_joint(tables, playing.bound_clip, joint, rows_in(playing), rest);
+        const Sample sample = sample_joint(tables, playing.bound_clip, joint, rows_in(playing),
+                                           rest, playback.at_once);
         Local trs = sample.trs;
         Real k = weight;
         if (!additive) {
@@ -78,9 +64,9 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bo
             const uint clip = tables->bound_clips[playing.bound_clip].rows;
             const uint first = tables->clips[clip].row_first;
             const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(
-                sample_joint(tables, playing.bound_clip, joint, rows_of(tables, start), rest),
-                rest);
+            const Local reference = normalized(sample_joint(tables, playing.bound_clip, joint,
+                                                            rows_of(tables, start), rest, false),
+                                               rest);
             trs = change(
                 quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
         }
@@ -160,7 +146,7 @@ INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, 
     if (slot.columns.block.rotation_first == NONE) {
         add_any_quat(stored_quat(slot.range, 0), rest, slot.weight, first);
         if (two_spans) add_any_quat(stored_quat(next.range, 0), rest + LANES, slot.weight, second);
-    } else if (slot.columns.block.flags & NEAR_REST) {
+    } else if (slot.columns.flags & NEAR_REST) {
         add_near_quat(quat_of(tables, slot), slot.weight, first);
         if (two_spans) add_near_quat(quat_of(tables, next), slot.weight, second);
     } else {
@@ -183,7 +169,7 @@ INLINE Quat rotation_alone(const ClipTables *tables, BlockSlot slot, Stored rest
     if (slot.columns.block.rotation_first == NONE)
         return any_rotation_alone(stored_quat(slot.range, 0), rest);
     const Quat q = quat_of(tables, slot);
-    if (slot.columns.block.flags & NEAR_REST) return quat_scale(q, inverse_sqrt(quat_dot(q, q)));
+    if (slot.columns.flags & NEAR_REST) return quat_scale(q, inverse_sqrt(quat_dot(q, q)));
     return any_rotation_alone(q, rest);
 }
 
@@ -202,10 +188,10 @@ INLINE void add_property(const ClipTables *tables, BlockSlot slot, uint property
     const bool is_translation = property == TRANSLATION;
     const int plane = is_translation ? 5 : 9, rest_plane = is_translation ? 4 : 7;
     const BlockSlot next = next_span(slot);
-    if (slot.columns.block.flags & (is_translation ? REST_TRANSLATION : REST_SCALE)) {
+    if (slot.columns.flags & (is_translation ? REST_TRANSLATION : REST_SCALE)) {
         add_vector(stored_vec3(rest, rest_plane), slot.weight, first);
         if (two_spans) add_vector(stored_vec3(rest + LANES, rest_plane), slot.weight, second);
-    } else if (planes_of(slot.columns.block, property).first == NONE) {
+    } else if (planes_of(slot.columns, property).first == NONE) {
         add_vector(stored_vec3(slot.range, plane), slot.weight, first);
         if (two_spans) add_vector(stored_vec3(next.range, plane), slot.weight, second);
     } else {
@@ -250,7 +236,7 @@ INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, B
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
         add_rotation(tables, slot, rest, two_spans, &first->r, &second->r);
-        at_rest &= slot.columns.block.flags;
+        at_rest &= slot.columns.flags;
     }
     if (!(at_rest & REST_TRANSLATION))
         sum_property(tables, playback, layer, TRANSLATION, joint, rest, no_floats, two_spans,
@@ -264,7 +250,7 @@ INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, B
 // Returns the rotation of a slot, of length 1 and in the hemisphere of the rest.
 INLINE Quat unit_rotation(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    if (slot.columns.block.rotation_first != NONE && slot.columns.block.flags & NEAR_REST) {
+    if (slot.columns.block.rotation_first != NONE && slot.columns.flags & NEAR_REST) {
         const Quat q = quat_of(tables, slot);
         return quat_scale(q, near_unit_of(q));
     }
@@ -279,7 +265,7 @@ INLINE Local weighted_change(const ClipTables *tables, Playing playing, BlockSlo
     BlockSlot start = slot;
     const Rows first = { playing.first, playing.first, 0.0f, ROW_PARTS };
     start.rows = first;
-    const uint flags = slot.columns.block.flags;
+    const uint flags = slot.columns.flags;
     Local change = no_local();
     const Quat reference = unit_rotation(tables, start, rest);
     const Quat turned = quat_mul(quat_conjugate(reference), unit_rotation(tables, slot, rest));
@@ -312,7 +298,7 @@ APART Local sum_changes(const ClipTables *tables, Playback playback, uint layer,
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
         sum = local_add(sum, weighted_change(tables, playing, slot, rest));
-        *at_rest &= slot.columns.block.flags;
+        *at_rest &= slot.columns.flags;
     }
     return sum;
 }

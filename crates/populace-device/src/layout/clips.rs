@@ -56,7 +56,7 @@ device_struct! {
     }
 }
 
-pub use populace_clip::RowBlock;
+pub use populace_clip::{ROW_FLOATS, RowBlock};
 
 device_struct! {
     /// A clip bound to a body.
@@ -104,34 +104,55 @@ device_struct! {
     pub struct BoundBlock {
         /// First word of the rotations, or [`NONE`].
         pub rotation_first: u32,
-        /// Columns per rotation plane, and [`ROW_FLOATS`].
-        pub rotation_lanes: u32,
         /// First word of the translations, or [`NONE`].
         pub translation_first: u32,
-        /// Columns per translation plane, and [`ROW_FLOATS`].
-        pub translation_lanes: u32,
         /// First word of the scales, or [`NONE`].
         pub scale_first: u32,
-        /// Columns per scale plane, and [`ROW_FLOATS`].
-        pub scale_lanes: u32,
-        /// Bits of [`REST_TRANSLATION`], [`REST_SCALE`] and [`NEAR_REST`].
-        pub flags: u32,
+        /// A byte each, the lowest first: columns per rotation plane, per translation plane and per
+        /// scale plane; bits of [`REST_TRANSLATION`], [`REST_SCALE`], [`NEAR_REST`] and [`FLOATS`].
+        pub lanes_and_flags: u32,
     }
 }
 
+/// Bits of [`BoundBlock::lanes_and_flags`] that count the columns of a plane.
+const LANES_MOST: u32 = 0xff;
+/// The bit of [`BoundBlock::lanes_and_flags`] at which flags begin.
+const FLAGS_SHIFT: u32 = 24;
+
+/// Returns [`FLOATS`] if the lanes of a property have [`ROW_FLOATS`], else 0.
+const fn floats_of(lanes: u32) -> u32 {
+    if lanes & ROW_FLOATS == 0 { 0 } else { FLOATS }
+}
+
 impl BoundBlock {
-    /// Creates a block with the given flags.
+    /// Creates a block with the given flags of properties at rest.
     #[must_use]
-    pub const fn new(rows: &RowBlock, flags: u32) -> Self {
+    pub const fn new(rows: &RowBlock, rest: u32) -> Self {
+        let (r, t, s) = (rows.rotation_lanes, rows.translation_lanes, rows.scale_lanes);
+        let floats = floats_of(r) | floats_of(t) << 1 | floats_of(s) << 2;
         Self {
             rotation_first: rows.rotation_first,
-            rotation_lanes: rows.rotation_lanes,
             translation_first: rows.translation_first,
-            translation_lanes: rows.translation_lanes,
             scale_first: rows.scale_first,
-            scale_lanes: rows.scale_lanes,
-            flags,
+            lanes_and_flags: r & LANES_MOST
+                | (t & LANES_MOST) << 8
+                | (s & LANES_MOST) << 16
+                | (rest | floats) << FLAGS_SHIFT,
         }
+    }
+
+    /// Returns bits of [`REST_TRANSLATION`], [`REST_SCALE`], [`NEAR_REST`] and [`FLOATS`].
+    #[inline]
+    #[must_use]
+    pub const fn flags(&self) -> u32 {
+        self.lanes_and_flags >> FLAGS_SHIFT
+    }
+
+    /// Returns whether a property is stored as floats.
+    #[inline]
+    #[must_use]
+    pub const fn has_floats(&self) -> bool {
+        self.flags() & (FLOATS | FLOATS << 1 | FLOATS << 2) != 0
     }
 
     /// Returns the location of the columns.
@@ -140,11 +161,45 @@ impl BoundBlock {
     pub const fn rows(&self) -> RowBlock {
         RowBlock {
             rotation_first: self.rotation_first,
-            rotation_lanes: self.rotation_lanes,
+            rotation_lanes: self.lanes(0),
             translation_first: self.translation_first,
-            translation_lanes: self.translation_lanes,
+            translation_lanes: self.lanes(1),
             scale_first: self.scale_first,
-            scale_lanes: self.scale_lanes,
+            scale_lanes: self.lanes(2),
+        }
+    }
+
+    /// Returns the columns per plane of a property, and [`ROW_FLOATS`].
+    #[inline]
+    const fn lanes(&self, property: u32) -> u32 {
+        let floats = if self.flags() & FLOATS << property == 0 { 0 } else { ROW_FLOATS };
+        self.lanes_and_flags >> (8 * property) & LANES_MOST | floats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bound_blocks_keep_the_location_of_columns() {
+        for floats in 0..8_u32 {
+            let lanes = |property: u32| {
+                let flag = if floats >> property & 1 == 0 { 0 } else { ROW_FLOATS };
+                flag | (7 + property)
+            };
+            let rows = RowBlock {
+                rotation_first: 1,
+                rotation_lanes: lanes(0),
+                translation_first: 1 << 20,
+                translation_lanes: lanes(1),
+                scale_first: NONE,
+                scale_lanes: lanes(2),
+            };
+            let bound = BoundBlock::new(&rows, REST_SCALE | NEAR_REST);
+            assert_eq!(bound.rows(), rows);
+            assert_eq!(bound.flags(), REST_SCALE | NEAR_REST | (FLOATS * floats));
+            assert_eq!(bound.has_floats(), floats != 0);
         }
     }
 }

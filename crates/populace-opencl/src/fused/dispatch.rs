@@ -14,12 +14,6 @@ use crate::waits;
 
 /// Work-items of the wide form for each core: enough to balance the load.
 const ITEMS_PER_CORE: usize = 32;
-/// Work-groups of the grouped form for each core: enough to balance the load, and few enough that
-/// each fills its batches.
-const GROUPS_PER_CORE: usize = 8;
-/// Longest run of the grouped form, in full batches. Longer ones leave cores idle at the end of a
-/// frame.
-const BATCHES_MOST: usize = 6;
 
 /// Division of a frame among work-items, and their scratch memory.
 pub(super) enum Dispatch {
@@ -34,10 +28,8 @@ pub(super) enum Dispatch {
         is_taken: Buffer<u32>,
         desks: Buffer<Float4>,
     },
-    /// `fused_grouped.cl`: a work-group for a run of members, which go in batches. Matrices are in
-    /// local memory.
+    /// `fused_grouped.cl`: a work-group for a batch of members. Matrices are in local memory.
     Grouped {
-        cores: usize,
         shape: GroupShape,
         /// Joints of the largest body, padded; 0 before the first update.
         padded: usize,
@@ -65,11 +57,10 @@ impl Dispatch {
         kernel: &Kernel,
         shape: GroupShape,
     ) -> Result<Self, BackendError> {
-        let cores = device.info.compute_units as usize;
         let other_bytes = kernel.get_local_mem_size(device.device.id());
         let other_bytes =
             other_bytes.map_err(|e| device.failed("query a kernel's local memory", &e))?;
-        Ok(Self::Grouped { cores, shape, padded: 0, room: 0, other_bytes })
+        Ok(Self::Grouped { shape, padded: 0, room: 0, other_bytes })
     }
 
     /// Grows to the matrices of the largest body.
@@ -153,14 +144,11 @@ impl Dispatch {
                     .buffer("desks", desks);
                 (launch, WorkSize::of(members.div_ceil(run), 1))
             }
-            Self::Grouped { cores, shape, padded, room, .. } => {
+            Self::Grouped { shape, padded, room, .. } => {
                 let share = share_of(*padded, plain);
                 // Where only few of the largest body fit, others of the crowd fill whole batches.
                 let fit = *room / share;
-                let batch = if 2 * fit < shape.batch { shape.batch } else { shape.batch.min(fit) };
-                let run = members.div_ceil(cores * GROUPS_PER_CORE).next_multiple_of(batch);
-                // Groups of less than six work-items have fewer than six places.
-                let run = run.min(BATCHES_MOST * batch).min(shape.group);
+                let run = if 2 * fit < shape.batch { shape.batch } else { shape.batch.min(fit) };
                 let launch = launch.count("member_count", members).count("run", run);
                 let size = WorkSize::of(members.div_ceil(run) * shape.group, shape.group);
                 (local_memory(launch, (shape.batch * share).min(*room)), size)

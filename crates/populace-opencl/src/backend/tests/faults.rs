@@ -9,6 +9,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use populace_testkit::conformance::*;
 
 use super::*;
+use crate::program::GroupShape;
 
 /// Fails unless `check` notices that `right`, which the text of the form holds once, reads `wrong`.
 fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
@@ -20,6 +21,7 @@ fn caught(form: Form, right: &str, wrong: &str, check: fn(&mut dyn Backend)) {
     device.programs.lock().unwrap().insert((form, String::new()), program);
     let (schedule, lanes) = match form {
         Form::Wide { lanes } => (Schedule::FusedWide, lanes),
+        Form::Grouped(_) => (Schedule::FusedGrouped, GPU_SHAPE.lanes),
         _ => (Schedule::Staged, GPU_SHAPE.lanes),
     };
     let shape = DispatchShape { lanes, ..DispatchShape::of(&device).unwrap() };
@@ -335,7 +337,7 @@ faults! {
         lone_slots_need_no_weight: "0.0f && weight > LEAST_TOTAL" => "0.0f && weight > 0.0f";
     }
     check_far_rotations {
-        far_rotations_count_as_near: "else if (slot.columns.block.flags & NEAR_REST)" =>
+        far_rotations_count_as_near: "else if (slot.columns.flags & NEAR_REST)" =>
             "else if (true)";
         poses_beneath_count_as_near: "laid_rotation(beneath.r, *at_rest & NEAR_REST" =>
             "laid_rotation(beneath.r, true";
@@ -375,5 +377,20 @@ faults! {
         layers_read_floats_as_halves:
             "return show_layer(all, posing, lane, l, first, false, rest, shown);" =>
             "return show_layer(all, posing, lane, l, first, true, rest, shown);";
+    }
+}
+
+faults! {
+    Form::Grouped(GroupShape::of(GPU_SHAPE.fused_group)),
+    grouped_kernels_have_the_text_of_each_fault;
+    check_blends {
+        several_slots_count_as_one: "any & ~several & ~weak" => "any & ~weak";
+        parents_are_those_of_the_level_before: "parent = next_parent;" => "";
+    }
+    check_live_clips {
+        rotations_of_floats_are_read_as_halves:
+            "turn.floats ? " => "false ? ";
+        translations_of_floats_are_read_as_halves:
+            "shift.floats ? " => "false ? ";
     }
 }

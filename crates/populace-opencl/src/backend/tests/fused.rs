@@ -106,7 +106,7 @@ fn batches_cover_bodies_in_turn_with_little_local_memory() {
 #[test]
 fn body_too_large_for_local_memory_names_the_remedy() {
     // A member's share, and the list of the group: 64 joints fit, 80 do not.
-    let bytes_of = |padded| 16 * share_of(padded, false) as u64 + 8 * 128;
+    let bytes_of = |padded| 16 * share_of(padded, false) as u64 + 8 * 8;
     let available = bytes_of(64) + 100;
     let device = device_described_as(|info| info.local_memory_bytes = available);
     let mut backend = OpenClBackend::new(&device, Schedule::FusedGrouped).unwrap();
