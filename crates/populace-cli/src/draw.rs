@@ -173,8 +173,8 @@ impl Action for FilmedCrowd {
         Ok(())
     }
 
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        Ok(crowd.update(secs)?)
+    fn behave(&mut self, _: &mut Crowd, secs: f32) -> Result<f32, Failure> {
+        Ok(secs)
     }
 
     fn cameras(&self) -> Option<&Cameras> {

@@ -1,4 +1,4 @@
-//! The loop over frames: advance to the frame's time, draw from its camera, hand the picture on.
+//! The loop over frames: move on to a frame, evaluate and draw by its camera, hand the picture on.
 //!
 //! An [`Action`] moves the crowd and the camera, and a [`FrameSink`] takes the pictures.
 
@@ -20,26 +20,44 @@ use crate::report::message;
 /// Longest step of feet in seconds: they need several in each contact, at any frame rate.
 const FOOT_STEP_SECS: f32 = 0.041;
 
-/// Divides a frame into equal steps that are short enough for feet, and carries out each.
-pub(crate) fn in_foot_steps(
+/// Moves everybody on by `secs` in equal steps that are short enough for feet. Evaluates all but the
+/// last for the view that was set before, and returns the seconds of the last.
+pub(crate) fn in_foot_steps<A: Action>(
+    action: &mut A,
+    crowd: &mut Crowd,
     secs: f32,
-    mut step: impl FnMut(f32) -> Result<(), Failure>,
-) -> Result<(), Failure> {
+    step: fn(&mut A, &mut Crowd, f32) -> Result<(), Failure>,
+) -> Result<f32, Failure> {
     let steps = (secs / FOOT_STEP_SECS).ceil().max(1.0);
-    let mut done = 0.0;
+    let step_secs = secs / steps;
+    let mut done = 1.0;
     while done < steps {
-        step(secs / steps)?;
+        step(action, crowd, step_secs)?;
+        action.evaluate(crowd, step_secs)?;
         done += 1.0;
     }
-    Ok(())
+    step(action, crowd, step_secs)?;
+    Ok(step_secs)
 }
 
 /// Moves a crowd through time, and places the camera.
 pub(crate) trait Action {
-    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`]. Called
-    /// in the same steps for every frame, drawn or not, from frame 0 on, so that a frame does not
-    /// depend on those that are drawn before it.
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure>;
+    /// Moves everybody on by `secs`, 0 for frame 0. May do so in several steps and evaluate all but
+    /// the last; returns its seconds, which are left to [`evaluate`](Self::evaluate). Called in the
+    /// same steps for every frame, drawn or not, from frame 0 on, so that a frame does not depend
+    /// on those that are drawn before it.
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, Failure>;
+
+    /// Evaluates the crowd by [`Crowd::update`], `secs` after the last evaluation.
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        Ok(crowd.update(secs)?)
+    }
+
+    /// Moves everybody on by `secs` and evaluates the crowd.
+    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        let left_secs = self.behave(crowd, secs)?;
+        self.evaluate(crowd, left_secs)
+    }
 
     /// Returns the milliseconds that behaviours and avoidance have taken since the last call.
     fn take_behave_ms(&mut self) -> f64 {
@@ -50,9 +68,10 @@ pub(crate) trait Action {
     /// the first camera is asked for.
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure>;
 
-    /// Returns the camera `secs` after frame 0. Called before the crowd is advanced to this time,
-    /// for the view, and after it, for the picture; cameras that go with people of a scene are
-    /// where those are at the call.
+    /// Returns the camera `secs` after frame 0, the time to which everybody was moved. Called
+    /// before the crowd is evaluated, for the view, and after it, for the picture. The two differ
+    /// only in how a head moves over the body, or over the vehicle: a camera `follow` or `eye` of a
+    /// scene goes with the head, which is known after the evaluation.
     fn camera(&self, secs: f64) -> Result<Camera, Failure>;
 
     /// Returns the cameras; `None` before [`set_aspect`](Self::set_aspect).
@@ -126,8 +145,7 @@ impl FrameLoop<'_> {
         let Some(last) = (self.frames.first..=self.frames.last).rev().find(wanted) else {
             return Ok((times, Drawn::default()));
         };
-        self.look(crowd, action, 0.0)?;
-        let mut spent = animate(crowd, action, 0.0)?;
+        let mut spent = self.animate(crowd, action, (0.0, 0.0))?;
         let mut renderer = renderer.inspect_err(|_| {
             message!("{:.2} ms to animate a frame, but it cannot be drawn:", spent.animate);
         })?;
@@ -147,8 +165,8 @@ impl FrameLoop<'_> {
             let camera_secs = action.cameras().map_or(moment.secs, within);
             // The first moment is evaluated already.
             if moment.secs > now_secs {
-                self.look(crowd, action, camera_secs)?;
-                spent.add(&animate(crowd, action, single(moment.secs - now_secs))?);
+                let step_secs = single(moment.secs - now_secs);
+                spent.add(&self.animate(crowd, action, (step_secs, camera_secs))?);
                 now_secs = moment.secs;
             }
             // Once for all pictures of a frame: another process may write its file meanwhile.
@@ -199,6 +217,24 @@ impl FrameLoop<'_> {
         }
         let person = |member| action.person(member);
         renderer.pixel_facts(crowd, camera, self.scene, &person).map(Some)
+    }
+
+    /// Moves the action on by `secs`, evaluates the crowd for the camera of a time, waits for the
+    /// device, and returns the milliseconds that they took.
+    fn animate(
+        &self,
+        crowd: &mut Crowd,
+        action: &mut dyn Action,
+        (secs, camera_secs): (f32, f64),
+    ) -> Result<Spent, Failure> {
+        let start = Instant::now();
+        let left_secs = action.behave(crowd, secs)?;
+        self.look(crowd, action, camera_secs)?;
+        action.evaluate(crowd, left_secs)?;
+        crowd.finish()?;
+        let (all, behave) = (ms_since(start), action.take_behave_ms());
+        let view = crowd.frame_times().view_ms;
+        Ok(Spent { behave, animate: all - behave, view, draw: 0.0 })
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -254,16 +290,6 @@ fn median(ms: &[f64]) -> Option<f64> {
     sorted.get(sorted.len() / 2).copied()
 }
 
-/// Advances the action, waits for the device, and returns the milliseconds that they took.
-fn animate(crowd: &mut Crowd, action: &mut dyn Action, secs: f32) -> Result<Spent, Failure> {
-    let start = Instant::now();
-    action.advance(crowd, secs)?;
-    crowd.finish()?;
-    let (all, behave) = (ms_since(start), action.take_behave_ms());
-    let view = crowd.frame_times().view_ms;
-    Ok(Spent { behave, animate: all - behave, view, draw: 0.0 })
-}
-
 impl FrameTimes {
     fn add_animated(&mut self, spent: &Spent) {
         self.behave.push(spent.behave);
@@ -287,7 +313,9 @@ impl FrameTimes {
 mod tests {
     use std::cell::RefCell;
 
-    use populace::Device;
+    use glam::{Quat, Vec3};
+    use populace::interop::Visibility;
+    use populace::{Device, Placement};
     use populace_film::FrameRate;
     use populace_render::Renderer;
 
@@ -299,8 +327,8 @@ mod tests {
     struct Moves(RefCell<Vec<Camera>>);
 
     impl Action for Moves {
-        fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-            Ok(crowd.update(secs)?)
+        fn behave(&mut self, _: &mut Crowd, secs: f32) -> Result<f32, Failure> {
+            Ok(secs)
         }
 
         fn set_aspect(&mut self, _aspect: f32) -> Result<(), Failure> {
@@ -330,6 +358,33 @@ mod tests {
         }
     }
 
+    /// A camera that has turned to +X from +Z by an angle in radians.
+    struct Turns(f32);
+
+    impl Action for Turns {
+        fn behave(&mut self, _: &mut Crowd, secs: f32) -> Result<f32, Failure> {
+            self.0 += 6.0 * secs;
+            Ok(secs)
+        }
+
+        fn set_aspect(&mut self, _aspect: f32) -> Result<(), Failure> {
+            Ok(())
+        }
+
+        fn camera(&self, _secs: f64) -> Result<Camera, Failure> {
+            let target = Vec3::Y + Quat::from_rotation_y(self.0) * Vec3::Z;
+            Ok(Camera { eye: [0.0, 1.0, 0.0], target: target.to_array(), ..Camera::default() })
+        }
+
+        fn cameras(&self) -> Option<&Cameras> {
+            None
+        }
+
+        fn person(&self, _member: MemberId) -> Option<u64> {
+            None
+        }
+    }
+
     struct Nowhere;
 
     impl FrameSink for Nowhere {
@@ -346,18 +401,40 @@ mod tests {
         }
     }
 
+    /// Plays two frames of a crowd, a tenth of a second apart.
+    fn play(crowd: &mut Crowd, action: &mut dyn Action, shutter: Shutter, detail: Option<f32>) {
+        let renderer = Renderer::headless([16, 16]).expect("a renderer");
+        let renderer = CrowdRenderer::new(renderer, crowd, &[], &[]);
+        let rate = FrameRate::new(10, 1).expect("a rate");
+        let frames = Frames::film(&(0..=1), rate, shutter);
+        let scene = &Scene::default();
+        let frame_loop = FrameLoop { frames, size: [16, 16], scene, detail };
+        frame_loop.play(crowd, action, renderer, &mut Nowhere).expect("frames");
+    }
+
+    #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+    #[test]
+    fn members_are_hidden_by_the_camera_of_their_frame() {
+        let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
+        let man = populace_cast::person(&populace_cast::Look::man()).expect("a person");
+        let man = crowd.add_character(man).expect("a character");
+        // In the middle of the picture of the last frame, and of that of the first.
+        let [seen, passed] = [0.6, 0.0].map(|turn_rad| {
+            let at = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.0, 20.0);
+            crowd.spawn(man, Placement::at(at.to_array())).expect("room for a member")
+        });
+        play(&mut crowd, &mut Turns(0.0), Shutter::INSTANT, Some(1.0));
+        let visibility = |member| crowd.member(member).expect("a member").instance().visibility;
+        assert_eq!(visibility(seen), Visibility::InView);
+        assert_ne!(visibility(passed), Visibility::InView);
+    }
+
     #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
     #[test]
     fn overlays_have_the_camera_of_their_depths() {
         let mut crowd = Crowd::builder().device(Device::native()).build().expect("a crowd");
-        let renderer = Renderer::headless([16, 16]).expect("a renderer");
-        let renderer = CrowdRenderer::new(renderer, &mut crowd, &[], &[]);
-        let rate = FrameRate::new(10, 1).expect("a rate");
-        let frames = Frames::film(&(0..=1), rate, Shutter::degrees(180.0));
-        let scene = &Scene::default();
-        let frame_loop = FrameLoop { frames, size: [16, 16], scene, detail: None };
         let mut action = Moves::default();
-        frame_loop.play(&mut crowd, &mut action, renderer, &mut Nowhere).expect("frames");
+        play(&mut crowd, &mut action, Shutter::degrees(180.0), None);
         let wanted = [0.0, 0.1].map(|secs| action.camera(secs).expect("a camera"));
         assert_eq!(action.0.into_inner(), wanted);
     }

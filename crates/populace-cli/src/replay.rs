@@ -308,9 +308,7 @@ impl ReplayAction {
         self.place.change(crowd, self.replay.secs())?;
         self.overlays.dress(crowd, &self.recording, &self.replay)?;
         self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
-        self.metered.find(crowd, &self.replay)?;
-        crowd.update(secs)?;
-        self.metered.sample(crowd, secs)
+        self.metered.find(crowd, &self.replay)
     }
 
     /// Puts the legend where it covers the fewest people in pictures of a size: in a still, or in a
@@ -377,8 +375,13 @@ impl Action for ReplayAction {
         std::mem::take(&mut self.behave_ms)
     }
 
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        in_foot_steps(secs, |secs| self.step(crowd, secs))
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, Failure> {
+        in_foot_steps(self, crowd, secs, Self::step)
+    }
+
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        crowd.update(secs)?;
+        self.metered.sample(crowd, secs)
     }
 
     fn set_aspect(&mut self, aspect: f32) -> Result<(), Failure> {

@@ -247,8 +247,12 @@ impl Show for ActionShow {
         Ok(self.action.camera(secs)?)
     }
 
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
-        Ok(self.action.advance(crowd, secs)?)
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, ShowError> {
+        Ok(self.action.behave(crowd, secs)?)
+    }
+
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
+        Ok(self.action.evaluate(crowd, secs)?)
     }
 
     fn rewind(&mut self) {

@@ -47,12 +47,21 @@ pub trait Show {
     /// A camera that cannot be had.
     fn camera(&self, secs: f64) -> Result<Camera, ShowError>;
 
-    /// Advances the crowd by `secs`, 0 for frame 0, and evaluates it by [`Crowd::update`].
+    /// Moves everybody on by `secs`, 0 for frame 0. May do so in several steps and evaluate all but
+    /// the last; returns its seconds, which are left to [`evaluate`](Self::evaluate). The window
+    /// sets the view of the crowd in between, by the [`camera`](Self::camera) of the new time.
     ///
     /// # Errors
     ///
     /// Errors of the crowd, and those of the show.
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError>;
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, ShowError>;
+
+    /// Evaluates the crowd by [`Crowd::update`], `secs` after the last evaluation.
+    ///
+    /// # Errors
+    ///
+    /// Errors of the crowd, and those of the show.
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError>;
 
     /// Returns to the time before frame 0. The crowd has been brought back to it.
     fn rewind(&mut self);

@@ -136,10 +136,16 @@ impl Stage {
 
     /// Evaluates frame 0.
     fn begin(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
-        self.look(0.0, seen)?;
-        self.show.advance(&mut self.crowd, 0.0).map_err(Error::Show)?;
+        self.advance(0.0, 0.0, seen)?;
         self.secs = 0.0;
         Ok(())
+    }
+
+    /// Moves the show on by `step_secs`, and evaluates the crowd for the camera of the time `secs`.
+    fn advance(&mut self, step_secs: f32, secs: f64, seen: &Seen<'_>) -> Result<(), Error> {
+        let left_secs = self.show.behave(&mut self.crowd, step_secs).map_err(Error::Show)?;
+        self.look(secs, seen)?;
+        self.show.evaluate(&mut self.crowd, left_secs).map_err(Error::Show)
     }
 
     /// Sets the view that the crowd is evaluated for.
@@ -154,12 +160,11 @@ impl Stage {
     /// Goes on to a later time in one step.
     fn step(&mut self, secs: f64, steering: Steering, seen: &Seen<'_>) -> Result<(), Error> {
         let start = Instant::now();
-        self.look(secs, seen)?;
         #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32")]
         let step_secs = (secs - self.secs) as f32;
         self.walk(steering, step_secs).map_err(|e| Error::Show(e.into()))?;
         self.falls.step(&mut self.crowd, step_secs).map_err(|e| Error::Show(e.into()))?;
-        self.show.advance(&mut self.crowd, step_secs).map_err(Error::Show)?;
+        self.advance(step_secs, secs, seen)?;
         self.crowd.finish()?;
         self.secs = secs;
         self.animate_ms = start.elapsed().as_secs_f64() * 1e3;

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 use populace::character::{Character, Region};
 use populace::{Crowd, MemberId};
 use populace_locomotion::GaitSpace;
@@ -38,8 +38,19 @@ pub(super) struct LiveScene {
     eyes_m: Vec<f32>,
     /// The person that the camera goes with.
     filmed: Option<usize>,
+    /// Its eyes; `None` before they were evaluated.
+    eyes: Option<Eyes>,
     /// Corners of the boxes around things.
     things: Vec<[f32; 3]>,
+}
+
+/// The eyes of a person after an evaluation.
+#[derive(Clone, Copy)]
+struct Eyes {
+    /// The person, or the vehicle that carries it.
+    on: MemberId,
+    /// Where they are from there, in metres along its axes.
+    from_there_m: Vec3,
 }
 
 /// The roles of each cast, by its name.
@@ -98,29 +109,53 @@ impl LiveScene {
             poses: Past::default(),
             eyes_m,
             filmed: None,
+            eyes: None,
             things,
         };
         scene.note_poses(crowd, 0.0)?;
         Ok((scene, LoadedRoles { roles, files }))
     }
 
-    /// Notes where people are, `secs` after the last time.
-    fn note_poses(&mut self, crowd: &mut Crowd, secs: f64) -> Result<(), Failure> {
+    /// Notes where people have moved to, `secs` after the last time. Until they are evaluated, the
+    /// eyes of the person that the camera goes with have moved with its body or its vehicle.
+    fn note_poses(&mut self, crowd: &Crowd, secs: f64) -> Result<(), Failure> {
         let mut poses = Vec::with_capacity(self.people.len());
         for (member, eye_m) in self.people.iter().zip(&self.eyes_m) {
             let placement = crowd.member(*member)?.placement();
             let (position, heading_rad) = (placement.position(), placement.yaw_rad());
             poses.push(Pose { position, heading_rad, eye_m: *eye_m });
         }
-        // Who sits, rides or lies sees from elsewhere than over its placement.
-        if let Some((member, pose)) =
-            self.filmed.and_then(|nth| Some((*self.people.get(nth)?, poses.get_mut(nth)?)))
-            && let Some(eyes) = eyes(crowd, member)?
-        {
+        self.poses.pass(secs, poses);
+        if let Some(Eyes { on, from_there_m }) = self.eyes {
+            let placement = crowd.member(on)?.placement();
+            let turn = Quat::from_rotation_y(placement.yaw_rad());
+            self.see_from(Vec3::from(placement.position()) + turn * from_there_m);
+        }
+        Ok(())
+    }
+
+    /// Notes where the eyes of the person that the camera goes with are, after an evaluation.
+    fn note_eyes(&mut self, crowd: &mut Crowd) -> Result<(), Failure> {
+        let Some(member) = self.filmed.and_then(|nth| self.people.get(nth).copied()) else {
+            return Ok(());
+        };
+        if let Some(eyes) = eyes(crowd, member)? {
+            self.see_from(eyes);
+            let on = crowd.member(member)?.attached_to().map_or(member, |(vehicle, _)| vehicle);
+            let placement = crowd.member(on)?.placement();
+            let back = Quat::from_rotation_y(-placement.yaw_rad());
+            let from_there_m = back * (eyes - Vec3::from(placement.position()));
+            self.eyes = Some(Eyes { on, from_there_m });
+        }
+        Ok(())
+    }
+
+    /// Puts the person that the camera goes with below its eyes: who sits, rides or lies sees from
+    /// elsewhere than over its placement.
+    fn see_from(&mut self, eyes: Vec3) {
+        if let Some(pose) = self.filmed.and_then(|nth| self.poses.now.get_mut(nth)) {
             pose.position = (eyes - pose.eye_m * Vec3::Y).to_array();
         }
-        self.poses.pass(secs, poses);
-        Ok(())
     }
 }
 
@@ -335,6 +370,14 @@ impl FilmedScene {
         }
     }
 
+    fn step(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        let start = Instant::now();
+        self.live.behaviours.advance(crowd, secs)?;
+        self.live.stage.light(crowd, self.live.behaviours.lights())?;
+        self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
+        self.live.note_poses(crowd, f64::from(secs))
+    }
+
     /// The things that have happened.
     pub(super) fn counts(&self) -> Counts {
         self.live.behaviours.counts()
@@ -347,15 +390,13 @@ impl Action for FilmedScene {
         Ok(())
     }
 
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
-        in_foot_steps(secs, |secs| {
-            let start = Instant::now();
-            self.live.behaviours.advance(crowd, secs)?;
-            self.live.stage.light(crowd, self.live.behaviours.lights())?;
-            self.behave_ms += start.elapsed().as_secs_f64() * 1e3;
-            Ok(crowd.update(secs)?)
-        })?;
-        self.live.note_poses(crowd, f64::from(secs))
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, Failure> {
+        in_foot_steps(self, crowd, secs, Self::step)
+    }
+
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Failure> {
+        crowd.update(secs)?;
+        self.live.note_eyes(crowd)
     }
 
     fn take_behave_ms(&mut self) -> f64 {
@@ -382,9 +423,13 @@ impl crate::watched::Watched for FilmedScene {
     fn rewind(&mut self) {
         (self.live.behaviours, self.live.stage) = self.first.clone();
         self.live.poses.forget();
+        self.live.eyes = None;
     }
 
     fn leads_members(&self) -> bool {
         true
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -19,16 +19,20 @@ pub(super) struct Past {
 }
 
 impl Past {
-    /// Goes on by `secs` to other poses.
+    /// Goes on by `secs` to other poses. With 0, they take the place of the present ones.
     pub(super) fn pass(&mut self, secs: f64, now: Vec<Pose>) {
-        self.earlier.push_back((0.0, std::mem::replace(&mut self.now, now)));
+        let before = std::mem::replace(&mut self.now, now);
+        if secs == 0.0 {
+            return;
+        }
+        self.earlier.push_back((0.0, before));
         self.earlier.iter_mut().for_each(|(since, _)| *since += secs);
         while self.earlier.get(1).is_some_and(|(since, _)| *since >= KEPT_SECS) {
             self.earlier.pop_front();
         }
     }
 
-    /// Forgets all earlier poses.
+    /// Forgets all earlier poses. The next ones take the place of the present ones.
     #[cfg(feature = "viewer")]
     pub(super) fn forget(&mut self) {
         self.earlier.clear();
@@ -73,7 +77,8 @@ mod tests {
         }
         assert_eq!(past.before(0, 0.27).map(|pose| pose.heading_rad), Some(7.0));
         assert_eq!(past.before(1, 0.0), None);
-        past.pass(0.0, at(11.0));
-        assert!(past.before(0, 0.05).is_some_and(|pose| pose.position[0].is_finite()));
+        past.pass(0.0, at(12.0));
+        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        assert_eq!([x(0.0), x(0.1)], [Some(12.0), Some(9.0)]);
     }
 }

@@ -1,7 +1,9 @@
 use std::f32::consts::{PI, TAU};
 use std::sync::{Arc, Mutex};
 
+use glam::Quat;
 use populace::Device;
+use populace::interop::Visibility;
 use populace_cast::Look;
 
 use super::*;
@@ -17,6 +19,9 @@ struct Noted {
     steps: Arc<Mutex<Vec<f32>>>,
     rewinds: Arc<Mutex<u32>>,
     leads_members: bool,
+    /// Turn of the camera from +Z to +X, in radians in a second; and how far it has turned.
+    turn_rad_per_sec: f32,
+    turn_rad: f32,
 }
 
 impl Show for Noted {
@@ -41,7 +46,7 @@ impl Show for Noted {
     }
 
     fn detail_px(&self) -> Option<f32> {
-        None
+        (self.turn_rad_per_sec != 0.0).then_some(1.0)
     }
 
     fn set_aspect(&mut self, _aspect: f32) -> Result<(), ShowError> {
@@ -49,11 +54,17 @@ impl Show for Noted {
     }
 
     fn camera(&self, _secs: f64) -> Result<Camera, ShowError> {
-        Ok(Camera::default())
+        let target = Vec3::Y + Quat::from_rotation_y(self.turn_rad) * Vec3::Z;
+        Ok(Camera { eye: [0.0, 1.0, 0.0], target: target.to_array(), ..Camera::default() })
     }
 
-    fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
+    fn behave(&mut self, _: &mut Crowd, secs: f32) -> Result<f32, ShowError> {
         self.steps.lock().expect("the steps").push(secs);
+        self.turn_rad += self.turn_rad_per_sec * secs;
+        Ok(secs)
+    }
+
+    fn evaluate(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), ShowError> {
         Ok(crowd.update(secs)?)
     }
 
@@ -163,6 +174,23 @@ fn walk(stage: &mut Stage, secs: f64) {
         let forward = Steering { forward: 1.0, ..Steering::default() };
         stage.play(0.0217, forward, &SEEN).expect("a step");
     }
+}
+
+#[test]
+fn members_are_hidden_by_the_camera_of_their_frame() {
+    let (mut stage, members) = open(Noted { turn_rad_per_sec: 20.0, ..Noted::default() });
+    // In the middle of the picture before the step, and of that after it.
+    for (member, turn_rad) in members.into_iter().zip([0.0, 0.6]) {
+        let at = Quat::from_rotation_y(turn_rad) * Vec3::new(0.0, 0.0, 20.0);
+        let mut member = stage.crowd.member_mut(member).expect("a member");
+        member.set_placement(Placement::at(at.to_array())).expect("a place");
+    }
+    stage.play(0.03, Steering::default(), &SEEN).expect("a step");
+    let visible = members.map(|member| {
+        let member = stage.crowd.member(member).expect("a member");
+        member.instance().visibility == Visibility::InView
+    });
+    assert_eq!(visible, [false, true]);
 }
 
 #[test]
