@@ -2,11 +2,13 @@
 //!
 //! An [`Action`] moves the crowd and the camera, and a [`FrameSink`] takes the pictures.
 
+mod times;
+
 use std::time::Instant;
 
 use populace::character::Image;
 use populace::{Crowd, MemberId};
-use populace_render::{Camera, Drawn, PassTimes, Scene};
+use populace_render::{Camera, Drawn, Scene};
 
 use crate::camera::Cameras;
 use crate::crowd_renderer::CrowdRenderer;
@@ -16,6 +18,8 @@ use crate::frames::{Frames, single};
 use crate::image_files::PixelFacts;
 use crate::progress::Progress;
 use crate::report::message;
+pub(crate) use times::FrameTimes;
+use times::{Spent, ms_since};
 
 /// Longest step of feet in seconds: they need several in each contact, at any frame rate.
 const FOOT_STEP_SECS: f32 = 0.041;
@@ -243,69 +247,6 @@ impl FrameLoop<'_> {
             crowd.set_view(Some(action.camera(secs)?.view(self.size, self.scene, detail)?))?;
         }
         Ok(())
-    }
-}
-
-/// Times of frames in milliseconds.
-#[derive(Default)]
-pub(crate) struct FrameTimes {
-    /// From the start of the update to the written file.
-    total: Vec<f64>,
-    behave: Vec<f64>,
-    animate: Vec<f64>,
-    /// The part of `animate` that chose visibility and levels of detail.
-    view: Vec<f64>,
-    draw: Vec<f64>,
-    passes: Vec<PassTimes>,
-}
-
-/// Milliseconds that a frame has taken so far.
-#[derive(Default)]
-struct Spent {
-    behave: f64,
-    animate: f64,
-    view: f64,
-    draw: f64,
-}
-
-impl Spent {
-    fn add(&mut self, other: &Self) {
-        self.behave += other.behave;
-        self.animate += other.animate;
-        self.view += other.view;
-        self.draw += other.draw;
-    }
-}
-
-/// Returns the milliseconds since `start`.
-fn ms_since(start: Instant) -> f64 {
-    start.elapsed().as_secs_f64() * 1e3
-}
-
-/// Returns the median, the upper of the two middle values if their number is even; `None` if there
-/// are no values.
-fn median(ms: &[f64]) -> Option<f64> {
-    let mut sorted = ms.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
-}
-
-impl FrameTimes {
-    fn add_animated(&mut self, spent: &Spent) {
-        self.behave.push(spent.behave);
-        self.animate.push(spent.animate);
-        self.view.push(spent.view);
-    }
-
-    /// Returns the median of one pass.
-    pub(crate) fn pass(&self, of: fn(&PassTimes) -> f64) -> f64 {
-        median(&self.passes.iter().map(of).collect::<Vec<_>>()).unwrap_or_default()
-    }
-
-    /// Returns the medians of `total`, `behave`, `animate`, `view` and `draw`.
-    pub(crate) fn medians(&self) -> [f64; 5] {
-        [&self.total, &self.behave, &self.animate, &self.view, &self.draw]
-            .map(|ms| median(ms).unwrap_or_default())
     }
 }
 

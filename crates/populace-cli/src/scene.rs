@@ -1,5 +1,6 @@
 //! Draws scenes: `populace render street.toml`, and the street of `populace demo`.
 
+mod cast;
 mod clips;
 mod counts;
 mod live;

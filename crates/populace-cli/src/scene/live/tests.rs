@@ -1,5 +1,6 @@
 use clap::{Args, FromArgMatches};
 use populace::Device;
+use populace_scene::plan::ScenePlan;
 
 use super::*;
 use crate::cli::PictureArgs;
