@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use populace::interop::Visibility;
-use populace::{Crowd, CrowdBuilder, Instance, ViewStatistics};
+use populace::{Crowd, CrowdBuilder};
 use populace_film::FilmSettings;
 use populace_render::{Drawn, Preset, Renderer, Scene};
 use serde_json::{Value, json};
@@ -118,7 +117,8 @@ impl Filmed {
         let Self { frames, skipped, times, drawn, out } = self;
         let count = frames.count();
         let [total, behave, animate, view_ms, draw] = times.medians();
-        let people = people(crowd, action);
+        // A place, vehicles and what people hold are members too.
+        let people = crowd.view_statistics_of(|member| action.person(member).is_some());
         let in_view = people.levels.iter().sum::<usize>();
         let members = in_view + people.shadow_only + people.hidden;
         // None are drawn if all frames existed.
@@ -172,25 +172,6 @@ impl Filmed {
         });
         report::json(&report::with_fields(document, more))
     }
-}
-
-/// Counts the people of a crowd by what the last update chose for them. A place, vehicles and what
-/// people hold are members too.
-fn people(crowd: &Crowd, action: &dyn Action) -> ViewStatistics {
-    let mut counts = ViewStatistics::default();
-    for person in crowd.members().filter(|member| action.person(member.id()).is_some()) {
-        let Instance { visibility, level, .. } = person.instance();
-        match visibility {
-            Visibility::InView => {
-                let level = level as usize;
-                counts.levels.resize(counts.levels.len().max(level + 1), 0);
-                counts.levels[level] += 1;
-            }
-            Visibility::ShadowOnly => counts.shadow_only += 1,
-            Visibility::Hidden => counts.hidden += 1,
-        }
-    }
-    counts
 }
 
 /// Builds a crowd, and keeps the program's way to end.

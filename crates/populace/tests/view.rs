@@ -9,7 +9,8 @@ use populace::interop::{View, Visibility};
 use populace::model::{JointSource, Skeleton};
 use populace::{
     Affine, BackendError, ClipPlayback, Crowd, Device, Error, JointIndex, JointOverride,
-    LiveSettings, MemberId, MemberLook, Placement, Schedule, Space, Target, Trs, Weight,
+    LiveSettings, MemberId, MemberLook, Placement, Schedule, Space, Target, Trs, ViewStatistics,
+    Weight,
 };
 
 /// Joints that are left at the second level.
@@ -89,6 +90,17 @@ impl Scene {
 
 const AHEAD: [f32; 3] = [0.0, -1.0, -10.0];
 const BEHIND: [f32; 3] = [0.0, -1.0, 10.0];
+
+#[test]
+fn statistics_count_all_members_or_some() {
+    let mut scene = Scene::new(Device::native(), Schedule::Fused, &[AHEAD, BEHIND, BEHIND]);
+    scene.crowd.set_view(Some(view(0.0))).unwrap();
+    scene.crowd.update(0.0).unwrap();
+    let counts = |levels, hidden| ViewStatistics { levels, hidden, shadow_only: 0 };
+    assert_eq!(scene.crowd.view_statistics(), counts(vec![1], 2));
+    let but_first = |member| member != scene.members[0];
+    assert_eq!(scene.crowd.view_statistics_of(but_first), counts(vec![], 2));
+}
 
 #[test]
 fn hidden_members_are_not_posed_and_go_on_as_if_they_had_been() {

@@ -9,7 +9,7 @@ use super::attach::Attachments;
 use super::base::{Assets, Base, CharacterState, MemberState, Reach, Seen};
 use super::motion::RootMotion;
 use super::state::{State, offset};
-use super::{CharacterId, Crowd};
+use super::{CharacterId, Crowd, MemberId};
 use crate::{Allowed, Error, Placement};
 
 /// A member changes to a coarser level only where that one is finer than needed by this factor, so
@@ -63,8 +63,16 @@ impl Crowd {
     /// Counts the members by what the last update chose for them.
     #[must_use]
     pub fn view_statistics(&self) -> ViewStatistics {
+        self.view_statistics_of(|_| true)
+    }
+
+    /// Counts those members for which `is_counted` returns true, as
+    /// [`view_statistics`](Self::view_statistics) counts all.
+    #[must_use]
+    pub fn view_statistics_of(&self, is_counted: impl Fn(MemberId) -> bool) -> ViewStatistics {
         let mut counts = ViewStatistics::default();
-        let members = self.state.base.members.all.iter().filter(|m| m.character.is_some());
+        let counted = self.members().map(|member| member.id()).filter(|id| is_counted(*id));
+        let members = counted.map(|id| &self.state.base.members.all[id.number() as usize]);
         for Seen { visibility, level } in members.map(|member| member.seen) {
             match visibility {
                 Visibility::InView => {
