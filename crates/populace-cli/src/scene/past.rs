@@ -9,6 +9,9 @@ use crate::frames::single;
 
 /// Time for which poses are kept, in seconds: as long as cameras look back.
 const KEPT_SECS: f64 = 0.6;
+/// Metres per second above which a person has not moved, but was put elsewhere: a vehicle at the
+/// end of its lane begins again.
+const FASTEST_M_PER_SEC: f32 = 100.0;
 
 /// The present and the latest poses of people.
 #[derive(Default)]
@@ -38,25 +41,57 @@ impl Past {
         self.earlier.clear();
     }
 
-    /// Returns where a person was `secs` ago; where it is now for times to come, and the earliest
-    /// pose that is known for times before it.
+    /// Returns where a person was `secs` ago: the earliest pose that is known for times before it.
+    /// For times to come, goes on along the line that fits the known poses best, so that cameras
+    /// that average the way of a person do not fall behind.
     pub(super) fn before(&self, id: u64, secs: f64) -> Option<Pose> {
         let nth = usize::try_from(id).ok()?;
-        let mut later = (0.0, *self.now.get(nth)?);
-        for (since, poses) in self.earlier.iter().rev() {
-            if secs <= later.0 {
-                break;
-            }
-            let Some(earlier) = poses.get(nth) else { break };
-            if secs < *since {
+        let now = *self.now.get(nth)?;
+        if secs < 0.0 {
+            return Some(Pose { position: self.ahead(nth, now, single(-secs)).to_array(), ..now });
+        }
+        let mut later = (0.0, now);
+        for (since, earlier) in self.known(nth, now) {
+            if secs < since {
                 let share = single((secs - later.0) / (since - later.0));
-                let [from, to] = [later.1, *earlier].map(|pose| Vec3::from(pose.position));
-                let position = from.lerp(to, share).to_array();
-                return Some(Pose { position, ..if share < 0.5 { later.1 } else { *earlier } });
+                let [from, to] = [later.1, earlier].map(|pose| Vec3::from(pose.position));
+                let nearer = if share < 0.5 { later.1 } else { earlier };
+                return Some(Pose { position: from.lerp(to, share).to_array(), ..nearer });
             }
-            later = (*since, *earlier);
+            later = (since, earlier);
         }
         Some(later.1)
+    }
+
+    /// Returns the earlier poses of a person since it was last put elsewhere, the latest first, and
+    /// the seconds that have passed since each.
+    fn known(&self, nth: usize, now: Pose) -> impl Iterator<Item = (f64, Pose)> {
+        let all = self.earlier.iter().rev();
+        all.map_while(move |(since, poses)| Some((*since, *poses.get(nth)?))).scan(
+            (0.0, now),
+            |later, earlier| {
+                let way = Vec3::from(later.1.position).distance(Vec3::from(earlier.1.position));
+                let moved = way <= FASTEST_M_PER_SEC * single(earlier.0 - later.0);
+                *later = earlier;
+                moved.then_some(earlier)
+            },
+        )
+    }
+
+    /// Returns where a person will be in `secs`, on the line of least squares through the known
+    /// poses.
+    fn ahead(&self, nth: usize, now: Pose, secs: f32) -> Vec3 {
+        let known = || std::iter::once((0.0, now)).chain(self.known(nth, now));
+        let points = || known().map(|(since, pose)| (-single(since), Vec3::from(pose.position)));
+        let count = points().fold(0.0, |count, _| count + 1.0);
+        let middle_secs = points().map(|(at, _)| at).sum::<f32>() / count;
+        let middle = points().map(|(_, point)| point).sum::<Vec3>() / count;
+        let spread: f32 = points().map(|(at, _)| (at - middle_secs).powi(2)).sum();
+        if spread == 0.0 {
+            return middle;
+        }
+        let rise: Vec3 = points().map(|(at, point)| (at - middle_secs) * (point - middle)).sum();
+        middle + (secs - middle_secs) * rise / spread
     }
 }
 
@@ -72,7 +107,7 @@ mod tests {
             past.pass(0.1, at(f32::from(step)));
         }
         let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
-        for (secs, expected) in [(-1.0, 10.0), (0.0, 10.0), (0.1, 9.0), (0.25, 7.5), (9.0, 4.0)] {
+        for (secs, expected) in [(-1.0, 20.0), (0.0, 10.0), (0.1, 9.0), (0.25, 7.5), (9.0, 4.0)] {
             assert!(x(secs).is_some_and(|x| (x - expected).abs() < 1e-4), "{secs}: {:?}", x(secs));
         }
         assert_eq!(past.before(0, 0.27).map(|pose| pose.heading_rad), Some(7.0));
@@ -80,5 +115,18 @@ mod tests {
         past.pass(0.0, at(12.0));
         let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
         assert_eq!([x(0.0), x(0.1)], [Some(12.0), Some(9.0)]);
+    }
+
+    #[test]
+    fn who_was_put_elsewhere_has_no_earlier_poses() {
+        let at = |x: f32| vec![Pose { position: [x, 0.0, 0.0], heading_rad: 0.0, eye_m: 1.6 }];
+        let mut past = Past { now: at(99.0), ..Past::default() };
+        past.pass(0.1, at(100.0));
+        past.pass(0.1, at(0.0));
+        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        assert_eq!([-0.5, 0.0, 0.1, 0.5].map(x), [Some(0.0); 4]);
+        past.pass(0.1, at(1.0));
+        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        assert_eq!([x(-0.1), x(0.1), x(0.5)], [Some(2.0), Some(0.0), Some(0.0)]);
     }
 }
