@@ -277,7 +277,7 @@ INLINE void descend_all(const Grouped *tables, const Batch *batch)
 }
 
 // Does the same for plain members. Each level's end, and the parent of a work-item's first joint,
-// are read while the level before is computed: steps leave no registers for that.
+// are read while the level before is computed. Members with steps have no registers left for that.
 INLINE void descend_plain(const Grouped *tables, const Batch *batch)
 {
     const uint item = (uint)get_local_id(0);

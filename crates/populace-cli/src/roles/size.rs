@@ -15,18 +15,20 @@ const UPRIGHT_M: f32 = 1.75;
 /// Height given to a character in another unit that is longer than high.
 const FOUR_LEGGED_M: f32 = 0.8;
 
-/// What else is in the picture, by which a character has a plausible size.
+/// Company of a character in the picture. It decides which sizes are plausible.
 #[derive(Clone, Copy)]
 pub(super) enum Among {
+    /// The character is the only one.
     None,
+    /// Other characters of a crowd.
     Others,
+    /// A scene, whose places, seats and vehicles are made for people.
     Scene,
 }
 
 impl Among {
     pub(super) fn of(choice: ClipChoice, characters: usize) -> Self {
         match choice {
-            // What scenes have is as large as people need it.
             ClipChoice::Scene => Self::Scene,
             _ if characters > 1 => Self::Others,
             _ => Self::None,
