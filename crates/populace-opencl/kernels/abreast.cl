@@ -6,18 +6,17 @@
 // Twin of populace-native/src/poses.rs and populace-native/src/abreast.rs: same arithmetic, same order
 // of operations.
 
-// Poses a member whose layer 0 plays one slot. Nothing is weighted or divided: this gives the same
-// bits as a sum of one term of weight 1, and its mean. Zeros among ranges are positive, as sums are
-// that begin with 0.
+// Poses a member whose layer 0 plays one slot, except that pose_span() brings rotations to length 1.
+// Nothing is weighted or divided: this gives the same bits as a sum of one term of weight 1, and its
+// mean. Zeros among ranges are positive, as sums are that begin with 0.
 INLINE uint pose_alone(const Company *all, const ClipTables *tables, uint lane, uint joint,
                        bool no_floats, bool two_spans, Local *first, Local *second)
 {
     const Playing playing = playing_at(all->plays[lane], all->layers[lane][0].alone);
     const BlockSlot slot = block_slot(playing, joint, no_floats), next = next_span(slot);
-    const Stored rest = stored_at(tables, all->body.rest_first, POSE_PLANES, joint);
     const uint flags = slot.columns.flags;
-    first->r = rotation_alone(tables, slot, rest);
-    if (two_spans) second->r = rotation_alone(tables, next, rest + LANES);
+    first->r = rotation_of(tables, slot);
+    if (two_spans) second->r = rotation_of(tables, next);
     if (!(flags & REST_TRANSLATION)) {
         first->t = vector_alone(tables, slot, TRANSLATION);
         if (two_spans) second->t = vector_alone(tables, next, TRANSLATION);
@@ -29,8 +28,8 @@ INLINE uint pose_alone(const Company *all, const ClipTables *tables, uint lane, 
     return flags;
 }
 
-// Sums the slots of layer 0 of a member for one or two spans of LANES joints, as sum_spans() does.
-// The pose of one slot is complete.
+// Sums the slots of layer 0 of a member for one or two spans of LANES joints, as sum_spans() does, or
+// as pose_alone() does.
 INLINE uint sum_member(const Company *all, const Posing *posing, uint lane, uint joint,
                        bool no_floats, bool two_spans, Local *first, Local *second)
 {
@@ -91,12 +90,14 @@ INLINE uint pose_span(const Company *all, const Posing *posing, uint first, cons
                       Posed posed, __global float *planes)
 {
     const Local rest = rest_of(posing->clips, all->body, first);
+    const Stored stored = stored_at(posing->clips, all->body.rest_first, POSE_PLANES, first);
     // Changes of poses change what is at rest. The block's other span begins with that of the sums.
     uint at_rest[LANES];
     for (uint lane = 0; lane < all->count; lane++) at_rest[lane] = sums[lane];
     const uint left_out = posing->any_changes || planes ? 0 : at_rest_in_all(all, at_rest);
     for (uint lane = 0; lane < all->count; lane++) {
         if (all->layers[lane][0].alone != NONE) {
+            posed[lane].r = unit_alone(posed[lane].r, at_rest[lane] & NEAR_REST, stored);
             // Other members may move what is at rest in this one.
             const uint missing = at_rest[lane] & ~left_out;
             if (missing & REST_TRANSLATION) posed[lane].t = rest.t;

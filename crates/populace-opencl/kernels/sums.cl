@@ -105,32 +105,17 @@ INLINE BlockSlot next_span(BlockSlot slot)
     return slot;
 }
 
-// A sum of rotations, which does not fit into registers beside the arithmetic.
-typedef IN_MEMORY Quat QuatSum;
-
-INLINE void add_quat(Quat q, Real k, QuatSum *sum)
+// Returns the rotation of a slot, near length 1 and in either hemisphere.
+INLINE Quat rotation_of(const ClipTables *tables, BlockSlot slot)
 {
-    sum->x = sum->x + q.x * k;
-    sum->y = sum->y + q.y * k;
-    sum->z = sum->z + q.z * k;
-    sum->w = sum->w + q.w * k;
+    return sample_rotation(tables, slot.columns, slot.rows, slot.range);
 }
 
-// Adds a rotation that may lie in either hemisphere.
-INLINE void add_any_quat(Quat q, Stored rest, float weight, QuatSum *sum)
+// Returns the factor that brings a slot's rotation to length 1 and into the hemisphere of the rest.
+// `flags` are those of the slot's columns.
+INLINE Real factor_of(Quat q, uint flags, Stored rest)
 {
-    add_quat(q, unit_of(q, stored_quat(rest, 0)) * weight, sum);
-}
-
-// Adds a rotation in the hemisphere of the rest rotation.
-INLINE void add_near_quat(Quat q, float weight, QuatSum *sum)
-{
-    add_quat(q, near_unit_of(q) * weight, sum);
-}
-
-INLINE Quat quat_of(const ClipTables *tables, BlockSlot slot)
-{
-    return moving_quat(tables, slot.columns, slot.rows, slot.range);
+    return flags & NEAR_REST ? near_unit_of(q) : unit_of(q, stored_quat(rest, 0));
 }
 
 INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
@@ -138,39 +123,20 @@ INLINE void add_vector(Vec3 v, float weight, Vec3 *sum)
     *sum = vec3_add(*sum, vec3_scale(v, weight));
 }
 
-// Adds weight times rotation of a slot.
-INLINE void add_rotation(const ClipTables *tables, BlockSlot slot, Stored rest, bool two_spans,
-                         QuatSum *first, QuatSum *second)
+// Returns the rotation of a layer's only slot, from that of its rows. `near_rest` tells that it is in
+// the hemisphere of the rest, and so not 0.
+INLINE Quat unit_alone(Quat q, bool near_rest, Stored rest)
 {
-    const BlockSlot next = next_span(slot);
-    if (slot.columns.block.rotation_first == NONE) {
-        add_any_quat(stored_quat(slot.range, 0), rest, slot.weight, first);
-        if (two_spans) add_any_quat(stored_quat(next.range, 0), rest + LANES, slot.weight, second);
-    } else if (slot.columns.flags & NEAR_REST) {
-        add_near_quat(quat_of(tables, slot), slot.weight, first);
-        if (two_spans) add_near_quat(quat_of(tables, next), slot.weight, second);
-    } else {
-        add_any_quat(quat_of(tables, slot), rest, slot.weight, first);
-        if (two_spans) add_any_quat(quat_of(tables, next), rest + LANES, slot.weight, second);
-    }
-}
-
-// Returns the rotation of a layer's only slot, which may lie in either hemisphere.
-INLINE Quat any_rotation_alone(Quat q, Stored rest)
-{
+    if (near_rest) return quat_scale(q, inverse_sqrt(quat_dot(q, q)));
     const Quat fallback = stored_quat(rest, 0);
     const Quat sum = quat_add(no_local().r, quat_hemisphere(q, fallback));
     return quat_normalize_or(sum, fallback);
 }
 
-// Returns the rotation of a layer's only slot. Rotations near the rest are not 0.
+// Does the same for a slot.
 INLINE Quat rotation_alone(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    if (slot.columns.block.rotation_first == NONE)
-        return any_rotation_alone(stored_quat(slot.range, 0), rest);
-    const Quat q = quat_of(tables, slot);
-    if (slot.columns.flags & NEAR_REST) return quat_scale(q, inverse_sqrt(quat_dot(q, q)));
-    return any_rotation_alone(q, rest);
+    return unit_alone(rotation_of(tables, slot), slot.columns.flags & NEAR_REST, rest);
 }
 
 // Returns the translation or scale of a layer's only slot.
@@ -219,25 +185,59 @@ INLINE void sum_property(const ClipTables *tables, Playback playback, uint layer
     if (two_spans) *second = next;
 }
 
-// Sums weight times value over a layer's slots, for LANES joints or for all sixteen of a block.
-// `two_spans` is a constant; without it, `second` is unused. Properties are summed one after the
-// other: registers hold the sums of one. Both spans use the columns that are found once. Properties
-// at rest are left out. All slots have weight, since play_all() leaves out others. Returns `at_rest`
-// of Terms.
-INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
-                      uint joint, bool no_floats, bool two_spans, Local *first, Local *second)
+// Rotations of the slots in a block, before they are weighted, and the flags of their columns.
+typedef struct {
+    Quat spans[MAX_SLOTS][SPANS];
+    uint flags[MAX_SLOTS];
+} SlotRotations;
+
+// Samples the rotations of a layer's slots. Returns `at_rest` of Terms.
+INLINE uint sample_rotations(const ClipTables *tables, Playback playback, uint layer, uint joint,
+                             bool no_floats, bool two_spans, SlotRotations *all)
 {
-    const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
     uint at_rest = REST_TRANSLATION | REST_SCALE | NEAR_REST;
-    first->r = no_local().r;
-    if (two_spans) second->r = no_local().r;
     for (uint s = 0; s < playback.count; s++) {
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
-        add_rotation(tables, slot, rest, two_spans, &first->r, &second->r);
+        all->spans[s][0] = rotation_of(tables, slot);
+        if (two_spans) all->spans[s][SPANS - 1] = rotation_of(tables, next_span(slot));
+        all->flags[s] = slot.columns.flags;
         at_rest &= slot.columns.flags;
     }
+    return at_rest;
+}
+
+// Returns the sum of weight times rotation over a layer's slots.
+INLINE Quat sum_rotations(const SlotRotations *all, Playback playback, uint layer, uint span,
+                          Stored rest)
+{
+    Quat sum = no_local().r;
+    for (uint s = 0; s < playback.count; s++) {
+        const Playing playing = playing_at(playback, s);
+        if (playing.layer != layer) continue;
+        const Quat q = all->spans[s][span];
+        const Real factor = factor_of(q, all->flags[s], rest);
+        sum = quat_add(sum, quat_scale(q, factor * playing.at.weight));
+    }
+    return sum;
+}
+
+// Sums weight times value over a layer's slots, for LANES joints or for all sixteen of a block.
+// `two_spans` is a constant; without it, `second` is unused. Properties are summed one after the
+// other: registers hold the sums of one. Both spans use the columns that are found once. Properties
+// at rest are left out. All slots have weight, since play_all() leaves out others. Rotations are
+// sampled before they are summed: each pass is short enough for a processor to have several slots in
+// flight. Returns `at_rest` of Terms.
+INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, Body body,
+                      uint joint, bool no_floats, bool two_spans, Local *first, Local *second)
+{
+    const Stored rest = stored_at(tables, body.rest_first, POSE_PLANES, joint);
+    SlotRotations rotations;
+    const uint at_rest =
+        sample_rotations(tables, playback, layer, joint, no_floats, two_spans, &rotations);
+    first->r = sum_rotations(&rotations, playback, layer, 0, rest);
+    if (two_spans) second->r = sum_rotations(&rotations, playback, layer, SPANS - 1, rest + LANES);
     if (!(at_rest & REST_TRANSLATION))
         sum_property(tables, playback, layer, TRANSLATION, joint, rest, no_floats, two_spans,
                      &first->t, &second->t);
@@ -250,12 +250,8 @@ INLINE uint sum_spans(const ClipTables *tables, Playback playback, uint layer, B
 // Returns the rotation of a slot, of length 1 and in the hemisphere of the rest.
 INLINE Quat unit_rotation(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    if (slot.columns.block.rotation_first != NONE && slot.columns.flags & NEAR_REST) {
-        const Quat q = quat_of(tables, slot);
-        return quat_scale(q, near_unit_of(q));
-    }
-    const Quat q = sample_rotation(tables, slot.columns, slot.rows, slot.range);
-    return quat_scale(q, unit_of(q, stored_quat(rest, 0)));
+    const Quat q = rotation_of(tables, slot);
+    return quat_scale(q, factor_of(q, slot.columns.flags, rest));
 }
 
 // Returns the change from the first row of a slot's clip, times the slot's weight. Leaves out

@@ -337,8 +337,8 @@ faults! {
         lone_slots_need_no_weight: "0.0f && weight > LEAST_TOTAL" => "0.0f && weight > 0.0f";
     }
     check_far_rotations {
-        far_rotations_count_as_near: "else if (slot.columns.flags & NEAR_REST)" =>
-            "else if (true)";
+        far_rotations_count_as_near: "return flags & NEAR_REST ? near_unit_of(q)" =>
+            "return true ? near_unit_of(q)";
         poses_beneath_count_as_near: "laid_rotation(beneath.r, *at_rest & NEAR_REST" =>
             "laid_rotation(beneath.r, true";
     }
@@ -353,12 +353,10 @@ faults! {
         lines_repeat_a_number: "lines[i] = numbers[i]" => "lines[i] = numbers[i & 7]";
         second_spans_have_the_rows_of_the_first: "slot.columns.lane += LANES;" => "";
         second_spans_have_the_ranges_of_the_first: "slot.range += LANES;" => "";
-        spans_are_not_weighted: "unit_of(q, stored_quat(rest, 0)) * weight" =>
-            "unit_of(q, stored_quat(rest, 0))";
-        near_rotations_are_not_weighted: "near_unit_of(q) * weight" => "near_unit_of(q)";
+        rotations_are_not_weighted: "factor * playing.at.weight" => "factor";
         vectors_of_spans_are_not_weighted: "vec3_scale(v, weight)" => "v";
-        second_spans_are_not_mixed: "add_near_quat(quat_of(tables, next)" =>
-            "add_near_quat(quat_of(tables, slot)";
+        second_spans_are_not_mixed: "rotation_of(tables, next_span(slot))" =>
+            "rotation_of(tables, slot)";
     }
     check_inertialization {
         inertialized_layers_stay_at_rest: "shown->terms.at_rest = 0;" => "";
