@@ -13,7 +13,7 @@ use super::agents::Agents;
 use super::metered::Metered;
 use super::overlays::Overlays;
 use super::place::Place;
-use crate::camera::{Cameras, Subject, View};
+use crate::camera::{Cameras, View};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::frames::Frames;
@@ -153,7 +153,7 @@ impl Action for ReplayAction {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, secs| self.subject.pose(id, secs);
+        let poses = |id, at| self.subject.pose_around(id, at, secs);
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
     }
