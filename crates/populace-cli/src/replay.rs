@@ -183,7 +183,11 @@ impl ReplayJob<'_> {
             ClipChoice::default(),
             args.height,
             if are_drawn { Levels::wanted(args) } else { Levels::None },
-            Clothes { options: !args.plain, ..Clothes::default() },
+            Clothes {
+                options: !args.plain,
+                grey_accessories: self.overlay.colour_by.is_some(),
+                ..Clothes::default()
+            },
         )?;
         let roles = &loaded.roles;
         if are_drawn {
