@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use populace::character::Character;
 use populace::clip::Clip;
-use populace_cast::{Extra, Look, dress, dress_with_options, person};
+use populace_cast::{Colors, Extra, Look, dress, dress_with_options, person};
 
 use crate::failure::Failure;
 
@@ -24,6 +24,9 @@ pub(crate) struct Clothes {
     pub(crate) no_hats: bool,
     /// The colour of their upper clothes, linear red, green and blue from 0 to 1.
     pub(crate) top: Option<[f32; 3]>,
+    /// Their hats, headscarves and bags are grey, for members that are dyed: a tint is that of all
+    /// of them, and would leave each the hue by which it differs from the others.
+    pub(crate) grey_accessories: bool,
 }
 
 impl Clothes {
@@ -35,7 +38,16 @@ impl Clothes {
         if let Some(color) = self.top {
             look.colors.shirt = color;
         }
+        if self.grey_accessories {
+            let Colors { accessory, bag, .. } = &mut look.colors;
+            [accessory, bag].into_iter().for_each(|color| *color = [luminance(*color); 3]);
+        }
     }
+}
+
+/// Returns the light of a linear colour, as grey of it has.
+fn luminance([red, green, blue]: [f32; 3]) -> f32 {
+    0.2126 * red + 0.7152 * green + 0.0722 * blue
 }
 
 /// Number of outfits of each person among `@people`.
@@ -103,7 +115,10 @@ pub(crate) fn clips(name: &str) -> Result<Vec<Arc<Clip>>, Failure> {
 
 #[cfg(test)]
 mod tests {
+    use populace::MemberLook;
+    use populace::character::Region;
     use populace_cast::option_of;
+    use populace_variety::Dye;
 
     use super::*;
 
@@ -118,6 +133,26 @@ mod tests {
         };
         assert!(hats(false) > 0);
         assert_eq!(hats(true), 0);
+    }
+
+    /// Each accessory has the same hue as the colour, however bright it is.
+    #[test]
+    fn caps_and_bags_of_dyed_people_have_no_hue_of_their_own() {
+        let clothes = Clothes { options: true, grey_accessories: true, ..Clothes::default() };
+        let mut seen = 0;
+        for person in dressed("people", clothes).unwrap() {
+            let look = Dye::of(&person).dyed(MemberLook::PLAIN, [0.4; 3]);
+            let tint = look.tint(Region::Accessory);
+            for material in person.materials.iter().filter(|m| m.name.starts_with("Accessory")) {
+                let shown = [0, 1, 2].map(|c| material.base_color[c] * tint[c]);
+                let [low, high] = [f32::min, f32::max].map(|of| shown.into_iter().reduce(of));
+                let (low, high) = (low.unwrap(), high.unwrap());
+                let name = (&person.name, &material.name);
+                assert!(high < 1.15 * low, "{name:?} is {shown:?}");
+                seen += 1;
+            }
+        }
+        assert!(seen > 20, "{seen} accessories");
     }
 
     #[test]

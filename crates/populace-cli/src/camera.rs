@@ -5,6 +5,7 @@
 mod fit;
 mod keys;
 mod subject;
+mod sunken;
 mod view;
 
 use std::f32::consts::{FRAC_PI_2, TAU};
@@ -61,6 +62,9 @@ pub(crate) struct Cameras {
     /// A camera that shows all people from the front.
     framed: Camera,
     least_visibility_m: f32,
+    /// The time in seconds from which on a camera with positions of its own rests; `None` for one
+    /// that is where people are.
+    rests_from_secs: Option<f64>,
 }
 
 enum Mode {
@@ -140,7 +144,17 @@ impl Cameras {
             (View::Crowd, _) => VISIBILITY * framed_m,
             _ => 0.0,
         };
-        Ok(Self { mode, framed, least_visibility_m })
+        let rests_from_secs = match view {
+            View::At { .. } => Some(0.0),
+            View::Keys(keys) => Some(keys.last_secs()),
+            _ => None,
+        };
+        Ok(Self { mode, framed, least_visibility_m, rests_from_secs })
+    }
+
+    /// Returns true for a camera with positions of its own, which may be anywhere.
+    pub(crate) fn is_placed(&self) -> bool {
+        self.rests_from_secs.is_some()
     }
 
     /// Returns the least distance of visibility in metres; 0 for cameras among people. Cameras far

@@ -3,15 +3,12 @@
 
 use std::collections::HashSet;
 
+use populace_scene::Motion;
 use populace_trajectory::{Kind, PlaceChange, Polygon, Recording, Track};
 
 /// A point `[x, y]` in metres.
 type Point = [f64; 2];
 
-/// Speed in metres per second from which on a step is doubted. The fastest of all sprinters kept
-/// 12.1 m/s up for 20 m (M. Čoh and others, "Kinematics of Usain Bolt's maximal sprint velocity",
-/// Kinesiology 50 (2018), 172-180).
-const SPRINT_M_PER_SEC: f64 = 12.0;
 /// Heights in metres at which heads are, and by how far those of a person and of people may differ.
 const HEADS_M: [f32; 2] = [1.2, 2.2];
 const BOBS_M: f32 = 0.15;
@@ -64,7 +61,7 @@ fn jumps(recording: &Recording) -> Option<String> {
         for (secs, at) in track.times.windows(2).zip(track.positions.windows(2)) {
             let way = [0, 1].map(|axis| f64::from(at[1][axis]) - f64::from(at[0][axis]));
             let speed = way[0].hypot(way[1]) / (secs[1] - secs[0]);
-            if speed > SPRINT_M_PER_SEC {
+            if speed > Motion::SPRINT_M_PER_SEC {
                 count += 1;
                 fastest = if speed > fastest.0 { (speed, id, secs[0]) } else { fastest };
             }
@@ -75,9 +72,10 @@ fn jumps(recording: &Recording) -> Option<String> {
     let steps = crate::report::counted(count, "step");
     (count > 0).then(|| {
         format!(
-            "{steps} from a row to the next faster than {SPRINT_M_PER_SEC} m/s: the fastest is \
-             that of \"{id}\", {after_secs:.2} s after the beginning, with {speed:.1} m/s; look \
-             for jumps in the rows"
+            "{steps} from a row to the next faster than {} m/s: the fastest is that of \"{id}\", \
+             {after_secs:.2} s after the beginning, with {speed:.1} m/s; look for jumps in the \
+             rows",
+            Motion::SPRINT_M_PER_SEC
         )
     })
 }

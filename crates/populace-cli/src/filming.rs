@@ -98,6 +98,7 @@ impl<'a> Filming<'a> {
     ) -> Result<Filmed, Failure> {
         let (args, frames) = (self.args, self.frames);
         let scene = &in_clear_air(*scene, action);
+        warn_of_sunken_camera(action, scene, frames.times());
         let frame_loop = FrameLoop { frames, size: args.size(), scene, detail: args.detail_px() };
         let skipped = sink.skipped();
         let (times, drawn) = frame_loop.play(crowd, action, renderer, &mut sink)?;
@@ -202,6 +203,20 @@ pub(crate) fn in_clear_air(mut scene: Scene, action: &dyn Action) -> Scene {
     let least_m = action.cameras().map_or(0.0, Cameras::least_visibility_m);
     scene.sky.visibility_m = scene.sky.visibility_m.max(least_m);
     scene
+}
+
+/// Says so if the camera of an action is below the ground of a scene at one of some times in seconds
+/// since frame 0.
+pub(crate) fn warn_of_sunken_camera(
+    action: &dyn Action,
+    scene: &Scene,
+    times: impl Iterator<Item = f64>,
+) {
+    let (Some(ground), Some(cameras)) = (scene.ground, action.cameras()) else { return };
+    let ground_m = |at| action.ground_m(at).unwrap_or(ground.height_m);
+    if let Some(warning) = cameras.below_ground(times, &ground_m) {
+        message!("warning: {warning}");
+    }
 }
 
 /// Refuses nodes to hide that have nothing to draw.

@@ -81,6 +81,12 @@ pub(crate) trait Action {
     /// Returns the cameras; `None` before [`set_aspect`](Self::set_aspect).
     fn cameras(&self) -> Option<&Cameras>;
 
+    /// Returns the height of the ground at a point `[x, z]` in metres; `None` where it is that of
+    /// the scene.
+    fn ground_m(&self, _at: [f32; 2]) -> Option<f32> {
+        None
+    }
+
     /// Returns true if [`overlay`](Self::overlay) needs the depths of pixels.
     fn needs_depths(&self) -> bool {
         false

@@ -87,6 +87,11 @@ impl Frames {
         self.last - self.first + 1
     }
 
+    /// Returns the times of the frames that are drawn, in seconds since frame 0.
+    pub(crate) fn times(self) -> impl Iterator<Item = f64> {
+        (self.first..=self.last).map(move |frame| self.rate.secs(frame) + self.late_secs)
+    }
+
     /// Returns all moments up to frame `last`, in order. They are the same whichever frame is the
     /// first that is drawn.
     pub(crate) fn moments(self, last: u32) -> impl Iterator<Item = Moment> {

@@ -123,6 +123,10 @@ impl ReplayJob<'_> {
         let mut scene = filming::scene(self.picture);
         self.build_place(&mut crowd, &mut action, &mut scene)?;
         let rate = film_length::film_rate(self.picture.film.fps)?;
+        let last = film_length::frame_count(&action.recording, rate) - 1;
+        let [width, height] = self.picture.size();
+        action.set_aspect(width as f32 / height as f32)?;
+        action.warn_of_moved(Frames::film(&(0..=last), rate, Shutter::INSTANT), [width, height])?;
         let (action, roles, floor_m) = (Box::new(action), loaded.roles, scene.floor_m);
         Ok(crate::watched::Staged {
             crowd,
@@ -179,7 +183,11 @@ impl ReplayJob<'_> {
             ClipChoice::default(),
             args.height,
             if are_drawn { Levels::wanted(args) } else { Levels::None },
-            Clothes { options: !args.plain, ..Clothes::default() },
+            Clothes {
+                options: !args.plain,
+                grey_accessories: self.overlay.colour_by.is_some(),
+                ..Clothes::default()
+            },
         )?;
         let roles = &loaded.roles;
         if are_drawn {

@@ -31,6 +31,8 @@ const PEOPLE_PER_STREET: f64 = 100.0;
 const PLEASANT_MS: f64 = 50.0;
 /// Frames per second of a crowd unless set.
 const FPS: u32 = 30;
+/// Width of pictures in heights, before the window is there.
+const ASPECT: f32 = 16.0 / 9.0;
 /// Clips that a member can play at the same time.
 const SLOTS: usize = 6;
 
@@ -62,7 +64,7 @@ impl<'a> CommandLine<'a> {
         let staged = source.stage(self.builder(&Wish::default(), renderer))?;
         let Staged { mut crowd, mut action, roles, scene, .. } = staged;
         connect(renderer, &mut crowd, &roles, &self.args.picture.hide)?;
-        action.set_aspect(16.0 / 9.0)?;
+        action.set_aspect(ASPECT)?;
         let camera = action.camera(0.0)?;
         let mut least_ms = f64::INFINITY;
         for _ in 0..3 {
@@ -185,7 +187,11 @@ impl Opener for CommandLine<'_> {
     fn open(&mut self, wish: &Wish, renderer: &mut Renderer) -> Result<Opened, ShowError> {
         self.measure(renderer)?;
         let (staged, title) = self.stage(wish, renderer)?;
-        let Staged { mut crowd, action, roles, scene, floor_m, rate, length_secs } = staged;
+        let Staged { mut crowd, mut action, roles, scene, floor_m, rate, length_secs } = staged;
+        action.set_aspect(ASPECT)?;
+        let times = (0_u32..).map(|frame| rate.secs(frame));
+        let times = times.take_while(|secs| length_secs.is_none_or(|end_secs| *secs <= end_secs));
+        filming::warn_of_sunken_camera(&*action, &scene, times);
         let hide = &self.args.picture.hide;
         connect(renderer, &mut crowd, &roles, hide)?;
         let detail_px = self.args.picture.detail_px();

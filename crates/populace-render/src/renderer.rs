@@ -14,7 +14,7 @@ use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 use rayon::prelude::*;
 
-use self::constants::{bounding_sphere, frame};
+use self::constants::{bounding_sphere, frame, pixel_m};
 use self::interface::Interface;
 use crate::batch::{Batches, Drawn, Instances, ModelInfo};
 use crate::gl::{
@@ -290,7 +290,8 @@ impl Renderer {
         let spheres = spheres(instances, &models, &infos, scene);
         let casting: Vec<Sphere> = spheres.iter().flatten().copied().collect();
         let shadow = shadow_map(&self.gl, &mut self.shadow, self.size, scene)?;
-        let sun = shadow.and_then(|map| sun_view(map, scene, &casting, camera, clip_from_world));
+        let eye = (Vec3::from(camera.eye), pixel_m(clip_from_world, self.size));
+        let sun = shadow.and_then(|map| sun_view(map, scene, &casting, eye, clip_from_world));
         let shadow_level = |index: usize| {
             let (sun, info, instance) = (sun?, infos[models[index]], &instances[index]);
             let (_, model_radius) = info.sphere;
@@ -367,11 +368,11 @@ fn sun_view(
     map: &ShadowTarget,
     scene: &Scene,
     spheres: &[Sphere],
-    camera: &Camera,
+    eye: (Vec3, f32),
     clip_from_world: Mat4,
 ) -> Option<SunView> {
     let to_sun = Vec3::from(scene.sun.to_sun).normalize();
-    SunView::over(spheres, Vec3::from(camera.eye), clip_from_world, to_sun, map.size())
+    SunView::over(spheres, eye, clip_from_world, to_sun, map.size())
 }
 
 /// Returns the bounding sphere at rest of each instance that is not hidden; empty without shadows.

@@ -27,19 +27,22 @@ const SHADOW_REACH: f32 = 4.0;
 const DISTANCE_RATIO: f32 = 8.0;
 /// Lower bound of the distance at which shadows end, in radii of the largest member.
 const DISTANCE_RADII: f32 = 60.0;
-/// Size in metres of the texels up to which floors widen the map. Shadows of people are sharp enough.
+/// Size of the texels up to which floors widen the map: in metres, and in pixels at the nearest
+/// member. Shadows of people are sharp enough, and no plan of a place ends before its walls' shadows.
 const FLOOR_TEXEL_M: f32 = 0.03;
+const FLOOR_TEXEL_PX: f32 = 1.25;
 
 impl SunView {
     /// Returns the projection that covers the members in or near the picture, or `None` if there
-    /// are none. `to_sun` is a unit vector, `map_size` the side of the map in texels.
+    /// are none. Pixels measure `pixel_m` at a distance of one metre from the eye. `to_sun` is a
+    /// unit vector, `map_size` the side of the map in texels.
     ///
     /// The covered size is rounded up to steps, and the centre to whole texels, so that shadow
     /// edges do not crawl while the crowd moves. Of a floor that is far wider than the crowd, only
     /// the part around the others is covered.
     pub(crate) fn over(
         spheres: &[Sphere],
-        eye: Vec3,
+        (eye, pixel_m): (Vec3, f32),
         clip_from_world: Mat4,
         to_sun: Vec3,
         map_size: u16,
@@ -55,11 +58,12 @@ impl SunView {
         let side = if to_sun.y.abs() > 0.99 { Vec3::Z } else { Vec3::Y };
         let right = side.cross(to_sun).normalize();
         let sun_from_world = Mat3::from_cols(right, to_sun.cross(right), to_sun).transpose();
-        let bodies = extent(&within_reach(bodies, eye), sun_from_world);
+        let (bodies, nearest) = within_reach(bodies, eye);
+        let bodies = extent(&bodies, sun_from_world);
         let floors = extent(&floors, sun_from_world);
-        let map_m = FLOOR_TEXEL_M * f32::from(map_size);
+        let texel_m = FLOOR_TEXEL_M.max(FLOOR_TEXEL_PX * pixel_m * nearest);
         let (low, high) = match (bodies, floors) {
-            (Some(bodies), Some(floors)) => widened(bodies, floors, map_m),
+            (Some(bodies), Some(floors)) => widened(bodies, floors, texel_m * f32::from(map_size)),
             (bodies, floors) => bodies.or(floors)?,
         };
         let half = (0.5 * (high - low)).max(Vec3::splat(1e-3));
@@ -93,13 +97,14 @@ impl SunView {
     }
 }
 
-/// Returns the members whose shadows are not too far away to be missed.
-fn within_reach(shown: Vec<&Sphere>, eye: Vec3) -> Vec<&Sphere> {
+/// Returns the members whose shadows are not too far away to be missed, and the distance of the
+/// nearest one in metres.
+fn within_reach(shown: Vec<&Sphere>, eye: Vec3) -> (Vec<&Sphere>, f32) {
     let distance = |sphere: &Sphere| (sphere.center.distance(eye) - sphere.radius).max(0.0);
     let nearest = shown.iter().map(|sphere| distance(sphere)).fold(f32::INFINITY, f32::min);
     let largest = shown.iter().map(|sphere| sphere.radius).fold(0.0, f32::max);
     let limit = (DISTANCE_RATIO * nearest).max(DISTANCE_RADII * largest);
-    shown.into_iter().filter(|sphere| distance(sphere) <= limit).collect()
+    (shown.into_iter().filter(|sphere| distance(sphere) <= limit).collect(), nearest)
 }
 
 /// Returns the corners of the box around moving members, as the sun sees them.
@@ -111,12 +116,15 @@ fn extent(spheres: &[&Sphere], sun_from_world: Mat3) -> Option<(Vec3, Vec3)> {
     spheres.iter().map(corners).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }
 
-/// Returns a box with what lies around it of another, up to a width and a height of `most_m`.
+/// Returns a box with what lies around it of another, up to a width and a height of `most_m`. It
+/// takes in as much of the other as it can.
 fn widened(own: (Vec3, Vec3), other: (Vec3, Vec3), most_m: f32) -> (Vec3, Vec3) {
-    let (middle, half) = (0.5 * (own.0 + own.1), 0.5 * most_m);
+    let (low, high) = (own.0.min(other.0), own.1.max(other.1));
     // Depth takes no texels.
-    let room = Vec3::new(half, half, f32::INFINITY);
-    (own.0.min(other.0.max(middle - room)), own.1.max(other.1.min(middle + room)))
+    let most = Vec3::new(most_m, most_m, f32::INFINITY);
+    let left_out = (high - low - most).max(Vec3::ZERO);
+    let before = (0.5 * (own.0 + own.1 - most) - low).clamp(Vec3::ZERO, left_out);
+    (own.0.min(low + before), own.1.max(high - (left_out - before)))
 }
 
 /// Returns the planes of the picture's four edges, as inward unit normal and offset.
@@ -149,8 +157,14 @@ mod tests {
             near: 0.1,
             far: 1000.0,
         };
+        seen_by(&camera, spheres)
+    }
+
+    /// Returns the projection for a square picture whose side is two thirds of that of the map.
+    fn seen_by(camera: &Camera, spheres: &[Sphere]) -> Option<SunView> {
         let clip = camera.clip_from_world(1.0).unwrap();
-        SunView::over(spheres, Vec3::from(camera.eye), clip, Vec3::new(0.6, 0.8, 0.0), 1000)
+        let (eye, pixel_m) = (Vec3::from(camera.eye), 2.0 * (0.5 * camera.fov_y_rad).tan() / 667.0);
+        SunView::over(spheres, (eye, pixel_m), clip, Vec3::new(0.6, 0.8, 0.0), 1000)
     }
 
     fn sphere(x: f32, z: f32) -> Sphere {
@@ -191,6 +205,29 @@ mod tests {
         assert!(at.truncate().abs().max_element() < 1.0, "{at}");
         // Alone, its walls throw shadows onto it.
         assert!(view(&[Sphere { is_floor: true, ..sphere(0.0, 0.0) }]).is_some());
+    }
+
+    /// Somebody stands in a corner of a hall of 80 metres, which fills the picture.
+    #[test]
+    fn plans_of_places_show_the_shadows_of_all_walls() {
+        let camera = Camera {
+            eye: [0.0, 170.0, 0.0],
+            target: [0.0; 3],
+            up: [0.0, 0.0, -1.0],
+            fov_y_rad: 0.5,
+            near: 1.0,
+            far: 1000.0,
+        };
+        let radius = 40.0 * std::f32::consts::SQRT_2;
+        let hall = Sphere { center: Vec3::ZERO, radius, is_floor: true };
+        let seen = seen_by(&camera, &[hall, sphere(-39.0, 39.0)]).unwrap();
+        for (x, z) in [(-40.0, -40.0), (40.0, -40.0), (40.0, 40.0), (-40.0, 40.0)] {
+            for y in [0.0, 3.0] {
+                let at = seen.shadow_from_world.project_point3(Vec3::new(x, y, z));
+                assert!(at.abs().max_element() < 1.0, "{x}, {y}, {z} is mapped to {at}");
+            }
+        }
+        assert!(seen.texel_m < 2.0 * 80.0 / 667.0, "{}", seen.texel_m);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The smoothed motion of recorded agents, at any time.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use populace_trajectory::{Agent, Footstep, Kind, Recording, Track};
@@ -25,6 +26,9 @@ const STEPS_PER_INTERVAL: f64 = 20.0;
 /// An agent that is not seen for this time in seconds, and for as many intervals, has left.
 const LEFT_SECS: f64 = 1.5;
 const LEFT_INTERVALS: f64 = 3.0;
+/// The way in metres from which on a step that no sprinter could take is a jump. Shorter ones are
+/// faults of a camera, such as a head that is taken for another.
+const JUMP_M: f64 = 2.0;
 /// Speeds in metres per second below which somebody comes to stand, and above which somebody who
 /// stands walks on.
 const STANDS_M_PER_SEC: f64 = 0.1;
@@ -59,7 +63,8 @@ pub struct Motion {
     steps: Vec<Footstep>,
 }
 
-/// A time in which an agent is there.
+/// A time in which an agent is there and does not jump. The next one begins when it ends if the agent
+/// jumps then.
 #[derive(Clone, Debug)]
 struct Span {
     secs: [f64; 2],
@@ -97,10 +102,8 @@ impl Motions {
                 return Motion { spans: Vec::new(), steps: Vec::new() };
             }
             let track = recording.track(agent);
-            let spans = spans(track.times, rows_per_sec);
-            let span = |rows: std::ops::Range<usize>| {
-                Span::new(&track, rows, [step_secs, 1.0 / rows_per_sec], cutoff_hz)
-            };
+            let spans = spans(&track, rows_per_sec);
+            let span = |(rows, secs)| Span::new(&track, rows, (secs, step_secs), cutoff_hz);
             let spans = spans.into_iter().map(span).collect();
             Motion { spans, steps: track.steps.to_vec() }
         };
@@ -133,6 +136,10 @@ impl Motion {
     /// Seconds after its last row in which an agent is still there: times that add up from frame to
     /// frame are not exact.
     pub const PAST_SECS: f64 = 1e-3;
+    /// Speed in metres per second that no step has: one that is faster, and longer than two metres,
+    /// is a jump. The fastest of all sprinters kept 12.1 m/s up for 20 m (M. Čoh and others,
+    /// "Kinematics of Usain Bolt's maximal sprint velocity", Kinesiology 50 (2018), 172-180).
+    pub const SPRINT_M_PER_SEC: f64 = 12.0;
 
     /// Returns where the agent is; `None` while it is not there.
     #[must_use]
@@ -166,26 +173,37 @@ impl Motion {
     /// Returns from when and until when the agent is there around a time, in seconds; `None` while
     /// it is not there.
     pub(crate) fn secs_around(&self, secs: f64) -> Option<[f64; 2]> {
+        let [from, _] = self.unbroken(secs)?;
+        self.secs().find(|[_, until]| from < *until)
+    }
+
+    /// Returns from when and until when the agent is there around a time without a jump, in
+    /// seconds; `None` while it is not there. It jumps in the middle between two rows.
+    #[must_use]
+    pub fn unbroken(&self, secs: f64) -> Option<[f64; 2]> {
         self.span_at(secs).map(|(span, _)| span.secs)
     }
 
     /// Returns the times from when and until when the agent is there, in seconds.
     pub fn secs(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
-        self.spans.iter().map(|span| span.secs)
+        let visits = self.spans.chunk_by(|span, next| span.secs[1] == next.secs[0]);
+        visits.map(|visit| [visit[0].secs[0], visit[visit.len() - 1].secs[1]])
+    }
+
+    /// Returns the times at which the agent comes or has jumped, in seconds.
+    pub(crate) fn begins(&self) -> impl Iterator<Item = f64> + '_ {
+        self.spans.iter().map(|span| span.secs[0])
     }
 }
 
 impl Span {
     fn new(
         track: &Track<'_>,
-        rows: std::ops::Range<usize>,
-        [step_secs, interval_secs]: [f64; 2],
+        rows: Range<usize>,
+        ([from, until], step_secs): ([f64; 2], f64),
         cutoff_hz: f64,
     ) -> Self {
         let times = &track.times[rows.clone()];
-        // Somebody with one row is there around it, for the usual time between rows.
-        let around_secs = if times.len() == 1 { 0.5 * interval_secs } else { 0.0 };
-        let [from, until] = [times[0] - around_secs, times[times.len() - 1] + around_secs];
         let (count, step_secs) = steps(from, until, step_secs);
         let even = |values: &[f64]| at_even_times(times, values, from, step_secs, count);
         let [x, y] = [0, 1].map(|axis| {
@@ -303,13 +321,40 @@ fn slope(values: &[f64], nth: usize) -> f64 {
     (values[after] - values[before]) / (after - before).max(1) as f64
 }
 
-/// Returns the ranges of rows in which an agent is there without a long gap.
-fn spans(times: &[f64], rows_per_sec: f64) -> Vec<std::ops::Range<usize>> {
-    let longest = LEFT_SECS.max(LEFT_INTERVALS / rows_per_sec);
-    let gaps = (1..times.len()).filter(|next| times[*next] - times[*next - 1] > longest);
-    let starts: Vec<usize> = std::iter::once(0).chain(gaps).collect();
-    let ends = starts.iter().skip(1).copied().chain([times.len()]);
-    starts.iter().copied().zip(ends).map(|(from, until)| from..until).collect()
+/// Returns the ranges of rows in which an agent is there without a long gap or a jump, and from when
+/// and until when.
+fn spans(track: &Track<'_>, rows_per_sec: f64) -> Vec<(Range<usize>, [f64; 2])> {
+    let (times, longest) = (track.times, LEFT_SECS.max(LEFT_INTERVALS / rows_per_sec));
+    let parts = |next: usize| {
+        let [before, after] = [times[next - 1], times[next]];
+        if after - before > longest {
+            return Some((next, [before, after]));
+        }
+        let middle = f64::midpoint(before, after);
+        jumps(track, next).then_some((next, [middle; 2]))
+    };
+    let parts: Vec<_> = (1..times.len()).filter_map(parts).collect();
+    let begins = parts.iter().map(|(next, [_, from])| (*next, *from));
+    let ends = parts.iter().map(|(next, [until, _])| (*next, *until));
+    let begins = std::iter::once((0, times[0])).chain(begins);
+    let ends = ends.chain([(times.len(), times[times.len() - 1])]);
+    let around_secs = 0.5 / rows_per_sec;
+    let span = |((first, from), (end, until)): ((usize, f64), (usize, f64))| {
+        // Somebody with one row is there around it, for the usual time between rows.
+        let is_alone = |secs: f64| end - first == 1 && secs == times[first];
+        let from = if is_alone(from) { from - around_secs } else { from };
+        let until = if is_alone(until) { until + around_secs } else { until };
+        (first..end, [from, until])
+    };
+    begins.zip(ends).map(span).collect()
+}
+
+/// Returns true if an agent cannot have gone to a row from the one before.
+fn jumps(track: &Track<'_>, row: usize) -> bool {
+    let [from, to] = [row - 1, row].map(|row| track.positions[row].map(f64::from));
+    let way_m = (to[0] - from[0]).hypot(to[1] - from[1]);
+    let secs = track.times[row] - track.times[row - 1];
+    way_m > JUMP_M.max(Motion::SPRINT_M_PER_SEC * secs)
 }
 
 /// Returns when somebody stands. Positions that drift are followed by a few steps now and then.
@@ -346,7 +391,7 @@ fn sway_m(recording: &Recording, rows_per_sec: f64) -> f64 {
     let every = recording.agents.len().div_ceil(MEASURED);
     for agent in recording.agents.iter().step_by(every) {
         let track = recording.track(agent);
-        let Some(rows) = spans(track.times, rows_per_sec).into_iter().next() else {
+        let Some((rows, _)) = spans(&track, rows_per_sec).into_iter().next() else {
             continue;
         };
         let times = &track.times[rows.clone()];
@@ -433,6 +478,23 @@ mod tests {
         assert_eq!(one.secs().collect::<Vec<_>>(), [[0.25, 0.75]]);
         assert_eq!([0.3, 0.7].map(|at| one.at(at).map(|at| at.position)), [Some([7.0, 5.0]); 2]);
         assert!(one.at(0.2).is_none() && one.at(0.8).is_none());
+    }
+
+    #[test]
+    fn agents_jump_between_rows_that_nobody_could_reach() {
+        let rows = "id,t,x/m,y/m\n1,0,0,0\n1,0.1,0.1,0\n1,0.2,9,5\n1,0.3,0.3,0\n1,0.4,0.4,0\n\
+                    2,0,0,0\n2,0.1,1.9,0\n2,0.2,3.8,0\n3,0,0,0\n3,1,11,0\n";
+        let motions = Motions::new(&recording(rows));
+        let [jumps, fast, far] = [0, 1, 2].map(|agent| &motions.agents[agent]);
+        let tenths = |at| jumps.at(at).map(|moment| (10.0 * moment.position[0]).round());
+        let [near, there] = [Some(1.0), Some(90.0)];
+        assert_eq!([0.14, 0.16, 0.24, 0.26].map(tenths), [near, there, there, Some(3.0)]);
+        assert_eq!(jumps.secs().collect::<Vec<_>>(), [[0.0, 0.4]]);
+        assert_eq!(jumps.secs_around(0.2), Some([0.0, 0.4]));
+        assert_eq!(motions.peak(), 3);
+        for (agent, until) in [(fast, 0.2), (far, 1.0)] {
+            assert_eq!(agent.unbroken(0.0), Some([0.0, until]));
+        }
     }
 
     #[test]

@@ -66,7 +66,7 @@ pub struct Replay {
     planted: Vec<u8>,
     /// The elevation of the floor on which feet are planted, in metres.
     floor_m: f32,
-    /// The times in seconds at which agents come, in order, and how many of them are past.
+    /// The times in seconds at which agents come or jump, in order, and how many of them are past.
     arrivals: Vec<(f64, usize)>,
     arrived: usize,
     present: Vec<bool>,
@@ -108,7 +108,7 @@ impl Replay {
         let max_raw_m = max_raw_m(recording, &motions);
         let spans = motions.agents.iter().enumerate();
         let mut arrivals: Vec<(f64, usize)> =
-            spans.flat_map(|(agent, of)| of.secs().map(move |[from, _]| (from, agent))).collect();
+            spans.flat_map(|(agent, of)| of.begins().map(move |from| (from, agent))).collect();
         arrivals.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         Ok(Self {
             motions,
@@ -141,8 +141,9 @@ impl Replay {
     /// Errors of the crowd, such as one without capacity for all people who are there at the same
     /// time.
     pub fn advance(&mut self, crowd: &mut Crowd, secs: f32) -> Result<(), Error> {
+        let before_secs = self.secs;
         self.secs += f64::from(secs);
-        self.leave(crowd)?;
+        self.leave(crowd, before_secs)?;
         // Before the walkers set strides, which hold while feet are planted.
         self.plant(crowd)?;
         self.leads.clear();
@@ -233,11 +234,15 @@ impl Replay {
         Ok(())
     }
 
-    /// Finds where agents are, and takes people from the crowd whose agents have left.
-    fn leave(&mut self, crowd: &mut Crowd) -> Result<(), Error> {
+    /// Finds where agents are, and takes people from the crowd whose agents have left since a time.
+    /// Those who jump leave too, and [come](Self::appear) where they are now: nothing of a body is
+    /// dragged along.
+    fn leave(&mut self, crowd: &mut Crowd, since_secs: f64) -> Result<(), Error> {
         let mut index = 0;
         while let Some(agent) = self.agents.get(index).copied() {
-            if let Some(moment) = self.motions.agents[agent].at(self.secs) {
+            let motion = &self.motions.agents[agent];
+            let has_stayed = motion.unbroken(self.secs).is_some_and(|[from, _]| from <= since_secs);
+            if let Some(moment) = motion.at(self.secs).filter(|_| has_stayed) {
                 self.moments[index] = moment;
                 index += 1;
                 continue;
@@ -263,7 +268,7 @@ impl Replay {
         self.arrived = past;
         come.sort_unstable();
         for agent in come {
-            // Somebody who left and came within one step has stayed.
+            // Somebody may come and jump within one step.
             if self.present[agent] {
                 continue;
             }

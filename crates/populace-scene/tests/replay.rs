@@ -126,6 +126,36 @@ fn the_plan_lies_on_the_ground_and_people_face_the_way_they_go() {
 }
 
 #[test]
+fn people_who_jump_are_elsewhere_at_once_with_their_feet() {
+    let [here, there] = [[0.0; 2], [10.0, 5.0]];
+    let walk = [(1, 0, 50, here, [1.3, 0.0]), (1, 51, 100, there, [0.0, 1.3])];
+    let data = recording(&walk, 0.0);
+    let (mut crowd, mut replay) = stage(&data);
+    assert_eq!(replay.motions().peak(), 1);
+    step(&mut crowd, &mut replay, 0.0);
+    for frame in 1..100_u16 {
+        step(&mut crowd, &mut replay, FRAME_SECS);
+        let people: Vec<_> = replay.present().collect();
+        let [(agent, member)] = people[..] else { panic!("{frame}: {} people", people.len()) };
+        let [dx, dy] = match frame {
+            0..=50 => [1.3 * FRAME_SECS * f32::from(frame), 0.0],
+            _ => [10.0, 5.0 + 1.3 * FRAME_SECS * f32::from(frame - 51)],
+        };
+        let mut view = crowd.member_mut(member).unwrap();
+        assert_eq!((replay.opacity(agent), view.look().opacity()), (1.0, 1.0), "{frame}");
+        let [x, _, z] = view.placement().position();
+        assert!((x - dx).hypot(z + dy) < 0.05, "{frame}: {x} {z}, not {dx} {}", -dy);
+        let joints = view.model_from_joints().unwrap();
+        let reach = |joint: &Affine| {
+            let [x, _, z] = joint.transform_point([0.0; 3]);
+            x.hypot(z)
+        };
+        let reach_m = joints.iter().map(reach).fold(0.0, f32::max);
+        assert!(reach_m < 0.8, "{frame}: a joint is {reach_m} m away");
+    }
+}
+
+#[test]
 fn people_come_and_leave_as_in_the_data() {
     let data = recording(
         &[

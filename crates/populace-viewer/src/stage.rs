@@ -10,7 +10,7 @@ use populace_film::FrameRate;
 use populace_render::{Camera, Renderer, Scene};
 
 use crate::Error;
-use crate::camera::Followed;
+use crate::camera::{Followed, Mode, Rig};
 use crate::falls::Falls;
 use crate::show::{Opened, Opener, Show, ShowError, Wish};
 use crate::you::{Steering, You};
@@ -23,9 +23,13 @@ const SAME_SECS: f64 = 1e-9;
 const BESIDE_M: f32 = 0.9;
 
 /// The view that a frame is evaluated for.
-pub(crate) struct Seen<'a> {
-    /// Returns the camera at a time, from the camera of the show at that time.
-    pub(crate) camera: &'a dyn Fn(&Camera) -> Camera,
+#[derive(Clone, Copy, Default)]
+pub(crate) struct Seen {
+    pub(crate) rig: Rig,
+    /// The member that the rig follows, if it follows one.
+    pub(crate) member: Option<MemberId>,
+    /// Seconds for which the rig has not come up with that member yet.
+    pub(crate) secs: f32,
     /// Width and height of the picture in pixels.
     pub(crate) size: [u32; 2],
 }
@@ -63,11 +67,11 @@ impl Stage {
         #[expect(clippy::cast_precision_loss, reason = "no window is 2^24 pixels wide")]
         let [width, height] = size.map(|side| side as f32);
         opened.show.set_aspect(width / height).map_err(Error::Show)?;
-        Self::new(opened, &Seen { camera: &|shown| *shown, size })
+        Self::new(opened, &mut Seen { size, ..Seen::default() })
     }
 
     /// Evaluates the beginning of a show.
-    fn new(opened: Opened, seen: &Seen<'_>) -> Result<Self, Error> {
+    fn new(opened: Opened, seen: &mut Seen) -> Result<Self, Error> {
         let Opened { mut crowd, show } = opened;
         let start = crowd.snapshot()?;
         let scene = show.scene();
@@ -135,33 +139,43 @@ impl Stage {
     }
 
     /// Evaluates frame 0.
-    fn begin(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
+    fn begin(&mut self, seen: &mut Seen) -> Result<(), Error> {
         self.advance(0.0, 0.0, seen)?;
         self.secs = 0.0;
         Ok(())
     }
 
     /// Moves the show on by `step_secs`, and evaluates the crowd for the camera of the time `secs`.
-    fn advance(&mut self, step_secs: f32, secs: f64, seen: &Seen<'_>) -> Result<(), Error> {
+    fn advance(&mut self, step_secs: f32, secs: f64, seen: &mut Seen) -> Result<(), Error> {
         let left_secs = self.show.behave(&mut self.crowd, step_secs).map_err(Error::Show)?;
         self.look(secs, seen)?;
         self.show.evaluate(&mut self.crowd, left_secs).map_err(Error::Show)
     }
 
     /// Sets the view that the crowd is evaluated for.
-    fn look(&mut self, secs: f64, seen: &Seen<'_>) -> Result<(), Error> {
+    fn look(&mut self, secs: f64, seen: &mut Seen) -> Result<(), Error> {
+        self.follow(seen);
         if let Some(detail_px) = self.show.detail_px() {
-            let camera = (seen.camera)(&self.show.camera(secs).map_err(Error::Show)?);
+            let camera = seen.rig.camera(&self.show.camera(secs).map_err(Error::Show)?);
             self.crowd.set_view(Some(camera.view(seen.size, &self.scene, detail_px)?))?;
         }
         Ok(())
     }
 
+    /// Brings the camera up with the member that it follows, which the show may have moved. One
+    /// that its clips move is where the last evaluation left it.
+    pub(crate) fn follow(&mut self, seen: &mut Seen) {
+        let secs = std::mem::take(&mut seen.secs);
+        let member = seen.member.filter(|_| seen.rig.mode() == Mode::Follow);
+        if let Some(followed) = member.and_then(|member| self.followed(member)) {
+            seen.rig.follow(&followed, secs);
+        }
+    }
+
     /// Goes on to a later time in one step.
-    fn step(&mut self, secs: f64, steering: Steering, seen: &Seen<'_>) -> Result<(), Error> {
+    fn step(&mut self, secs: f64, steering: Steering, seen: &mut Seen) -> Result<(), Error> {
         let start = Instant::now();
-        #[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32")]
-        let step_secs = (secs - self.secs) as f32;
+        let step_secs = single(secs - self.secs);
         self.walk(steering, step_secs).map_err(|e| Error::Show(e.into()))?;
         self.falls.step(&mut self.crowd, step_secs).map_err(|e| Error::Show(e.into()))?;
         self.advance(step_secs, secs, seen)?;
@@ -194,7 +208,7 @@ impl Stage {
         &mut self,
         secs: f64,
         steering: Steering,
-        seen: &Seen<'_>,
+        seen: &mut Seen,
     ) -> Result<bool, Error> {
         let end_secs = self.show.length_secs().unwrap_or(f64::INFINITY);
         let next_secs = (self.secs + secs).min(end_secs);
@@ -208,7 +222,7 @@ impl Stage {
     }
 
     /// Evaluates the present time again, for changes that are seen in a pause.
-    pub(crate) fn refresh(&mut self, seen: &Seen<'_>) -> Result<(), Error> {
+    pub(crate) fn refresh(&mut self, seen: &mut Seen) -> Result<(), Error> {
         self.look(self.secs, seen)?;
         self.crowd.update(0.0)?;
         self.crowd.finish()?;
@@ -242,7 +256,7 @@ impl Stage {
     }
 
     /// Goes on with a replay for a while. Returns true if there is none, or if it has arrived.
-    pub(crate) fn replay(&mut self, seen: &Seen<'_>) -> Result<bool, Error> {
+    pub(crate) fn replay(&mut self, seen: &mut Seen) -> Result<bool, Error> {
         let Some(target_secs) = self.target_secs else { return Ok(true) };
         let start = Instant::now();
         if self.secs < 0.0 {
@@ -252,6 +266,7 @@ impl Stage {
             let frame_secs = self.neighbour_secs(true);
             let is_on_the_way = frame_secs <= target_secs + SAME_SECS;
             let next_secs = if is_on_the_way { frame_secs } else { target_secs };
+            seen.secs = single(next_secs - self.secs);
             self.step(next_secs, Steering::default(), seen)?;
             if start.elapsed().as_secs_f64() * 1e3 > REPLAY_MS {
                 return Ok(false);
@@ -347,6 +362,11 @@ impl Stage {
         }
         Some(view.placement())
     }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "rounding to the nearest f32 is intended")]
+pub(crate) fn single(secs: f64) -> f32 {
+    secs as f32
 }
 
 #[cfg(test)]

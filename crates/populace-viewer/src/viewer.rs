@@ -22,7 +22,7 @@ use crate::pad::Sticks;
 use crate::paint::{self, Frame};
 use crate::panels;
 use crate::show::{Opener, Wish};
-use crate::stage::{Seen, Stage};
+use crate::stage::{Seen, Stage, single};
 use crate::theme::{self, PANEL};
 
 /// Input since the last frame.
@@ -248,25 +248,32 @@ impl<'a> Viewer<'a> {
             true => 0.0,
             false => self.desk.clock.passed_secs(input.secs),
         };
-        let rig = self.desk.rig;
-        let seen = Seen { camera: &|shown| rig.camera(shown), size: self.pixels().1 };
+        let mut seen = Seen {
+            rig: self.desk.rig,
+            member: self.stage.you().or(self.desk.picked),
+            secs: single(input.secs),
+            size: self.pixels().1,
+        };
         let mut changes = Changes { is_evaluated: true, is_played: false };
         if self.stage.target_secs().is_some() {
-            self.stage.replay(&seen)?;
+            self.stage.replay(&mut seen)?;
         } else if secs > 0.0 {
             let steering = self.held.steering().with(input.sticks.steering());
             let before_secs = self.stage.secs();
-            if !self.stage.play(secs, steering, &seen)? {
+            if !self.stage.play(secs, steering, &mut seen)? {
                 self.desk.clock.plays = false;
             }
             changes.is_played = self.stage.secs() > before_secs;
-        } else if refresh || self.drawn != Some(self.camera()?) {
-            // A camera that has moved sees other members, in other detail.
-            self.stage.refresh(&seen)?;
         } else {
-            changes.is_evaluated = false;
+            self.stage.follow(&mut seen);
+            let camera = seen.rig.camera(&self.stage.shown_camera()?);
+            changes.is_evaluated = refresh || self.drawn != Some(camera);
+            // A camera that has moved sees other members, in other detail.
+            if changes.is_evaluated {
+                self.stage.refresh(&mut seen)?;
+            }
         }
-        self.follow(input.secs);
+        self.desk.rig = seen.rig;
         if changes.is_evaluated {
             self.drawn = None;
         }

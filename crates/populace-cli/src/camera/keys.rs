@@ -116,6 +116,11 @@ impl Keys {
         Ok(Self(keys))
     }
 
+    /// Returns the time of the last key in seconds.
+    pub(super) fn last_secs(&self) -> f64 {
+        self.0.last().map_or(0.0, |key| key.time)
+    }
+
     /// Returns the time of the first cut after `start` and up to `end`, in seconds.
     pub(super) fn cut_between(&self, start: f64, end: f64) -> Option<f64> {
         let cuts = self.0.iter().zip(self.0.iter().skip(1)).filter(|(a, b)| a.time >= b.time);

@@ -220,3 +220,33 @@ fn ground_around_one_person_is_in_the_picture() {
         }
     }
 }
+
+/// The ground rises by half a metre in a metre of X.
+#[test]
+fn cameras_below_the_ground_are_warned_of() {
+    let warning = |view: &View| {
+        let cameras = Cameras::new(view, &Two, 1.5).expect("a camera");
+        let times = (0_u32..).map(|frame| f64::from(frame) / 10.0);
+        cameras.below_ground(times, &|[x, _]| 0.5 * x)
+    };
+    let at = |x: f32, y: f32| View::At { eye: [x, y, 5.0], target: [0.0; 3] };
+    assert_eq!([at(2.0, 1.1), at(-4.0, -1.9)].map(|view| warning(&view)), [None, None]);
+    let found = warning(&at(2.0, 0.5)).expect("a warning");
+    let wanted = "the camera is below the ground: it is at 2.00, 0.50, 5.00 m, where the ground is \
+                  at 1.00 m; the second number is the height";
+    assert!(found.starts_with(wanted), "{found}");
+    let keys = |last: f32| {
+        let key = |time: f32, y: f32| {
+            format!("[[key]]\ntime = {time:?}\nfrom = [0.0, {y:?}, 5.0]\nto = [0.0, 1.0, 0.0]\n")
+        };
+        View::Keys(Keys::parse(&(key(0.0, 3.0) + &key(2.04, last))).expect("keys"))
+    };
+    assert_eq!(warning(&keys(0.1)), None);
+    let found = warning(&keys(-0.1)).expect("a warning");
+    assert!(
+        found.contains("below the ground 1.90 s after frame 0: it is at 0.00, -0.0"),
+        "{found}"
+    );
+    let known = Cameras::new(&View::Top, &Two, 1.5).expect("a camera");
+    assert_eq!(known.below_ground(std::iter::once(0.0), &|_| 1e6), None);
+}

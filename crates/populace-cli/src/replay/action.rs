@@ -13,7 +13,7 @@ use super::agents::Agents;
 use super::metered::Metered;
 use super::overlays::Overlays;
 use super::place::Place;
-use crate::camera::{Cameras, Subject, View};
+use crate::camera::{Cameras, View};
 use crate::failure::Failure;
 use crate::frame_loop::{Action, in_foot_steps};
 use crate::frames::Frames;
@@ -74,12 +74,11 @@ impl ReplayAction {
     /// Says so if a camera with a position of its own sees nobody in any frame, and positions of
     /// the file were moved: the camera's may be one of the file.
     pub(super) fn warn_of_moved(&self, frames: Frames, size: [u32; 2]) -> Result<(), Failure> {
-        let is_placed = matches!(self.view, View::At { .. } | View::Keys(_));
+        let is_placed = self.cameras.as_ref().is_some_and(Cameras::is_placed);
         if !is_placed || self.recording.origin_m == [0.0; 2] {
             return Ok(());
         }
-        for frame in frames.first..=frames.last {
-            let secs = frames.rate.secs(frame) + frames.late_secs;
+        for secs in frames.times() {
             if self.subject.are_seen(&self.camera(secs)?, secs, size) {
                 return Ok(());
             }
@@ -153,7 +152,7 @@ impl Action for ReplayAction {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, secs| self.subject.pose(id, secs);
+        let poses = |id, at| self.subject.pose_around(id, at, secs);
         let cameras = self.cameras.as_ref();
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
     }

@@ -55,6 +55,24 @@ impl Agents {
 }
 
 impl Agents {
+    /// Returns the pose of an agent at a time, for a camera at another time that averages its way,
+    /// both in seconds since frame 0. The camera cuts where the agent jumps.
+    pub(super) fn pose_around(&self, id: u64, secs: f64, now_secs: f64) -> Option<Pose> {
+        let agent = usize::try_from(id).ok()?;
+        let motion = self.motions.agents.get(agent)?;
+        let Some([from, until]) = motion.unbroken(self.from_secs + now_secs) else {
+            return self.pose(id, secs);
+        };
+        let at = (self.from_secs + secs).min(until.next_down()).max(from);
+        Some(self.pose_of(agent, motion.at(at)?))
+    }
+
+    fn pose_of(&self, agent: usize, at: Moment) -> Pose {
+        let Moment { position: [x, y], elevation_m, heading_rad, .. } = at;
+        let (position, heading_rad) = ([x, elevation_m, -y], heading_rad + FRAC_PI_2);
+        Pose { position, heading_rad, eye_m: EYES * self.heights[agent] }
+    }
+
     /// Returns whether a camera sees somebody at a time in seconds since frame 0, in a picture of a
     /// size.
     pub(super) fn are_seen(&self, camera: &Camera, secs: f64, size: [u32; 2]) -> bool {
@@ -112,13 +130,7 @@ impl Subject for Agents {
 
     fn pose(&self, id: u64, secs: f64) -> Option<Pose> {
         let agent = usize::try_from(id).ok()?;
-        let Moment { position: [x, y], elevation_m, heading_rad, .. } = self.moment(agent, secs)?;
-        let position = [x, elevation_m, -y];
-        Some(Pose {
-            position,
-            heading_rad: heading_rad + FRAC_PI_2,
-            eye_m: EYES * self.heights[agent],
-        })
+        Some(self.pose_of(agent, self.moment(agent, secs)?))
     }
 
     fn describe_ids(&self) -> String {
@@ -192,6 +204,28 @@ mod tests {
         let found = corners(&recording, 0.5);
         assert_eq!((found.len(), &found[..4]), (6, &wanted[..]));
         assert_eq!(found[5], [9.0, 2.5, -5.0]);
+    }
+
+    #[test]
+    fn cameras_cut_where_people_jump() {
+        let mut text = "id,t,x/m,y/m\n".to_owned();
+        for tenth in 0_u8..40 {
+            let (x, y) = if tenth < 20 { (0.0, 0.0) } else { (30.0, 9.0) };
+            text += &format!("1,{},{},{y}\n", f32::from(tenth) / 10.0, x + f32::from(tenth) / 10.0);
+        }
+        let settings = populace_trajectory::ReadSettings::default();
+        let recording =
+            populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings).expect("rows");
+        let agents = Agents::new(&recording, Motions::new(&recording), vec![1.8], 0.6);
+        let view = crate::camera::View::Follow { id: "1".into() };
+        let cameras = crate::camera::Cameras::new(&view, &agents, 1.5).expect("a camera");
+        let eye_x = |secs: f64| {
+            let poses = |id, at| agents.pose_around(id, at, secs);
+            cameras.at(&poses, secs).eye[0]
+        };
+        for (secs, wanted) in [(1.3, -2.4), (1.9, -1.8), (2.0, 28.3), (2.6, 28.9)] {
+            assert!((eye_x(secs) - wanted).abs() < 0.6, "{secs}: {}, not {wanted}", eye_x(secs));
+        }
     }
 
     #[test]

@@ -45,6 +45,7 @@ pub(super) fn casts(
             options: cast.varied && !args.plain,
             no_hats: cast.holds.iter().any(|thing| thing == "helmet"),
             top: cast.top,
+            ..Clothes::default()
         };
         let loaded = roles::load(
             crowd,

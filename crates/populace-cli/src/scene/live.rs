@@ -263,6 +263,10 @@ impl Action for FilmedScene {
         Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
     }
 
+    fn ground_m(&self, [x, z]: [f32; 2]) -> Option<f32> {
+        Some(self.live.stage.ground().height_at(x, z))
+    }
+
     fn person(&self, member: MemberId) -> Option<u64> {
         self.live.numbers.get(&member).copied()
     }

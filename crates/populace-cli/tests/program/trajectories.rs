@@ -321,6 +321,31 @@ fn cameras_in_coordinates_of_a_moved_file_are_warned_of() {
     }
 }
 
+/// The floor of the recording is at 3 m, and the ground of a crowd at 0.
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+#[test]
+fn cameras_below_the_ground_are_warned_of() {
+    let folder = Folder::new();
+    let (file, out) =
+        (write(&folder, "a.csv", "id,t,x,y,z\n1,0,0,0,3\n1,1,1,0,3\n"), folder.text("x.png"));
+    let size = ["--size", "32x18", "--device", "native", "--out", &out, "--camera"];
+    let crowd = ["@child", "--members", "1"];
+    let recording = [file.as_str(), "--cast", "@child"];
+    for (input, camera, ground) in [
+        (&crowd[..], "0,-2,5,0,1,0", Some("0.00, -2.00, 5.00 m, where the ground is at 0.00 m")),
+        (&crowd, "0,2,5,0,1,0", None),
+        (&recording, "0,2,5,0,4,0", Some("0.00, 2.00, 5.00 m, where the ground is at 3.00 m")),
+        (&recording, "0,4,5,0,4,0", None),
+    ] {
+        let stderr = stderr_of(&[&["render"][..], input, &size, &[camera]].concat());
+        let warning = "warning: the camera is below the ground: it is at ";
+        match ground {
+            Some(ground) => assert!(stderr.contains(&format!("{warning}{ground}")), "{stderr}"),
+            None => assert!(!stderr.contains(warning), "{stderr}"),
+        }
+    }
+}
+
 /// A picture of a time within a gap or after the file's end shows nobody, and the program says so.
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 #[test]

@@ -72,6 +72,22 @@ pub(super) fn warns_of_a_lost_layout(desk: &Desk) -> Result<(), Failed> {
     Ok(())
 }
 
+/// The recording is 300 km from the origin.
+pub(super) fn warns_of_cameras(desk: &Desk) -> Result<(), Failed> {
+    std::fs::write(desk.path("far.csv"), "id,t,x,y\n1,0,300000,5\n1,1,300001,5\n")?;
+    let far = ["far.csv", "--cast", "@child"];
+    for (input, camera, warning) in [
+        (&far, "300000,2,0,300000,0,-5", "warning: the camera sees nobody in any frame"),
+        (&CROWD, "0,-2,5,0,1,0", "warning: the camera is below the ground: it is at 0.00, -2.00"),
+    ] {
+        let args = [&input[..], &["--camera", camera]].concat();
+        let output = desk.try_view(&args, "at 0.1 quit\n")?;
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        ensure(output.status.success() && stderr.contains(warning), || stderr.into_owned())?;
+    }
+    Ok(())
+}
+
 /// Another name of the file that was there shows that nobody wrote into it.
 pub(super) fn replaces_files_whole(desk: &Desk) -> Result<(), Failed> {
     let names = ["shot.png", "picture.png", "layout.toml"];

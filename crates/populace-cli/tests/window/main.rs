@@ -47,6 +47,10 @@ fn main() -> ExitCode {
         trial("the layout is remembered", time::remembers),
         trial("files that are no layouts stay as they are", files::refuses_other_files),
         trial("a layout that cannot be written is warned of", files::warns_of_a_lost_layout),
+        trial(
+            "cameras that see nobody or are in the ground are warned of",
+            files::warns_of_cameras,
+        ),
         trial("pictures take the place of files as a whole", files::replaces_files_whole),
         trial("pictures and films of other formats are refused", files::refuses_other_formats),
         trial("input is shown by the next picture", time::shows_input_at_once),

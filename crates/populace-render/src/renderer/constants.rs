@@ -23,20 +23,26 @@ pub(super) fn bounding_sphere(info: &ModelInfo, instance: &Instance<'_>) -> Opti
     (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius, is_floor })
 }
 
+/// Returns the size of a pixel in metres, at a distance of one metre from the eye.
+pub(super) fn pixel_m(clip_from_world: Mat4, [_, height]: [u32; 2]) -> f32 {
+    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
+    let height = height as f32;
+    2.0 / (clip_from_world.row(1).truncate().length() * height)
+}
+
 /// Returns the constants of a picture.
 pub(super) fn frame(
     camera: &Camera,
     scene: &Scene,
     clip_from_world: Mat4,
     sun: Option<SunView>,
-    [_, height]: [u32; 2],
+    size: [u32; 2],
 ) -> Frame {
     let color = |[r, g, b]: [f32; 3]| Float4([r, g, b, 0.0]);
     let with = |[x, y, z]: [f32; 3], w| Float4([x, y, z, w]);
     let Ambient { sky: up, side, ground: down, .. } = scene.ambient;
     let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
-    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
-    let pixel_m = 2.0 / (clip_from_world.row(1).truncate().length() * height as f32);
+    let pixel_m = pixel_m(clip_from_world, size);
     Frame {
         clip_from_world: clip_from_world.into(),
         world_from_clip: clip_from_world.inverse().into(),

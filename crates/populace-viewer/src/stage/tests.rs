@@ -10,7 +10,10 @@ use super::*;
 
 /// The time from frame to frame in seconds.
 const FRAME_SECS: f64 = 1.0 / 30.0;
-const SEEN: Seen<'static> = Seen { camera: &|shown| *shown, size: [64, 64] };
+
+fn seen() -> Seen {
+    Seen { size: [64, 64], ..Seen::default() }
+}
 
 /// A show that notes how it is advanced.
 #[derive(Default)]
@@ -22,6 +25,8 @@ struct Noted {
     /// Turn of the camera from +Z to +X, in radians in a second; and how far it has turned.
     turn_rad_per_sec: f32,
     turn_rad: f32,
+    /// The member that it moves, and where to.
+    moved: Arc<Mutex<Option<(MemberId, Placement)>>>,
 }
 
 impl Show for Noted {
@@ -58,8 +63,11 @@ impl Show for Noted {
         Ok(Camera { eye: [0.0, 1.0, 0.0], target: target.to_array(), ..Camera::default() })
     }
 
-    fn behave(&mut self, _: &mut Crowd, secs: f32) -> Result<f32, ShowError> {
+    fn behave(&mut self, crowd: &mut Crowd, secs: f32) -> Result<f32, ShowError> {
         self.steps.lock().expect("the steps").push(secs);
+        if let Some((member, to)) = *self.moved.lock().expect("a move") {
+            crowd.member_mut(member)?.set_placement(to)?;
+        }
         self.turn_rad += self.turn_rad_per_sec * secs;
         Ok(secs)
     }
@@ -90,20 +98,20 @@ fn open(show: Noted) -> (Stage, [MemberId; 2]) {
     let members = [0.0, 3.0]
         .map(|x| crowd.spawn(man, Placement::at([x, floor_m, 0.0])).expect("room for a member"));
     let opened = Opened { crowd, show: Box::new(show) };
-    (Stage::new(opened, &SEEN).expect("a stage"), members)
+    (Stage::new(opened, &mut seen()).expect("a stage"), members)
 }
 
 /// Plays for a time in seconds, in steps as long as pictures take on some machine.
 fn play(stage: &mut Stage, secs: f64) {
     let end_secs = stage.secs() + secs;
     while stage.secs() < end_secs {
-        stage.play(0.0217, Steering::default(), &SEEN).expect("a step");
+        stage.play(0.0217, Steering::default(), &mut seen()).expect("a step");
     }
 }
 
 fn seek(stage: &mut Stage, secs: f64) {
     stage.seek(secs).expect("a time");
-    while !stage.replay(&SEEN).expect("a replay") {}
+    while !stage.replay(&mut seen()).expect("a replay") {}
 }
 
 #[test]
@@ -172,7 +180,7 @@ fn walk(stage: &mut Stage, secs: f64) {
     let end_secs = stage.secs() + secs;
     while stage.secs() < end_secs {
         let forward = Steering { forward: 1.0, ..Steering::default() };
-        stage.play(0.0217, forward, &SEEN).expect("a step");
+        stage.play(0.0217, forward, &mut seen()).expect("a step");
     }
 }
 
@@ -185,12 +193,33 @@ fn members_are_hidden_by_the_camera_of_their_frame() {
         let mut member = stage.crowd.member_mut(member).expect("a member");
         member.set_placement(Placement::at(at.to_array())).expect("a place");
     }
-    stage.play(0.03, Steering::default(), &SEEN).expect("a step");
-    let visible = members.map(|member| {
-        let member = stage.crowd.member(member).expect("a member");
-        member.instance().visibility == Visibility::InView
-    });
-    assert_eq!(visible, [false, true]);
+    stage.play(0.03, Steering::default(), &mut seen()).expect("a step");
+    assert_eq!(members.map(|member| is_in_view(&stage, member)), [false, true]);
+}
+
+fn is_in_view(stage: &Stage, member: MemberId) -> bool {
+    let member = stage.crowd.member(member).expect("a member");
+    member.instance().visibility == Visibility::InView
+}
+
+/// The camera cuts to a member that is far away.
+#[test]
+fn members_are_hidden_by_the_camera_that_follows_in_their_frame() {
+    let show = Noted { turn_rad_per_sec: 1e-3, ..Noted::default() };
+    let moved = show.moved.clone();
+    let (mut stage, [followed, passed]) = open(show);
+    let at = Placement::at([0.0, 0.0, 1.0]);
+    stage.crowd.member_mut(passed).expect("a member").set_placement(at).expect("a place");
+    let mut seen = Seen { member: Some(followed), ..seen() };
+    let here = stage.followed(followed).expect("a member");
+    seen.rig.begin_to_follow(&here, &stage.shown_camera().expect("a camera"));
+    for (to, wanted) in [(0.0, true), (500.0, false)] {
+        let to = Placement::at([to, 0.0, 0.0]);
+        *moved.lock().expect("a move") = Some((followed, to));
+        seen.secs = 0.03;
+        stage.play(0.03, Steering::default(), &mut seen).expect("a step");
+        assert_eq!([followed, passed].map(|member| is_in_view(&stage, member)), [true, wanted]);
+    }
 }
 
 #[test]

@@ -6,13 +6,13 @@ use super::{Input, Viewer};
 use crate::camera::Mode;
 use crate::desk::Page;
 use crate::pick::{self, Ray};
+use crate::stage::single;
 
 impl Viewer<'_> {
     /// Moves the camera and picks members by the mouse, and turns the camera by a gamepad.
     pub(super) fn touch(&mut self, ui: &mut Ui, input: &Input) {
         let response = ui.allocate_rect(self.rect, egui::Sense::click_and_drag());
-        #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
-        let secs = input.secs as f32;
+        let secs = single(input.secs);
         let Ok(shown) = self.stage.shown_camera() else { return };
         let (shift, wheel) = ui.input(|i| (i.modifiers.shift, i.raw_scroll_delta.y));
         let by = response.drag_delta() / self.rect.height().max(1.0);
@@ -52,18 +52,6 @@ impl Viewer<'_> {
             if self.desk.picked.is_some() {
                 self.desk.page = Page::Member;
             }
-        }
-    }
-
-    /// Brings the camera up with the member that it follows.
-    pub(super) fn follow(&mut self, secs: f64) {
-        if self.desk.rig.mode() != Mode::Follow {
-            return;
-        }
-        let member = self.stage.you().or(self.desk.picked);
-        if let Some(followed) = member.and_then(|member| self.stage.followed(member)) {
-            #[expect(clippy::cast_possible_truncation, reason = "a time of one frame")]
-            self.desk.rig.follow(&followed, secs as f32);
         }
     }
 }

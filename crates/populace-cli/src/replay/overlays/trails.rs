@@ -57,14 +57,21 @@ impl Overlays {
 }
 
 /// Returns where somebody was in a time, from the first moment on, with the times; `None` where they
-/// were not there.
+/// were not there, and where they jumped.
 fn way(
     motion: &Motion,
     [from, until]: [f64; 2],
 ) -> impl Iterator<Item = (f64, Option<Moment>)> + '_ {
     let times = (0_u32..).map(move |nth| from + f64::from(nth) * TRAIL_STEP_SECS);
     let times = times.take_while(move |at| *at < until).chain([until]);
-    times.map(|at| (at, motion.at(at))).skip_while(|(_, moment)| moment.is_none())
+    let mut last = None;
+    let moments = times.flat_map(move |at| {
+        let now = motion.unbroken(at);
+        let has_jumped = last.replace(now).is_some_and(|last| last != now);
+        let gap = has_jumped.then_some((at, None));
+        gap.into_iter().chain([(at, motion.at(at))])
+    });
+    moments.skip_while(|(_, moment)| moment.is_none())
 }
 
 #[cfg(test)]
@@ -73,6 +80,15 @@ mod tests {
 
     use super::super::tests::recording;
     use super::*;
+
+    #[test]
+    fn trails_have_gaps_where_somebody_jumped() {
+        let rows = "id,t,x/m,y/m\n1,0,0,0\n1,1,1,0\n1,2,40,9\n1,3,41,9\n";
+        let motions = Motions::new(&recording(rows));
+        let seen: Vec<_> = way(&motions.agents[0], [0.0, 3.0]).map(|(_, moment)| moment).collect();
+        let gaps = seen.split(Option::is_none).map(<[_]>::len).collect::<Vec<_>>();
+        assert_eq!(gaps, [15, 16]);
+    }
 
     #[test]
     fn trails_have_gaps_where_nobody_was() {
