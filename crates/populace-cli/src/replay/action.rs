@@ -78,11 +78,11 @@ impl ReplayAction {
         if !is_placed || self.recording.origin_m == [0.0; 2] {
             return Ok(());
         }
-        for frame in frames.first..=frames.last {
-            let secs = frames.rate.secs(frame) + frames.late_secs;
-            if self.subject.are_seen(&self.camera(secs)?, secs, size) {
-                return Ok(());
-            }
+        let times =
+            (frames.first..=frames.last).map(|nth| frames.rate.secs(nth) + frames.late_secs);
+        let cameras = times.map(|secs| Ok((secs, self.camera(secs)?)));
+        if self.subject.are_seen(cameras, size)? {
+            return Ok(());
         }
         let [x, y] = self.recording.origin_m.map(|v| 0.0 - v);
         message!(
