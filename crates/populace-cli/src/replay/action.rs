@@ -153,9 +153,9 @@ impl Action for ReplayAction {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, secs| self.subject.pose(id, secs);
-        let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
+        let Some(cameras) = &self.cameras else { return Ok(Camera::default()) };
+        let poses = |secs| self.subject.pose(cameras.person()?, secs);
+        Ok(cameras.at(&poses, secs))
     }
 }
 
