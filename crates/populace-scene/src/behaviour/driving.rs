@@ -74,10 +74,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     let now = world.now;
     match world.people[who].doing {
         Doing::NearsCar { car, until } => {
-            if world.has_arrived(who) {
-                world.halt(who)?;
-                let yaw_rad = beside_yaw_rad(world, car);
-                world.face(who, Some(yaw_rad))?;
+            if world.stops_at_goal(who, beside_yaw_rad(world, car))? {
                 world.traffic.vehicles[car].is_open = true;
                 world.people[who].doing = Doing::FacesCar { car, until: now + 4.0 };
             } else if now > until {
