@@ -170,12 +170,21 @@ impl Cameras {
         keys.cut_between(start, secs).map_or(secs, f64::next_down)
     }
 
-    /// Returns the camera at a time in seconds since frame 0.
+    /// Returns the person that the camera goes with.
+    pub(crate) fn person(&self) -> Option<u64> {
+        match &self.mode {
+            Mode::Close { id, .. } | Mode::Follow { id } | Mode::Eye { id } => Some(*id),
+            Mode::Fixed(_) | Mode::Orbit { .. } | Mode::Keys(_) => None,
+        }
+    }
+
+    /// Returns the camera at a time in seconds since frame 0. `poses` are those of
+    /// [`person`](Self::person).
     pub(crate) fn at(&self, poses: &Poses<'_>, secs: f64) -> Camera {
         match &self.mode {
             Mode::Fixed(camera) => *camera,
-            Mode::Close { camera, id, from } => {
-                let walked = smoothed(poses, *id, secs, SMOOTH_SECS)
+            Mode::Close { camera, from, .. } => {
+                let walked = smoothed(poses, secs, SMOOTH_SECS)
                     .map_or(Vec3::ZERO, |pose| Vec3::from(pose.position) - *from);
                 let [eye, target] =
                     [camera.eye, camera.target].map(|at| (Vec3::from(at) + walked).to_array());
@@ -186,8 +195,8 @@ impl Cameras {
                 let eye = *center + *distance * elevated(TAU * turns, ORBIT_ELEVATION_RAD);
                 self.looking(eye, *center, ORBIT_FOV_RAD)
             }
-            Mode::Follow { id } => self.follow(poses, *id, secs),
-            Mode::Eye { id } => self.eye(poses, *id, secs),
+            Mode::Follow { .. } => self.follow(poses, secs),
+            Mode::Eye { .. } => self.eye(poses, secs),
             Mode::Keys(keys) => {
                 let key = keys.at(secs);
                 let [from, to] = [key.from, key.to].map(|at| Vec3::from(at.map(single)));
@@ -237,16 +246,16 @@ impl Cameras {
         Mode::Orbit { center, distance }
     }
 
-    fn follow(&self, poses: &Poses<'_>, id: u64, secs: f64) -> Camera {
-        let Some(pose) = smoothed(poses, id, secs, SMOOTH_SECS) else { return self.framed };
+    fn follow(&self, poses: &Poses<'_>, secs: f64) -> Camera {
+        let Some(pose) = smoothed(poses, secs, SMOOTH_SECS) else { return self.framed };
         let (feet, forward, eye_m) = (Vec3::from(pose.position), pose.forward(), pose.eye_m);
         let eye = feet - BEHIND * eye_m * forward + 1.35 * eye_m * Vec3::Y;
         let target = feet + eye_m * forward + 0.7 * eye_m * Vec3::Y;
         self.looking(eye, target, FOLLOW_FOV_RAD)
     }
 
-    fn eye(&self, poses: &Poses<'_>, id: u64, secs: f64) -> Camera {
-        let Some(pose) = smoothed(poses, id, secs, EYE_SMOOTH_SECS) else { return self.framed };
+    fn eye(&self, poses: &Poses<'_>, secs: f64) -> Camera {
+        let Some(pose) = smoothed(poses, secs, EYE_SMOOTH_SECS) else { return self.framed };
         let (feet, forward, eye_m) = (Vec3::from(pose.position), pose.forward(), pose.eye_m);
         let eye = feet + eye_m * (Vec3::Y + BEFORE * forward);
         // People look slightly down as they walk.
@@ -284,11 +293,11 @@ fn from_above(points: &[Vec3], elevation_rad: f32, aspect: f32) -> Camera {
 
 /// Returns the mean pose of a person around a time, which moves without bobbing and turns without
 /// jerks.
-fn smoothed(poses: &Poses<'_>, id: u64, secs: f64, half_secs: f64) -> Option<Pose> {
+fn smoothed(poses: &Poses<'_>, secs: f64, half_secs: f64) -> Option<Pose> {
     let (mut position, mut forward, mut eye_m, mut count) = (Vec3::ZERO, Vec3::ZERO, 0.0, 0.0);
     for step in -SMOOTH_STEPS..=SMOOTH_STEPS {
         let at = secs + half_secs * f64::from(step) / f64::from(SMOOTH_STEPS);
-        let pose = pose_at(poses, id, at)?;
+        let pose = pose_at(poses, at)?;
         position += Vec3::from(pose.position);
         forward += pose.forward();
         eye_m += pose.eye_m;
@@ -299,11 +308,11 @@ fn smoothed(poses: &Poses<'_>, id: u64, secs: f64, half_secs: f64) -> Option<Pos
 }
 
 /// Returns a pose at any time. Before frame 0, people come as they go on after it.
-fn pose_at(poses: &Poses<'_>, id: u64, secs: f64) -> Option<Pose> {
+fn pose_at(poses: &Poses<'_>, secs: f64) -> Option<Pose> {
     if secs >= 0.0 {
-        return poses(id, secs);
+        return poses(secs);
     }
-    let [first, mirrored] = [poses(id, 0.0)?, poses(id, -secs)?];
+    let [first, mirrored] = [poses(0.0)?, poses(-secs)?];
     let position = 2.0 * Vec3::from(first.position) - Vec3::from(mirrored.position);
     Some(Pose { position: position.to_array(), ..first })
 }

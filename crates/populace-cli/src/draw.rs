@@ -182,9 +182,9 @@ impl Action for FilmedCrowd {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, secs| self.action.pose(id, secs);
-        let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
+        let Some(cameras) = &self.cameras else { return Ok(Camera::default()) };
+        let poses = |secs| self.action.pose(cameras.person()?, secs);
+        Ok(cameras.at(&poses, secs))
     }
 
     fn person(&self, member: MemberId) -> Option<u64> {

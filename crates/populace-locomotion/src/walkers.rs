@@ -2,36 +2,27 @@
 
 mod goals;
 mod members;
+mod motion;
+mod show;
 
 use std::time::Instant;
 
-use glam::Vec2;
 use populace::{Crowd, Ground, MemberId, Placement, SpacePoint, Stride};
 use rayon::prelude::*;
 
-use crate::avoidance::{Agents, Avoidance, LARGEST_M, Stagger};
+use crate::avoidance::{Avoidance, Stagger};
 use crate::error::within;
-use crate::walker::{AHEAD_M, Lead, Walker, WalkerSettings, Wish, ground_below};
+use crate::walker::{Lead, Walker, WalkerSettings};
 use crate::{Error, GaitSpace};
 pub use goals::Goal;
 use goals::{Manner, Orders};
 
 /// Seconds between two changes of what a walker plays, and between two steers around others.
 const RENEWED_SECS: f32 = 0.1;
-/// Seconds in which a walker changes to another mix of clips.
-const BLENDED_SECS: f32 = 0.2;
 /// The fewest walkers for one thread.
 const FEWEST_PER_THREAD: usize = 256;
 /// No walker.
 const NONE: u32 = u32::MAX;
-/// How much faster than it prefers a walker may go to evade others.
-const HASTE: f32 = 1.3;
-/// The highest speed, in metres per second, at which a walker goes on that was led.
-const MOST_LED_SPEED: f32 = 100.0;
-/// How much a slope takes of the speed, up and down: people climb stairs of a slope of 0.5 at 0.61
-/// metres per second and descend them at 0.69, horizontally (U. Weidmann, "Transporttechnik der
-/// Fussgaenger", ETH Zurich 1993). Gentler slopes are between those and level ground.
-const SLOPES: [f32; 2] = [2.4, 1.9];
 
 /// Placements and strides of members.
 type Shown = (Vec<(MemberId, Placement)>, Vec<(MemberId, Stride)>);
@@ -289,151 +280,4 @@ impl Walkers {
     pub fn update_times(&self) -> UpdateTimes {
         self.times
     }
-
-    /// Finds the velocities that walkers would take if they were alone.
-    fn prefer(&mut self, secs: f32) {
-        let (settings, ground, avoids) = (&self.settings, &self.ground, self.avoidance.is_some());
-        let walkers = self.walkers.par_iter_mut().zip(&mut self.velocities).zip(&mut self.orders);
-        let wishes = self.preferred.par_iter_mut().zip(&mut self.most_speeds);
-        walkers.zip(wishes).with_min_len(FEWEST_PER_THREAD).for_each(
-            |(((walker, present), orders), (preferred, most))| {
-                if walker.velocity.length_squared() > MOST_LED_SPEED * MOST_LED_SPEED {
-                    walker.velocity = walker.velocity.clamp_length_max(MOST_LED_SPEED);
-                    *present = walker.velocity.to_array();
-                }
-                let velocity = orders.velocity(walker.position, settings.deceleration, secs);
-                let share = ground
-                    .as_ref()
-                    .map_or(1.0, |ground| slope_share(ground, walker.position, velocity));
-                *preferred = (velocity * share).to_array();
-                if avoids {
-                    // A walker that is faster already need not brake at once.
-                    let most_speed = HASTE * share * velocity.length();
-                    *most = most_speed.max(walker.velocity.length()).min(MOST_LED_SPEED);
-                }
-            },
-        );
-    }
-
-    /// Steers a share of the walkers around others.
-    fn steer(&mut self, share: Stagger) -> Result<(), Error> {
-        let Some(avoidance) = &mut self.avoidance else {
-            self.evades.fill(false);
-            return Ok(());
-        };
-        let agents = Agents {
-            positions: &self.positions,
-            velocities: &self.velocities,
-            preferred: &self.preferred,
-            radii_m: &self.radii_m,
-            most_speeds: &self.most_speeds,
-            groups: &self.groups,
-        };
-        avoidance.steer(&agents, share, &mut self.steered)?;
-        for index in (share.nth..self.members.len()).step_by(share.count) {
-            self.evades[index] = self.orders[index].manner == Manner::Heeds
-                && self.steered[index] != self.preferred[index];
-        }
-        Ok(())
-    }
-
-    /// Moves all walkers.
-    fn advance(&mut self, secs: f32) {
-        let Self { settings, gaits, avoidance, .. } = self;
-        let ground = self.ground.as_ref();
-        let places = self.positions.par_iter_mut().zip(&mut self.velocities);
-        let orders = self.orders.par_iter().zip(&self.radii_m).zip(&self.phases);
-        let wishes = self.preferred.par_iter().zip(&self.steered).zip(&self.evades).zip(orders);
-        let shown = self.placements.par_iter_mut().zip(&mut self.strides);
-        let walkers = self.walkers.par_iter_mut().zip(shown).zip(places);
-        walkers.zip(wishes).with_min_len(FEWEST_PER_THREAD).for_each(
-            |(
-                ((walker, (placement, stride)), (position, velocity)),
-                (steers, ((orders, radius), phase)),
-            )| {
-                if orders.manner == Manner::Rests {
-                    return;
-                }
-                let ((preferred, steered), evades) = steers;
-                // Who need not evade follows its goal in each update, as without avoidance.
-                let wanted = Vec2::from(if *evades { *steered } else { *preferred });
-                let wish = Wish { velocity: wanted, facing_rad: orders.facing_rad };
-                let wanted = walker.advance(wish, settings, secs);
-                let at = avoidance.as_ref().map_or(wanted, |avoidance| {
-                    let from = walker.position.to_array();
-                    avoidance.slide(from, wanted.to_array(), *radius).into()
-                });
-                let at = at.clamp(Vec2::splat(-LARGEST_M), Vec2::splat(LARGEST_M));
-                walker.arrive(at, wanted, ground, secs);
-                walker.step(&gaits[orders.gaits as usize], secs, ground.zip(*phase));
-                (placement.1, stride.1) = (walker.placement(), walker.stride);
-                (*position, *velocity) = (walker.position.to_array(), walker.velocity.to_array());
-            },
-        );
-    }
-
-    /// Sets the blend space of each walker that has begun to rest to standing. A member that plays
-    /// something else by now keeps it.
-    fn let_walks_go(&mut self, crowd: &Crowd) {
-        self.let_go.clear();
-        for (index, orders) in self.orders.iter().enumerate() {
-            let (walker, member) = (&mut self.walkers[index], self.members[index]);
-            if orders.manner != Manner::Rests || walker.told == Some(walker.step) {
-                continue;
-            }
-            let walks = crowd.member(member).is_ok_and(|view| view.blend_space_phase().is_some());
-            if walks {
-                self.points.push((member, walker.step.point()));
-                self.let_go.push((member, walker.stride));
-            }
-            walker.told = Some(walker.step);
-        }
-    }
-
-    /// Tells the crowd where walkers are and how they step, and what a share of them plays.
-    fn show(&mut self, crowd: &mut Crowd, share: Stagger) -> Result<(), Error> {
-        self.points.clear();
-        for index in (share.nth..self.members.len()).step_by(share.count) {
-            let walker = &self.walkers[index];
-            let is_moved = self.orders[index].manner != Manner::Rests;
-            if is_moved && walker.told != Some(walker.step) {
-                self.points.push((self.members[index], walker.step.point()));
-            }
-        }
-        self.let_walks_go(crowd);
-        let all_move = self.orders.iter().all(|orders| orders.manner != Manner::Rests);
-        let (placements, strides) = if all_move {
-            (&self.placements, &self.strides)
-        } else {
-            let moves = |index: &usize| self.orders[*index].manner != Manner::Rests;
-            let moving = || (0..self.orders.len()).filter(moves);
-            let (placements, strides) = &mut self.shown;
-            placements.clear();
-            placements.extend(moving().map(|index| self.placements[index]));
-            strides.clear();
-            strides.extend(moving().map(|index| self.strides[index]));
-            strides.extend(&self.let_go);
-            (&*placements, &*strides)
-        };
-        // A member that the crowd refuses keeps as little as possible from the others.
-        let placed = crowd.set_placements(placements);
-        let blended = crowd.set_blend_parameters(&self.points, BLENDED_SECS);
-        let stepped = crowd.set_strides(strides);
-        if blended.is_ok() {
-            for (member, _) in &self.points {
-                let walker = &mut self.walkers[self.by_member[member.number() as usize] as usize];
-                walker.told = Some(walker.step);
-            }
-        }
-        Ok(placed.and(blended).and(stepped)?)
-    }
-}
-
-/// Returns the share of a speed that the slope of the ground leaves.
-fn slope_share(ground: &Ground, at: Vec2, velocity: Vec2) -> f32 {
-    let Some(direction) = velocity.try_normalize() else { return 1.0 };
-    let at = at + direction * AHEAD_M;
-    let ahead = ground_below(ground, at + direction * 0.5, direction);
-    let slope = 2.0 * (ahead - ground_below(ground, at, direction));
-    1.0 / (1.0 + if slope > 0.0 { SLOPES[0] * slope } else { -SLOPES[1] * slope })
 }

@@ -16,6 +16,7 @@ mod leans;
 mod loops;
 mod person;
 mod phones;
+mod places;
 mod seats;
 mod settled;
 mod settling;
@@ -44,6 +45,7 @@ use crate::stage::{Lights, PHONE, Stage};
 use arrival::Arrival;
 use footways::Footway;
 use hands::Phones;
+use places::Places;
 use taken::Taken;
 use traffic::{Stop, Traffic};
 use world::{Crossing, World};
@@ -107,9 +109,9 @@ impl Behaviours {
             crossings: crossings.collect(),
             footways,
             standing: Taken::by(&bystanders),
-            spots: stage.spots.iter().map(|spot| (spot.clone(), None)).collect(),
-            leans: stage.leans.iter().map(|lean| (lean.clone(), None)).collect(),
-            seats: stage.seats.iter().map(|seat| (seat.clone(), None)).collect(),
+            spots: Places::new(stage.spots.clone()),
+            leans: Places::new(stage.leans.clone()),
+            seats: Places::new(stage.seats.clone()),
             traffic,
             talks: Vec::new(),
             groups: Vec::new(),

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use populace_trajectory::{Agent, Footstep, Kind, Recording, Track};
+use populace_trajectory::{Agent, Footstep, Kind, Recording, Track, most_present};
 
 use crate::heading;
 use crate::smoothing::{at_even_times, hermite, low_pass};
@@ -116,19 +116,8 @@ impl Motions {
     /// after their last rows.
     #[must_use]
     pub fn peak(&self) -> usize {
-        // Somebody who comes at the last moment of another is there together with it.
-        let (comes, goes) = (0_u8, 1_u8);
         let spans = self.agents.iter().flat_map(Motion::secs);
-        let ends =
-            spans.flat_map(|[from, until]| [(from, comes), (until + Motion::PAST_SECS, goes)]);
-        let mut ends: Vec<(f64, u8)> = ends.collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (mut now, mut peak) = (0_usize, 0);
-        for (_, end) in ends {
-            now = if end == comes { now + 1 } else { now - 1 };
-            peak = peak.max(now);
-        }
-        peak
+        most_present(spans.map(|[from, until]| [from, until + Motion::PAST_SECS]))
     }
 }
 

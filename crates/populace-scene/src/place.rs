@@ -134,8 +134,21 @@ impl PlaceModel {
     /// Builds the place of a recording. Settings beyond their ranges count as the nearest value.
     #[must_use]
     pub fn new(recording: &Recording, settings: &PlaceSettings) -> Self {
-        let (place, warnings) = Self::buildable(&recording.place);
-        let mut model = Self { parts: Vec::new(), warnings };
+        let (place, mut warnings) = Self::buildable(&recording.place);
+        let model = Self::assemble(&place, recording, settings);
+        warnings.extend(model.warnings);
+        Self { warnings, ..model }
+    }
+
+    /// Builds the place of a recording as [`new`](Self::new) does, if it is
+    /// [`buildable`](Self::buildable) already: no ring is tested.
+    #[must_use]
+    pub fn of_buildable(recording: &Recording, settings: &PlaceSettings) -> Self {
+        Self::assemble(&recording.place, recording, settings)
+    }
+
+    fn assemble(place: &Place, recording: &Recording, settings: &PlaceSettings) -> Self {
+        let mut model = Self::default();
         let obstacles: Vec<Area> = place.obstacles.iter().map(Area::of).collect();
         let changes = &place.changes;
         for (index, change) in changes.iter().enumerate() {

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use populace::character::{Character, Mesh};
-use populace_scene::{PlaceModel, PlaceSettings, PlaceWarning};
+use populace_scene::{PlaceModel, PlacePart, PlaceSettings, PlaceWarning};
 use populace_trajectory::{PlaceChange, Polygon, ReadSettings, Recording};
 
 type Ring = Vec<[f64; 2]>;
@@ -254,6 +254,28 @@ fn degenerate_rings_are_left_out_with_a_warning() {
     ];
     assert_eq!(model.warnings, expected);
     assert!((floor_area(&model.parts[0].character) - 16.0).abs() < 1e-4);
+}
+
+#[test]
+fn a_buildable_place_is_built_without_a_test_of_its_rings() {
+    let line = polygon(vec![[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]], vec![]);
+    let far = polygon(rectangle([6.0, 0.0], [1e300, f64::INFINITY]), vec![]);
+    let hollow = polygon(vec![[f64::NAN, 0.0], [1.0, 0.0], [0.0, 1.0]], vec![]);
+    let mut recording = still(vec![room(), line]);
+    let settings = PlaceSettings::default();
+    let facts = |model: &PlaceModel| {
+        let vertices = |part: &PlacePart| {
+            let parts = part.character.parts.iter();
+            parts.map(|part| part.mesh.positions.clone()).collect::<Vec<_>>()
+        };
+        model.parts.iter().map(vertices).collect::<Vec<_>>()
+    };
+    let expected = PlaceModel::new(&recording, &settings);
+    let untested = PlaceModel::of_buildable(&recording, &settings);
+    assert_eq!((facts(&untested), untested.warnings), (facts(&expected), vec![]));
+    assert_eq!(expected.warnings, [PlaceWarning::EmptyRing { what: "an outline" }]);
+    recording.place.obstacles = vec![far, hollow];
+    assert_eq!(PlaceModel::of_buildable(&recording, &settings).parts.len(), 1);
 }
 
 #[test]

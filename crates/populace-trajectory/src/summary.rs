@@ -1,6 +1,6 @@
 //! Numbers about a whole recording.
 
-use crate::{Agent, Kind, Recording, Track};
+use crate::{Agent, Kind, Recording, Track, most_present};
 
 /// Times nearer to each other than this, in seconds, are one.
 const SAME_SECS: f64 = 1e-6;
@@ -20,7 +20,8 @@ pub struct Summary {
     pub rows_per_sec: f64,
     /// Seconds from the first row to the last.
     pub duration_s: f64,
-    /// The most agents that are there at the same time: from their first row to their last.
+    /// The most agents that are there at the same time, people and vehicles. Each counts at all
+    /// times from its first row to its last, both included, and in gaps between its rows.
     pub peak_agents: usize,
     /// The median speed of people in metres per second; 0 if nobody has two rows.
     pub median_speed_m_s: f64,
@@ -94,19 +95,8 @@ impl Recording {
     }
 
     fn peak_agents(&self) -> usize {
-        // An agent that comes as another goes is there together with it.
-        let (comes, goes) = (0_u8, 1_u8);
         let times = self.agents.iter().map(|agent| self.track(agent).times);
-        let ends = times.filter_map(|times| Some((*times.first()?, *times.last()?)));
-        let mut ends: Vec<_> =
-            ends.flat_map(|(first, last)| [(first, comes), (last, goes)]).collect();
-        ends.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (mut now, mut peak) = (0_usize, 0);
-        for (_, end) in ends {
-            now = if end == comes { now + 1 } else { now - 1 };
-            peak = peak.max(now);
-        }
-        peak
+        most_present(times.filter_map(|times| Some([*times.first()?, *times.last()?])))
     }
 
     /// Returns the gaps, and the speeds of people elsewhere.

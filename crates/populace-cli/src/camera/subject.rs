@@ -48,8 +48,8 @@ pub(crate) fn rectangle(
     })
 }
 
-/// Where people are: the pose of a number at a time in seconds, as [`Subject::pose`] gives it.
-pub(crate) type Poses<'a> = dyn Fn(u64, f64) -> Option<Pose> + 'a;
+/// Where a person is at a time in seconds, as [`Subject::pose`] gives it.
+pub(crate) type Poses<'a> = dyn Fn(f64) -> Option<Pose> + 'a;
 
 /// People that cameras look at.
 pub(crate) trait Subject {

@@ -13,7 +13,7 @@ impl Cameras {
     ) -> Option<String> {
         let rests_from_secs = self.rests_from_secs?;
         for secs in times {
-            let [x, y, z] = self.at(&|_, _| None, secs).eye;
+            let [x, y, z] = self.at(&|_| None, secs).eye;
             let ground_m = ground_m([x, z]);
             if y < ground_m {
                 let moves = rests_from_secs > 0.0;

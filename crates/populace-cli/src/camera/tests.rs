@@ -34,7 +34,8 @@ impl Subject for Two {
 
 fn camera(view: &str, secs: f64) -> Camera {
     let view = view.parse().unwrap();
-    Cameras::new(&view, &Two, 1.5).unwrap().at(&|id, secs| Two.pose(id, secs), secs)
+    let cameras = Cameras::new(&view, &Two, 1.5).unwrap();
+    cameras.at(&|secs| Two.pose(cameras.person()?, secs), secs)
 }
 
 /// Returns where a point is in the picture, from -1 to 1 to the right and upwards, and its depth.
@@ -95,9 +96,8 @@ impl Subject for OnPlace {
 
 #[test]
 fn the_camera_top_shows_the_place_and_the_people() {
-    let top = |subject: &dyn Subject| {
-        Cameras::new(&View::Top, subject, 1.5).unwrap().at(&|id, secs| Two.pose(id, secs), 0.0)
-    };
+    let top =
+        |subject: &dyn Subject| Cameras::new(&View::Top, subject, 1.5).unwrap().at(&|_| None, 0.0);
     let camera = top(&OnPlace);
     for point in OnPlace.place().into_iter().chain(Two.bounds()) {
         let [x, y, _] = seen(&camera, point);
@@ -171,7 +171,7 @@ fn unknown_people_are_refused_with_those_that_exist() {
 #[test]
 fn close_cameras_of_places_look_over_walls() {
     let place = Alone(Some([3.0, 1.0, -7.0]));
-    let camera = Cameras::new(&View::Close, &place, 1.5).unwrap().at(&|_, _| None, 0.0);
+    let camera = Cameras::new(&View::Close, &place, 1.5).unwrap().at(&|_| None, 0.0);
     let [eye, head] = [Vec3::from(camera.eye), Vec3::new(3.0, 2.7, -7.0)];
     let at_wall = head.lerp(eye, 1.0 / (eye.z - head.z));
     assert!(at_wall.y > 3.0 && eye.y > 3.0, "{camera:?}");
@@ -212,7 +212,7 @@ fn ground_around_one_person_is_in_the_picture() {
         let [x, y, z] = place.unwrap_or_default();
         for view in ["crowd", "top", "iso", "orbit"] {
             let camera = Cameras::new(&view.parse().unwrap(), &Alone(place), 1.5).unwrap();
-            let camera = camera.at(&|_, _| None, 0.0);
+            let camera = camera.at(&|_| None, 0.0);
             for side in [-1.8, 1.8] {
                 let [right, up, depth] = seen(&camera, [x + side, y, z]);
                 assert!(right.abs() < 1.0 && up.abs() < 1.0 && depth > 0.0, "{view}: {camera:?}");

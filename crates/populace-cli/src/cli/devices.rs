@@ -1,9 +1,16 @@
-//! The choice of devices.
+//! The choice of devices, and the arguments of `populace devices`.
 
 use clap::Args;
 use populace::{Crowd, CrowdBuilder, Device, Devices, Schedule, Split};
 
 use crate::failure::Failure;
+
+#[derive(Args, Debug)]
+pub(crate) struct DevicesArgs {
+    /// Print one JSON document
+    #[arg(long)]
+    pub(crate) json: bool,
+}
 
 /// The choice of devices.
 #[derive(Args, Clone, Debug)]

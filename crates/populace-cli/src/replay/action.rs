@@ -78,10 +78,9 @@ impl ReplayAction {
         if !is_placed || self.recording.origin_m == [0.0; 2] {
             return Ok(());
         }
-        for secs in frames.times() {
-            if self.subject.are_seen(&self.camera(secs)?, secs, size) {
-                return Ok(());
-            }
+        let cameras = frames.times().map(|secs| Ok((secs, self.camera(secs)?)));
+        if self.subject.are_seen(cameras, size)? {
+            return Ok(());
         }
         let [x, y] = self.recording.origin_m.map(|v| 0.0 - v);
         message!(
@@ -152,9 +151,9 @@ impl Action for ReplayAction {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, at| self.subject.pose_around(id, at, secs);
-        let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
+        let Some(cameras) = &self.cameras else { return Ok(Camera::default()) };
+        let poses = |at| self.subject.pose_around(cameras.person()?, at, secs);
+        Ok(cameras.at(&poses, secs))
     }
 }
 

@@ -4,11 +4,12 @@ use std::collections::BTreeMap;
 use std::f32::consts::FRAC_PI_2;
 
 use populace_render::Camera;
-use populace_scene::{EYES, Moment, Motions};
+use populace_scene::{EYES, Moment, Motion, Motions};
 use populace_trajectory::Recording;
 
 use super::place::floor_m;
 use crate::camera::{Pose, Subject, figure, rectangle};
+use crate::failure::Failure;
 use crate::frames::single;
 
 /// Seconds between positions that the camera frames.
@@ -73,20 +74,65 @@ impl Agents {
         Pose { position, heading_rad, eye_m: EYES * self.heights[agent] }
     }
 
-    /// Returns whether a camera sees somebody at a time in seconds since frame 0, in a picture of a
-    /// size.
-    pub(super) fn are_seen(&self, camera: &Camera, secs: f64, size: [u32; 2]) -> bool {
+    /// Returns whether somebody is seen in one of the pictures of a size that cameras take at times
+    /// in seconds since frame 0, in order.
+    pub(super) fn are_seen(
+        &self,
+        cameras: impl IntoIterator<Item = Result<(f64, Camera), Failure>>,
+        size: [u32; 2],
+    ) -> Result<bool, Failure> {
+        let mut present = Present::new(&self.motions);
+        for camera in cameras {
+            let (secs, camera) = camera?;
+            let secs = self.from_secs + secs;
+            if present.at(secs).any(|agent| self.is_seen(agent, secs, &camera, size)) {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Returns whether a camera sees an agent at a time in seconds, in a picture of a size.
+    fn is_seen(&self, agent: usize, secs: f64, camera: &Camera, size: [u32; 2]) -> bool {
         let [width, height] = size.map(f64::from);
         let is_within = |[from, to]: [[f64; 2]; 2]| {
             from[0] < width && to[0] > 0.0 && from[1] < height && to[1] > 0.0
         };
-        self.motions.agents.iter().zip(&self.heights).any(|(motion, height_m)| {
-            let now = motion.at(self.from_secs + secs);
-            now.is_some_and(|Moment { position: [x, y], elevation_m, .. }| {
-                let points = figure([x, elevation_m, -y], [*height_m, FIGURE_M[1]]);
-                rectangle(camera, &points, size).is_some_and(is_within)
-            })
+        let now = self.motions.agents[agent].at(secs);
+        now.is_some_and(|Moment { position: [x, y], elevation_m, .. }| {
+            let points = figure([x, elevation_m, -y], [self.heights[agent], FIGURE_M[1]]);
+            rectangle(camera, &points, size).is_some_and(is_within)
         })
+    }
+}
+
+/// The agents that are there at times in order. All others are passed over, since long recordings
+/// have many more agents than are there together.
+struct Present {
+    /// Times in seconds from when and until when agents are there, and the agents. Who comes first
+    /// is last.
+    to_come: Vec<([f64; 2], usize)>,
+    /// The times until which agents stay, and the agents.
+    there: Vec<(f64, usize)>,
+}
+
+impl Present {
+    fn new(motions: &Motions) -> Self {
+        let motions = motions.agents.iter().enumerate();
+        let spans =
+            motions.flat_map(|(agent, motion)| motion.secs().map(move |secs| (secs, agent)));
+        let mut to_come: Vec<_> = spans.collect();
+        to_come.sort_by(|(a, _), (b, _)| b[0].total_cmp(&a[0]));
+        Self { to_come, there: Vec::new() }
+    }
+
+    /// Goes on to a time in seconds. Returns the agents that are there.
+    fn at(&mut self, secs: f64) -> impl Iterator<Item = usize> {
+        let first_later = self.to_come.partition_point(|([from, _], _)| *from > secs);
+        let come = self.to_come.drain(first_later..).map(|([_, until], agent)| (until, agent));
+        self.there.extend(come);
+        self.there.retain(|(until, _)| secs <= until + Motion::PAST_SECS);
+        self.there.iter().map(|(_, agent)| *agent)
     }
 }
 
@@ -220,12 +266,34 @@ mod tests {
         let view = crate::camera::View::Follow { id: "1".into() };
         let cameras = crate::camera::Cameras::new(&view, &agents, 1.5).expect("a camera");
         let eye_x = |secs: f64| {
-            let poses = |id, at| agents.pose_around(id, at, secs);
+            let poses = |at| agents.pose_around(0, at, secs);
             cameras.at(&poses, secs).eye[0]
         };
         for (secs, wanted) in [(1.3, -2.4), (1.9, -1.8), (2.0, 28.3), (2.6, 28.9)] {
             assert!((eye_x(secs) - wanted).abs() < 0.6, "{secs}: {}, not {wanted}", eye_x(secs));
         }
+    }
+
+    #[test]
+    fn only_agents_that_are_there_are_looked_for() {
+        let row = |agent: u32, secs: u32| format!("{agent},{secs},{secs},{agent}\n");
+        let stay = |agent: u32| [0, 1, 2, 30, 31].map(|after| row(agent, agent + after)).concat();
+        let rows: String = (0..40).map(stay).collect();
+        let text = format!("id,t,x,y\n{rows}");
+        let settings = populace_trajectory::ReadSettings::default();
+        let recording =
+            populace_trajectory::parse("rows.csv".as_ref(), text.into(), &settings).expect("rows");
+        let motions = Motions::new(&recording);
+        let mut present = Present::new(&motions);
+        let mut most = 0;
+        for secs in (0..160_u32).map(|half| f64::from(half) / 2.0) {
+            let mut found: Vec<usize> = present.at(secs).collect();
+            found.sort_unstable();
+            let are_there = (0..40).filter(|agent| motions.agents[*agent].at(secs).is_some());
+            assert_eq!(found, are_there.collect::<Vec<_>>(), "{secs} s");
+            most = most.max(found.len());
+        }
+        assert!((4..9).contains(&most), "{most} at a time");
     }
 
     #[test]

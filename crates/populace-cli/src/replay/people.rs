@@ -3,7 +3,7 @@
 use populace::character::Character;
 use populace_random::{Rng, mixed_text};
 use populace_scene::{Motion, Motions, Person};
-use populace_trajectory::{Agent, Kind, Recording};
+use populace_trajectory::{Agent, Kind, Recording, counts_present};
 use populace_variety::Variety;
 
 use crate::roles::CrowdRole;
@@ -83,25 +83,10 @@ fn role_of_height(roles: &[CrowdRole], height_m: Option<f32>, random: &mut Rng) 
     fitting[random.below(fitting.len())]
 }
 
-/// Returns the times in seconds at which the number of agents changes, and that number, in order.
-fn counts(motions: &Motions) -> Vec<(f64, usize)> {
-    let spans = motions.agents.iter().flat_map(Motion::secs);
-    let mut changes: Vec<(f64, bool)> =
-        spans.flat_map(|[from, until]| [(from, true), (until, false)]).collect();
-    // At equal times, those who come count before those who leave.
-    changes.sort_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1)));
-    let mut count = 0;
-    let mut next = |(secs, comes): (f64, bool)| {
-        count = if comes { count + 1 } else { count - 1 };
-        (secs, count)
-    };
-    changes.into_iter().map(&mut next).collect()
-}
-
 /// Returns the middle of the longest time in which most agents are there, in seconds; `None` if
 /// nobody ever is.
 pub(super) fn busiest(motions: &Motions) -> Option<f64> {
-    let counts = counts(motions);
+    let counts = counts_present(motions.agents.iter().flat_map(Motion::secs));
     let most = counts.iter().map(|(_, count)| *count).max()?;
     let busy = counts.windows(2).filter(|pair| pair[0].1 == most);
     let longest = busy.max_by(|a, b| (a[1].0 - a[0].0).total_cmp(&(b[1].0 - b[0].0)));

@@ -38,7 +38,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Brings the place of a recording to a crowd, with walls of the height that was asked for.
+    /// Brings the place of a recording to a crowd, with walls of the height that was asked for. The
+    /// place is buildable.
     pub(super) fn new(
         crowd: &mut Crowd,
         recording: &Recording,
@@ -49,7 +50,7 @@ impl Place {
             slab_m: f64::from(SLAB_M),
             ..PlaceSettings::default()
         };
-        let model = PlaceModel::new(recording, &settings);
+        let model = PlaceModel::of_buildable(recording, &settings);
         for warning in &model.warnings {
             message!("warning: {warning}");
         }

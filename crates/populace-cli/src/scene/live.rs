@@ -258,9 +258,10 @@ impl Action for FilmedScene {
     }
 
     fn camera(&self, secs: f64) -> Result<Camera, Failure> {
-        let poses = |id, at: f64| self.live.poses.before(id, secs - at);
-        let cameras = self.cameras.as_ref();
-        Ok(cameras.map_or_else(Camera::default, |cameras| cameras.at(&poses, secs)))
+        let Some(cameras) = &self.cameras else { return Ok(Camera::default()) };
+        let way = cameras.person().and_then(|id| self.live.poses.way(id));
+        let poses = |at| way.as_ref().map(|way| way.before(secs - at));
+        Ok(cameras.at(&poses, secs))
     }
 
     fn ground_m(&self, [x, z]: [f32; 2]) -> Option<f32> {

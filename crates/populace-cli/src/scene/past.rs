@@ -41,57 +41,80 @@ impl Past {
         self.earlier.clear();
     }
 
-    /// Returns where a person was `secs` ago: the earliest pose that is known for times before it.
-    /// For times to come, goes on along the line that fits the known poses best, so that cameras
-    /// that average the way of a person do not fall behind.
-    pub(super) fn before(&self, id: u64, secs: f64) -> Option<Pose> {
+    /// Returns the known way of a person; `None` for a number of nobody.
+    pub(super) fn way(&self, id: u64) -> Option<Way> {
         let nth = usize::try_from(id).ok()?;
         let now = *self.now.get(nth)?;
+        let all = self.earlier.iter().rev();
+        let all = all.map_while(|(since, poses)| Some((*since, *poses.get(nth)?)));
+        let known = all.scan((0.0, now), |later, earlier| {
+            let way = Vec3::from(later.1.position).distance(Vec3::from(earlier.1.position));
+            let moved = way <= FASTEST_M_PER_SEC * single(earlier.0 - later.0);
+            *later = earlier;
+            moved.then_some(earlier)
+        });
+        let earlier: Vec<(f64, Pose)> = known.collect();
+        Some(Way { ahead: Line::fit(now, &earlier), now, earlier })
+    }
+}
+
+/// The way of a person since it was last put elsewhere.
+pub(super) struct Way {
+    now: Pose,
+    /// The earlier poses, the latest first, and the seconds that have passed since each.
+    earlier: Vec<(f64, Pose)>,
+    ahead: Line,
+}
+
+impl Way {
+    /// Returns where the person was `secs` ago: the earliest pose that is known for times before
+    /// it. For times to come, goes on along the line that fits the known poses best, so that
+    /// cameras that average the way of a person do not fall behind.
+    pub(super) fn before(&self, secs: f64) -> Pose {
         if secs < 0.0 {
-            return Some(Pose { position: self.ahead(nth, now, single(-secs)).to_array(), ..now });
+            return Pose { position: self.ahead.at(single(-secs)).to_array(), ..self.now };
         }
-        let mut later = (0.0, now);
-        for (since, earlier) in self.known(nth, now) {
+        let mut later = (0.0, self.now);
+        for &(since, earlier) in &self.earlier {
             if secs < since {
                 let share = single((secs - later.0) / (since - later.0));
                 let [from, to] = [later.1, earlier].map(|pose| Vec3::from(pose.position));
                 let nearer = if share < 0.5 { later.1 } else { earlier };
-                return Some(Pose { position: from.lerp(to, share).to_array(), ..nearer });
+                return Pose { position: from.lerp(to, share).to_array(), ..nearer };
             }
             later = (since, earlier);
         }
-        Some(later.1)
+        later.1
     }
+}
 
-    /// Returns the earlier poses of a person since it was last put elsewhere, the latest first, and
-    /// the seconds that have passed since each.
-    fn known(&self, nth: usize, now: Pose) -> impl Iterator<Item = (f64, Pose)> {
-        let all = self.earlier.iter().rev();
-        all.map_while(move |(since, poses)| Some((*since, *poses.get(nth)?))).scan(
-            (0.0, now),
-            |later, earlier| {
-                let way = Vec3::from(later.1.position).distance(Vec3::from(earlier.1.position));
-                let moved = way <= FASTEST_M_PER_SEC * single(earlier.0 - later.0);
-                *later = earlier;
-                moved.then_some(earlier)
-            },
-        )
-    }
+/// The line of least squares through poses, along which a person goes on.
+struct Line {
+    middle_secs: f32,
+    middle: Vec3,
+    /// The velocity is `rise / spread`, unless `spread` is 0.
+    rise: Vec3,
+    spread: f32,
+}
 
-    /// Returns where a person will be in `secs`, on the line of least squares through the known
-    /// poses.
-    fn ahead(&self, nth: usize, now: Pose, secs: f32) -> Vec3 {
-        let known = || std::iter::once((0.0, now)).chain(self.known(nth, now));
+impl Line {
+    fn fit(now: Pose, earlier: &[(f64, Pose)]) -> Self {
+        let known = || std::iter::once((0.0, now)).chain(earlier.iter().copied());
         let points = || known().map(|(since, pose)| (-single(since), Vec3::from(pose.position)));
         let count = points().fold(0.0, |count, _| count + 1.0);
         let middle_secs = points().map(|(at, _)| at).sum::<f32>() / count;
         let middle = points().map(|(_, point)| point).sum::<Vec3>() / count;
-        let spread: f32 = points().map(|(at, _)| (at - middle_secs).powi(2)).sum();
-        if spread == 0.0 {
-            return middle;
+        let spread = points().map(|(at, _)| (at - middle_secs).powi(2)).sum();
+        let rise = points().map(|(at, point)| (at - middle_secs) * (point - middle)).sum();
+        Self { middle_secs, middle, rise, spread }
+    }
+
+    /// Returns the point in `secs`.
+    fn at(&self, secs: f32) -> Vec3 {
+        if self.spread == 0.0 {
+            return self.middle;
         }
-        let rise: Vec3 = points().map(|(at, point)| (at - middle_secs) * (point - middle)).sum();
-        middle + (secs - middle_secs) * rise / spread
+        self.middle + (secs - self.middle_secs) * self.rise / self.spread
     }
 }
 
@@ -106,14 +129,14 @@ mod tests {
         for step in 1..=10_u8 {
             past.pass(0.1, at(f32::from(step)));
         }
-        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        let x = |secs| past.way(0).map(|way| way.before(secs).position[0]);
         for (secs, expected) in [(-1.0, 20.0), (0.0, 10.0), (0.1, 9.0), (0.25, 7.5), (9.0, 4.0)] {
             assert!(x(secs).is_some_and(|x| (x - expected).abs() < 1e-4), "{secs}: {:?}", x(secs));
         }
-        assert_eq!(past.before(0, 0.27).map(|pose| pose.heading_rad), Some(7.0));
-        assert_eq!(past.before(1, 0.0), None);
+        assert_eq!(past.way(0).map(|way| way.before(0.27).heading_rad), Some(7.0));
+        assert_eq!(past.way(1).map(|way| way.before(0.0)), None);
         past.pass(0.0, at(12.0));
-        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        let x = |secs| past.way(0).map(|way| way.before(secs).position[0]);
         assert_eq!([x(0.0), x(0.1)], [Some(12.0), Some(9.0)]);
     }
 
@@ -123,10 +146,10 @@ mod tests {
         let mut past = Past { now: at(99.0), ..Past::default() };
         past.pass(0.1, at(100.0));
         past.pass(0.1, at(0.0));
-        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        let x = |secs| past.way(0).map(|way| way.before(secs).position[0]);
         assert_eq!([-0.5, 0.0, 0.1, 0.5].map(x), [Some(0.0); 4]);
         past.pass(0.1, at(1.0));
-        let x = |secs| past.before(0, secs).map(|pose| pose.position[0]);
+        let x = |secs| past.way(0).map(|way| way.before(secs).position[0]);
         assert_eq!([x(-0.1), x(0.1), x(0.5)], [Some(2.0), Some(0.0), Some(0.0)]);
     }
 }

@@ -13,6 +13,7 @@ use super::body::{Body, Use};
 use super::falls::direction;
 use super::loops::loops;
 use super::person::{Doing, Kind, Person};
+use super::places::PlacePlan;
 use super::settling::Settling;
 use super::standers::Stander;
 use super::world::{Stand, WHOLE, World};
@@ -131,27 +132,27 @@ impl Arrival<'_> {
         people: &[CastPerson],
     ) -> Result<(), Error> {
         let free: Vec<usize> =
-            (0..world.seats.len()).filter(|seat| world.seats[*seat].1.is_none()).collect();
+            (0..world.seats.len()).filter(|seat| world.seats.is_free(*seat)).collect();
         if free.len() < people.len() {
             let (people, seats) = (people.len(), free.len());
             return Err(Error::TooFewSeats { people, seats });
         }
-        let stand = free.first().map(|seat| &world.seats[*seat].0).map(|seat| Stand {
+        let stand = free.first().map(|seat| &world.seats[*seat]).map(|seat| Stand {
             plan: plan.clone(),
-            first: Vec2::new(seat.at[0], seat.at[2]),
+            first: seat.at(),
             along: Vec2::from_angle(-seat.facing_deg.to_radians()),
         });
         world.stands.extend(stand);
         let kind = Kind::Spectates(world.stands.len().saturating_sub(1));
         for (of, seat) in people.iter().zip(free) {
             let random = self.random(world);
-            let (plan, taken) = &mut world.seats[seat];
-            *taken = Some(world.people.len());
-            let (sin, cos) = plan.facing_deg.to_radians().sin_cos();
-            let [x, y, z] = plan.at;
+            world.seats.take(seat);
+            let yaw_rad = world.seats.yaw_rad(seat);
+            let (sin, cos) = yaw_rad.sin_cos();
+            let [x, y, z] = world.seats[seat].at;
             let back = populace_cast::SEAT_BACK_M;
             let at = [x + sin * back, y - populace_cast::SEAT_HEIGHT_M, z + cos * back];
-            let start = Start::at(at, plan.facing_deg.to_radians(), (kind, Doing::Watches));
+            let start = Start::at(at, yaw_rad, (kind, Doing::Watches));
             let who = self.spawn(world, crowd, (of, random), start)?;
             if let Some(sit) = world.body(who).clip(Use::Sit) {
                 let phase = world.people[who].random.unit();

@@ -1,17 +1,18 @@
 //! Getting into a parked vehicle and driving off, and parking and getting out.
 
-use std::sync::Arc;
+mod doors;
+mod routes;
 
-use glam::{Quat, Vec2, Vec3};
-use populace::{ClipPlayback, Crowd, JointIndex, Placement, Reach, Target, Trs, Weight};
-use populace_locomotion::{Goal, Path};
+use glam::Vec2;
+use populace::{ClipPlayback, Crowd, JointIndex, Placement, Trs};
 
 use super::body::Use;
-use super::footways::Place;
 use super::person::{Doing, Kind};
 use super::traffic::Drive;
 use super::world::{WHOLE, World};
 use crate::Error;
+use doors::{move_door, open_door, pull_door};
+use routes::{around, beside, beside_yaw_rad, go, middle, walk_home};
 
 /// Distance at which a parked vehicle is noticed, in metres.
 const NOTICED_M: f32 = 16.0;
@@ -19,20 +20,6 @@ const PATIENCE_SECS: f64 = 40.0;
 /// The least height of drivers, in metres: children do not drive.
 const ADULT_M: f32 = 1.5;
 const FADE_SECS: f32 = 0.25;
-/// Seconds after which the hand has the handle, after which the door begins to open, after which the
-/// hand lets the handle go and the door swings on, and after which the door is open.
-const HANDLE_SECS: f32 = 0.6;
-const OPENS_AFTER_SECS: f32 = 0.75;
-const LETS_GO_SECS: f64 = 1.1;
-const IS_OPEN_SECS: f64 = 1.6;
-/// Seconds in which `Door_Open` opens a door, which starts and stops softly.
-const SWING_SECS: f32 = 0.8;
-/// Where somebody stands who opens a door, behind its swing: metres towards the vehicle and towards
-/// its rear from where somebody gets in; and the turn to its front in radians.
-const BESIDE_M: [f32; 2] = [0.10, 0.55];
-const BESIDE_RAD: f32 = 1.19;
-/// Seconds after which somebody gets in who has not come to the seat.
-const STEPS_SECS: f64 = 4.0;
 /// Seconds after which the door of somebody who walks away closes.
 const CLOSES_AFTER_SECS: f32 = 1.1;
 /// The least time in seconds that a driver drives, and that a vehicle stands between two drivers.
@@ -43,8 +30,6 @@ const BEFORE_OUT_SECS: f64 = 1.4;
 const BEFORE_OFF_SECS: f64 = 1.8;
 /// The height of the seat at which the clips sit, in metres.
 const CLIP_SEAT_M: f32 = populace_cast::CAR_SEAT_M[1];
-/// The layer of a vehicle that moves its door.
-const DOOR: usize = 1;
 /// The joint of a vehicle to which drivers are attached.
 const BODY: JointIndex = JointIndex(0);
 
@@ -84,54 +69,12 @@ pub(crate) fn may_drive(world: &World, who: usize) -> bool {
     world.height_m(who) >= ADULT_M && world.body(who).has(&uses)
 }
 
-fn middle(world: &World, car: usize) -> Vec2 {
-    let [x, _, z] = world.traffic.placement_of(car).position();
-    Vec2::new(x, z)
-}
-
-/// Returns the way from the footway around the rear of a vehicle to its driver's door.
-fn around(world: &World, car: usize) -> Vec<Vec2> {
-    let model = &world.traffic.models[world.traffic.vehicles[car].model];
-    let [x, z] = model.entry;
-    let rear = -0.5 * model.length_m - 1.0;
-    [[-1.9, rear], [x, rear], [x, z]]
-        .map(|[x, z]| {
-            let [x, _, z] = world.traffic.world_point(car, [x, 0.0, z]);
-            Vec2::new(x, z)
-        })
-        .to_vec()
-}
-
-/// Returns where somebody stands who opens the door of a vehicle, out of its swing.
-fn beside(world: &World, car: usize) -> Vec2 {
-    let [x, z] = world.traffic.models[world.traffic.vehicles[car].model].entry;
-    let [nearer, behind] = BESIDE_M;
-    let [x, _, z] = world.traffic.world_point(car, [x - nearer, 0.0, z - behind]);
-    Vec2::new(x, z)
-}
-
-/// Returns where somebody faces who opens the door of a vehicle.
-fn beside_yaw_rad(world: &World, car: usize) -> f32 {
-    world.traffic.entry_yaw_rad(car) + BESIDE_RAD
-}
-
-fn go(world: &mut World, who: usize, way: &[Vec2]) -> Result<(), Error> {
-    let points: Vec<[f32; 2]> = way.iter().map(Vec2::to_array).collect();
-    let path = Path::new(&points)?;
-    world.people[who].goal = way.last().copied().unwrap_or_default();
-    let member = world.member(who);
-    Ok(world.walkers.set_goal(member, Goal::Path(Arc::new(path)))?)
-}
-
 /// Goes on with it.
 pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(), Error> {
     let now = world.now;
     match world.people[who].doing {
         Doing::NearsCar { car, until } => {
-            if world.has_arrived(who) {
-                world.halt(who)?;
-                let yaw_rad = beside_yaw_rad(world, car);
-                world.face(who, Some(yaw_rad))?;
+            if world.stops_at_goal(who, beside_yaw_rad(world, car))? {
                 world.traffic.vehicles[car].is_open = true;
                 world.people[who].doing = Doing::FacesCar { car, until: now + 4.0 };
             } else if now > until {
@@ -160,59 +103,6 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         }
         _ => {}
     }
-    Ok(())
-}
-
-/// Opens the door once somebody faces it.
-fn open_door(
-    world: &mut World,
-    crowd: &mut Crowd,
-    who: usize,
-    (car, until): (usize, f64),
-) -> Result<(), Error> {
-    let now = world.now;
-    if !world.faces(crowd, who, beside_yaw_rad(world, car))? && now <= until {
-        return Ok(());
-    }
-    let member = world.member(who);
-    world.walkers.set_heedless(member, true)?;
-    let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
-    world.play(crowd, who, Use::OpenDoor, (WHOLE, once))?;
-    let weight = Weight::FULL.over_secs(HANDLE_SECS);
-    reach_for_handle(world, crowd, who, (car, 0.0, weight))?;
-    move_door(world, crowd, (car, 0), OPENS_AFTER_SECS)?;
-    world.people[who].doing = Doing::OpensDoor { car, since: now };
-    Ok(())
-}
-
-/// Pulls the door by its handle, lets it go, and steps to the seat once the door is open.
-fn pull_door(
-    world: &mut World,
-    crowd: &mut Crowd,
-    who: usize,
-    (car, since): (usize, f64),
-) -> Result<(), Error> {
-    let (secs, step_secs) = (world.now - since, world.step_secs);
-    let lets_go = (secs - step_secs..secs).contains(&LETS_GO_SECS);
-    if let Some(hand) = world.body(who).right_hand.filter(|_| lets_go) {
-        crowd.member_mut(world.member(who))?.clear_reach(hand, 0.3)?;
-    } else if secs < LETS_GO_SECS && secs > f64::from(OPENS_AFTER_SECS) {
-        #[expect(clippy::cast_possible_truncation, reason = "below a second")]
-        let part = (secs as f32 - OPENS_AFTER_SECS) / SWING_SECS;
-        let eased = part * part * part * (part * (6.0 * part - 15.0) + 10.0);
-        let turn_rad = populace_props::DOOR_TURN_RAD * eased;
-        reach_for_handle(world, crowd, who, (car, turn_rad, Weight::FULL))?;
-    }
-    if secs < IS_OPEN_SECS {
-        return Ok(());
-    }
-    world.end(crowd, who, WHOLE, 0.35)?;
-    let [x, z] = world.traffic.models[world.traffic.vehicles[car].model].entry;
-    let [x, _, z] = world.traffic.world_point(car, [x, 0.0, z]);
-    world.send(who, Vec2::new(x, z))?;
-    let yaw_rad = world.traffic.entry_yaw_rad(car);
-    world.face(who, Some(yaw_rad))?;
-    world.people[who].doing = Doing::StepsIn { car, until: world.now + STEPS_SECS };
     Ok(())
 }
 
@@ -255,27 +145,6 @@ fn leave_car(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Re
     world.counts.got_out += 1;
     world.people[who].doing = Doing::WalksFromCar { until: now + PATIENCE_SECS };
     walk_home(world, who, car)
-}
-
-/// Sends somebody who has just got out around the vehicle to the footway.
-fn walk_home(world: &mut World, who: usize, car: usize) -> Result<(), Error> {
-    let mut way = around(world, car);
-    way.reverse();
-    let edge = way.last().copied().unwrap_or_default();
-    let nearest = (0..world.footways.len()).min_by(|a, b| {
-        let [a, b] = [a, b].map(|footway| world.footways[*footway].distance_m(edge));
-        a.total_cmp(&b)
-    });
-    let footway = nearest.unwrap_or(0);
-    world.people[who].footway = footway;
-    let strip = &world.footways[footway];
-    let place = strip.place(edge);
-    let room = 0.8 * strip.half_m;
-    let aside_m = place.aside_m.clamp(-room, room);
-    way.push(strip.at(Place { aside_m, ..place }).0);
-    let (member, pace) = (world.member(who), world.people[who].pace);
-    world.walkers.set_speed(member, pace)?;
-    go(world, who, &way)
 }
 
 /// Drives on; stops at a bay and gets out.
@@ -351,38 +220,5 @@ fn alight(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Resul
     let secs = playing.map_or(0.0, |(_, secs)| secs);
     world.people[who].goal = Vec2::new(x, z);
     world.people[who].doing = Doing::GetsOut { car, until: world.now + secs };
-    Ok(())
-}
-
-/// Puts a hand on the handle of a vehicle's door, which is turned by an angle in radians.
-fn reach_for_handle(
-    world: &World,
-    crowd: &mut Crowd,
-    who: usize,
-    (car, turn_rad, weight): (usize, f32, Weight),
-) -> Result<(), Error> {
-    let model = &world.traffic.models[world.traffic.vehicles[car].model];
-    let [handle, hinge] = [model.handle, model.hinge].map(Vec3::from);
-    let swung = hinge + Quat::from_rotation_y(turn_rad) * (handle - hinge);
-    let at = world.traffic.world_point(car, swung.to_array());
-    if let Some(hand) = world.body(who).right_hand {
-        let mut member = crowd.member_mut(world.member(who))?;
-        member.reach(Reach::with(hand), Target::Point(at), weight)?;
-    }
-    Ok(())
-}
-
-/// Opens (0) or closes (1) the door of a vehicle after some seconds.
-fn move_door(
-    world: &World,
-    crowd: &mut Crowd,
-    (car, motion): (usize, usize),
-    after_secs: f32,
-) -> Result<(), Error> {
-    let vehicle = &world.traffic.vehicles[car];
-    if let Some(doors) = world.traffic.models[vehicle.model].doors {
-        let playback = ClipPlayback::once().after_secs(after_secs).on_layer(DOOR);
-        crowd.member_mut(vehicle.member)?.play(doors[motion], playback)?;
-    }
     Ok(())
 }

@@ -5,6 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
+use super::places::PlacePlan;
 use super::settling::Settling;
 use super::world::{UPPER, WHOLE, World};
 use crate::Error;
@@ -26,16 +27,11 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     }
     let at = world.position(who);
     let footway = &world.footways[world.people[who].footway];
-    let near = |wall: Vec2| {
-        let distance = wall.distance(at);
-        (distance < NOTICED_M && footway.distance_m(wall) < 1.5).then_some(distance)
-    };
-    let free = world.leans.iter().enumerate().filter(|(_, (_, taken))| taken.is_none());
-    let free = free.filter_map(|(index, (lean, _))| Some((near(lean.at.into())?, index)));
-    let Some((_, lean)) = free.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
-    world.leans[lean].1 = Some(who);
+    let is_near = |wall: Vec2| wall.distance(at) < NOTICED_M && footway.distance_m(wall) < 1.5;
+    let Some(lean) = world.leans.nearest_free(at, is_near) else { return Ok(false) };
+    world.leans.take(lean);
     world.people[who].doing = Doing::NearsWall { lean, until: world.now + PATIENCE_SECS };
-    let to = world.leans[lean].0.at.into();
+    let to = world.leans[lean].at();
     world.send(who, to)?;
     Ok(true)
 }
@@ -45,18 +41,15 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     let now = world.now;
     match world.people[who].doing {
         Doing::NearsWall { lean, until } => {
-            if world.has_arrived(who) {
-                let yaw_rad = world.leans[lean].0.facing_deg.to_radians();
-                world.halt(who)?;
-                world.face(who, Some(yaw_rad))?;
+            if world.stops_at_goal(who, world.leans.yaw_rad(lean))? {
                 world.people[who].doing = Doing::FacesAway { lean, until: now + 5.0 };
             } else if now > until {
-                world.leans[lean].1 = None;
+                world.leans.leave(lean);
                 world.go_on(who)?;
             }
         }
         Doing::FacesAway { lean, until } => {
-            let yaw_rad = world.leans[lean].0.facing_deg.to_radians();
+            let yaw_rad = world.leans.yaw_rad(lean);
             if world.faces(crowd, who, yaw_rad)? || now > until {
                 let secs = world.people[who].random.between_f32(LEANS_SECS[0], LEANS_SECS[1]);
                 world.counts.leaned += 1;
@@ -70,7 +63,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
             world.people[who].doing = Doing::Straightens { lean, until };
         }
         Doing::Straightens { lean, until } if now > until => {
-            world.leans[lean].1 = None;
+            world.leans.leave(lean);
             world.go_on(who)?;
         }
         _ => {}
@@ -107,14 +100,10 @@ pub(crate) fn settle(
     if !world.body(who).has(&[Use::Lean]) {
         return Ok(false);
     }
-    let places =
-        world.leans.iter().map(|(lean, taken)| taken.is_none().then_some(Vec2::from(lean.at)));
-    let places: Vec<_> = places.collect();
     let part = world.people[who].random.unit();
-    let Some((lean, footway)) = settling.free(world, &places, part) else { return Ok(false) };
-    let (plan, taken) = &mut world.leans[lean];
-    *taken = Some(who);
-    let (at, yaw_rad) = (Vec2::from(plan.at), plan.facing_deg.to_radians());
+    let Some((lean, footway)) = settling.free(world, &world.leans, part) else { return Ok(false) };
+    world.leans.take(lean);
+    let (at, yaw_rad) = (world.leans[lean].at(), world.leans.yaw_rad(lean));
     settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
     world.face(who, Some(yaw_rad))?;
     world.people[who].footway = footway;

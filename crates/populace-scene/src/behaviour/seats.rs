@@ -5,6 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
+use super::places::PlacePlan;
 use super::settling::Settling;
 use super::world::{UPPER, WHOLE, World};
 use crate::Error;
@@ -26,15 +27,9 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
     }
     let at = world.position(who);
     let footway = &world.footways[world.people[who].footway];
-    let near = |seat: &[f32; 3]| {
-        let seat = Vec2::new(seat[0], seat[2]);
-        let distance = seat.distance(at);
-        (distance < NOTICED_M && footway.distance_m(seat) < 1.0).then_some(distance)
-    };
-    let free = world.seats.iter().enumerate().filter(|(_, (_, taken))| taken.is_none());
-    let free = free.filter_map(|(index, (seat, _))| Some((near(&seat.at)?, index)));
-    let Some((_, seat)) = free.min_by(|a, b| a.0.total_cmp(&b.0)) else { return Ok(false) };
-    world.seats[seat].1 = Some(who);
+    let is_near = |seat: Vec2| seat.distance(at) < NOTICED_M && footway.distance_m(seat) < 1.0;
+    let Some(seat) = world.seats.nearest_free(at, is_near) else { return Ok(false) };
+    world.seats.take(seat);
     world.people[who].doing = Doing::NearsSeat { seat, until: world.now + PATIENCE_SECS };
     let to = front(world, seat);
     world.send(who, to)?;
@@ -43,9 +38,8 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
 
 /// Returns where somebody stands before sitting down on a seat.
 fn front(world: &World, seat: usize) -> Vec2 {
-    let plan = &world.seats[seat].0;
-    let (sin, cos) = plan.facing_deg.to_radians().sin_cos();
-    Vec2::new(plan.at[0], plan.at[2]) + Vec2::new(sin, cos) * populace_cast::SEAT_BACK_M
+    let (sin, cos) = world.seats.yaw_rad(seat).sin_cos();
+    world.seats[seat].at() + Vec2::new(sin, cos) * populace_cast::SEAT_BACK_M
 }
 
 /// Goes on with it.
@@ -54,18 +48,15 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     let once = ClipPlayback::once().fade_in_secs(FADE_SECS);
     match world.people[who].doing {
         Doing::NearsSeat { seat, until } => {
-            if world.has_arrived(who) {
-                let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
-                world.halt(who)?;
-                world.face(who, Some(yaw_rad))?;
+            if world.stops_at_goal(who, world.seats.yaw_rad(seat))? {
                 world.people[who].doing = Doing::FacesSeat { seat, until: now + 5.0 };
             } else if now > until {
-                world.seats[seat].1 = None;
+                world.seats.leave(seat);
                 world.go_on(who)?;
             }
         }
         Doing::FacesSeat { seat, until } => {
-            let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
+            let yaw_rad = world.seats.yaw_rad(seat);
             if world.faces(crowd, who, yaw_rad)? || now > until {
                 let member = world.member(who);
                 world.walkers.set_heedless(member, true)?;
@@ -89,7 +80,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
         }
         Doing::StandsUp { seat, until } if now > until => {
             world.end(crowd, who, WHOLE, FADE_SECS)?;
-            world.seats[seat].1 = None;
+            world.seats.leave(seat);
             world.go_on(who)?;
         }
         _ => {}
@@ -124,19 +115,13 @@ pub(crate) fn settle(
     if !world.body(who).has(&[Use::SitDown, Use::Sit, Use::StandUp]) {
         return Ok(false);
     }
-    let places = world
-        .seats
-        .iter()
-        .map(|(seat, taken)| taken.is_none().then_some(Vec2::new(seat.at[0], seat.at[2])));
-    let places: Vec<_> = places.collect();
     let part = world.people[who].random.unit();
-    let Some((seat, footway)) = settling.free(world, &places, part) else { return Ok(false) };
-    let yaw_rad = world.seats[seat].0.facing_deg.to_radians();
-    let at = front(world, seat);
+    let Some((seat, footway)) = settling.free(world, &world.seats, part) else { return Ok(false) };
+    world.seats.take(seat);
+    let (at, yaw_rad) = (front(world, seat), world.seats.yaw_rad(seat));
     settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
-    world.seats[seat].1 = Some(who);
+    world.face(who, Some(yaw_rad))?;
     let member = world.member(who);
-    world.walkers.set_facing(member, Some(yaw_rad))?;
     world.walkers.set_heedless(member, true)?;
     let phase = world.people[who].random.unit();
     sit(world, crowd, who, ClipPlayback::looping().phase(phase))?;

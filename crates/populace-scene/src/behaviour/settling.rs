@@ -7,6 +7,7 @@ use populace::{Crowd, Ground, Placement};
 use populace_locomotion::Lead;
 
 use super::footways::{Footway, Place};
+use super::places::{PlacePlan, Places};
 use super::taken::Taken;
 use super::world::World;
 use crate::Error;
@@ -44,13 +45,13 @@ impl<'a> Settling<'a> {
     pub(crate) fn free(
         &self,
         world: &World,
-        places: &[Option<Vec2>],
+        places: &Places<impl PlacePlan>,
         part: f32,
     ) -> Option<(usize, usize)> {
         let first = index_at(places.len(), part);
         let turned = (first..places.len()).chain(0..first);
         let beside = |nth: usize| {
-            let at = places[nth]?;
+            let at = places.is_free(nth).then(|| places[nth].at())?;
             let own = self.footways.iter().copied();
             let footway = own.min_by(|a, b| {
                 let [a, b] = [a, b].map(|footway| world.footways[*footway].distance_m(at));

@@ -8,6 +8,7 @@ use populace::{ClipPlayback, Crowd};
 use super::body::Use;
 use super::footways::Place;
 use super::person::Doing;
+use super::places::PlacePlan;
 use super::settling::Settling;
 use super::world::{Talk, UPPER, World};
 use crate::Error;
@@ -215,12 +216,12 @@ fn show(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<(), Err
         return Ok(());
     }
     let at = world.position(speaker);
-    let distance = |spot: &usize| Vec2::from(world.spots[*spot].0.at).distance(at);
+    let distance = |spot: &usize| world.spots[*spot].at().distance(at);
     let near = (0..world.spots.len()).filter(|spot| SHOWN_M.contains(&distance(spot)));
     let Some(spot) = near.min_by(|a, b| distance(a).total_cmp(&distance(b))) else {
         return Ok(());
     };
-    let shown = world.spots[spot].0.look_at;
+    let shown = world.spots[spot].look_at;
     world.face(speaker, Some((shown[0] - at.x).atan2(shown[2] - at.y)))?;
     for who in &talk.people {
         world.look(crowd, *who, shown)?;
@@ -234,7 +235,7 @@ fn show(world: &mut World, crowd: &mut Crowd, talk: &mut Talk) -> Result<(), Err
 fn point(world: &mut World, crowd: &mut Crowd, talk: &Talk) -> Result<(), Error> {
     let (Some(spot), speaker) = (talk.shows, talk.people[talk.speaker]) else { return Ok(()) };
     let Doing::Talks { talk: index } = world.people[speaker].doing else { return Ok(()) };
-    let (at, shown) = (world.position(speaker), world.spots[spot].0.look_at);
+    let (at, shown) = (world.position(speaker), world.spots[spot].look_at);
     let yaw_rad = (shown[0] - at.x).atan2(shown[2] - at.y);
     let is_late = talk.turn_until - world.now < POINTS_SECS;
     if !is_late && !world.faces(crowd, speaker, yaw_rad)? {

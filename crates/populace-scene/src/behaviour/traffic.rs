@@ -9,9 +9,14 @@ use crate::Error;
 use crate::plan::{BayPlan, LanePlan};
 use crate::stage::VehicleModel;
 
+mod bays;
 mod following;
+mod lane;
 #[cfg(test)]
 mod tests;
+
+use bays::Bay;
+pub(crate) use lane::Lane;
 
 /// Comfortable loss of speed, in metres per second squared.
 const LOSS: f32 = 2.4;
@@ -20,10 +25,7 @@ const JAM_M: f32 = 1.6;
 /// Distance ahead of a bay in which a vehicle changes over to it, and past it in which it is back
 /// in its lane, in metres.
 pub(crate) const SWERVE_M: f32 = 9.0;
-/// Speed while a vehicle parks or sets off, in metres per second.
-const SWERVE_M_PER_SEC: f32 = 3.2;
-/// Free lengths of the lane behind and ahead of a vehicle that sets off, in metres.
-const MERGE_M: [f32; 2] = [16.0, 7.0];
+
 /// The activity of a vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Drive {
@@ -58,67 +60,6 @@ pub(crate) struct Vehicle {
     /// Its share of the lane's speed.
     pace: f32,
     placement: Placement,
-}
-
-/// A place to park.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Bay {
-    pub(crate) lane: usize,
-    pub(crate) along_m: f32,
-    /// Distance of its middle to the left of the lane's line, in metres.
-    aside_m: f32,
-    pub(crate) vehicle: Option<usize>,
-}
-
-/// A lane.
-#[derive(Clone, Debug)]
-pub(crate) struct Lane {
-    from: Vec2,
-    direction: Vec2,
-    length_m: f32,
-    speed: f32,
-    yaw_rad: f32,
-    height_m: f32,
-}
-
-impl Lane {
-    pub(crate) fn new(plan: &LanePlan) -> Self {
-        let [from, to] = plan.ends.map(Vec2::from);
-        let direction = (to - from).normalize_or(Vec2::X);
-        let yaw_rad = direction.x.atan2(direction.y);
-        let length_m = from.distance(to).max(1.0);
-        let (speed, height_m) = (plan.speed.clamp(0.1, 40.0), plan.height_m);
-        Self { from, direction, length_m, speed, yaw_rad, height_m }
-    }
-
-    pub(crate) fn length_m(&self) -> f32 {
-        self.length_m
-    }
-
-    pub(crate) fn height_m(&self) -> f32 {
-        self.height_m
-    }
-
-    /// Returns true if a vehicle can park in a bay at a point and set off again before the end of
-    /// the lane, from which it comes to the start.
-    pub(crate) fn has_room_for_bay(&self, at: Vec2) -> bool {
-        let [along_m, _] = self.place(at);
-        along_m >= SWERVE_M && along_m + SWERVE_M <= self.length_m
-    }
-
-    /// Returns how far a length along the lane is ahead of another, or behind it as a negative
-    /// number: the shorter way, since the end of the lane comes to its start.
-    fn off_m(&self, from_m: f32, to_m: f32) -> f32 {
-        let ahead_m = (to_m - from_m).rem_euclid(self.length_m);
-        if ahead_m > 0.5 * self.length_m { ahead_m - self.length_m } else { ahead_m }
-    }
-
-    /// Returns the length along the lane of the point nearest to another, and its distance to
-    /// the left.
-    pub(crate) fn place(&self, point: Vec2) -> [f32; 2] {
-        let off = point - self.from;
-        [off.dot(self.direction), off.dot(Vec2::new(self.direction.y, -self.direction.x))]
-    }
 }
 
 /// Something that stops vehicles of a lane.
@@ -230,27 +171,6 @@ impl Traffic {
         self.vehicles[vehicle].placement
     }
 
-    fn placement(&self, lane: usize, along_m: f32, drive: Drive) -> Placement {
-        let Lane { from, direction, yaw_rad, height_m, .. } = self.lanes[lane];
-        let (aside_m, slope) = match drive {
-            Drive::Cruises => (0.0, 0.0),
-            Drive::Stands { bay, .. } => (self.bays[bay].aside_m, 0.0),
-            Drive::Parks { bay } => {
-                let Bay { along_m: to, aside_m, .. } = self.bays[bay];
-                let (part, slope) = eased((along_m - (to - SWERVE_M)) / SWERVE_M);
-                (part * aside_m, slope * aside_m / SWERVE_M)
-            }
-            Drive::SetsOff { bay } => {
-                let Bay { along_m: from, aside_m, .. } = self.bays[bay];
-                let (part, slope) = eased((along_m - from) / SWERVE_M);
-                ((1.0 - part) * aside_m, -slope * aside_m / SWERVE_M)
-            }
-        };
-        let left = Vec2::new(direction.y, -direction.x);
-        let at = from + direction * along_m + left * aside_m;
-        Placement::at([at.x, height_m, at.y]).facing(yaw_rad + slope.atan())
-    }
-
     /// Moves all vehicles on by `secs`. `stops` are in any order.
     pub(crate) fn advance(
         &mut self,
@@ -351,43 +271,6 @@ impl Traffic {
         });
     }
 
-    /// Sends a vehicle that stands back to the road if there is room. Returns true if it set off.
-    pub(crate) fn set_off(&mut self, vehicle: usize) -> bool {
-        let Vehicle { lane, along_m, drive: Drive::Stands { bay, .. }, .. } =
-            self.vehicles[vehicle]
-        else {
-            return false;
-        };
-        let is_free = self.vehicles.iter().enumerate().all(|(index, other)| {
-            let off = self.lanes[lane].off_m(along_m, other.along_m);
-            let [behind, ahead] = MERGE_M;
-            let is_near = off > -(behind + 1.5 * other.speed) && off < ahead;
-            index == vehicle
-                || other.lane != lane
-                || matches!(other.drive, Drive::Stands { .. })
-                || !is_near
-        });
-        if is_free {
-            self.vehicles[vehicle].drive = Drive::SetsOff { bay };
-        }
-        is_free
-    }
-
-    /// Sends a vehicle that cruises to a free bay ahead. Returns true if there is one.
-    pub(crate) fn park(&mut self, vehicle: usize) -> bool {
-        let Vehicle { lane, along_m, speed, drive: Drive::Cruises, .. } = self.vehicles[vehicle]
-        else {
-            return false;
-        };
-        let brakes_m = SWERVE_M + speed.powi(2) / (1.2 * LOSS);
-        let is_ahead = |bay: &Bay| (brakes_m..brakes_m + 25.0).contains(&(bay.along_m - along_m));
-        let free = |bay: &Bay| bay.lane == lane && bay.vehicle.is_none() && is_ahead(bay);
-        let Some(bay) = self.bays.iter().position(free) else { return false };
-        self.bays[bay].vehicle = Some(vehicle);
-        self.vehicles[vehicle].drive = Drive::Parks { bay };
-        true
-    }
-
     /// Returns true if nobody who steps onto a lane now is met by a vehicle within `secs`, at a
     /// length along the lane.
     pub(crate) fn is_clear(&self, lane: usize, along_m: f32, secs: f32) -> bool {
@@ -408,10 +291,4 @@ impl Traffic {
     pub(crate) fn entry_yaw_rad(&self, vehicle: usize) -> f32 {
         self.vehicles[vehicle].placement.yaw_rad() - FRAC_PI_2
     }
-}
-
-/// Returns a smooth step from 0 to 1, and its slope.
-fn eased(part: f32) -> (f32, f32) {
-    let part = part.clamp(0.0, 1.0);
-    (part * part * (3.0 - 2.0 * part), 6.0 * part * (1.0 - part))
 }

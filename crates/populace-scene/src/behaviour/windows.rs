@@ -5,6 +5,7 @@ use populace::{ClipPlayback, Crowd};
 
 use super::body::Use;
 use super::person::Doing;
+use super::places::PlacePlan;
 use super::settling::Settling;
 use super::world::{WHOLE, World};
 use crate::Error;
@@ -31,17 +32,10 @@ pub(crate) fn begin(world: &mut World, who: usize) -> Result<bool, Error> {
         let off = spot - at;
         off.length() < NOTICED_M && off.dot(ahead) > 1.0 && footway.distance_m(spot) < 1.5
     };
-    let free = world
-        .spots
-        .iter()
-        .enumerate()
-        .filter(|(_, (spot, taken))| taken.is_none() && reachable(spot.at.into()));
-    let distance = |spot: &[f32; 2]| Vec2::from(*spot).distance_squared(at);
-    let nearest = free.min_by(|a, b| distance(&a.1.0.at).total_cmp(&distance(&b.1.0.at)));
-    let Some((spot, _)) = nearest else { return Ok(false) };
-    world.spots[spot].1 = Some(who);
+    let Some(spot) = world.spots.nearest_free(at, reachable) else { return Ok(false) };
+    world.spots.take(spot);
     world.people[who].doing = Doing::NearsSpot { spot, until: world.now + PATIENCE_SECS };
-    let to = world.spots[spot].0.at.into();
+    let to = world.spots[spot].at();
     world.send(who, to)?;
     Ok(true)
 }
@@ -51,17 +45,14 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
     let now = world.now;
     match world.people[who].doing {
         Doing::NearsSpot { spot, until } => {
-            if world.has_arrived(who) {
-                let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
-                world.halt(who)?;
-                world.face(who, Some(yaw_rad))?;
+            if world.stops_at_goal(who, world.spots.yaw_rad(spot))? {
                 world.people[who].doing = Doing::FacesSpot { spot, until: now + 4.0 };
             } else if now > until {
                 leave(world, who, spot)?;
             }
         }
         Doing::FacesSpot { spot, until } => {
-            let yaw_rad = world.spots[spot].0.facing_deg.to_radians();
+            let yaw_rad = world.spots.yaw_rad(spot);
             if world.faces(crowd, who, yaw_rad)? || now > until {
                 let secs = world.people[who].random.between_f32(LOOKS_SECS[0], LOOKS_SECS[1]);
                 look_in(world, crowd, who, (spot, now + f64::from(secs)))?;
@@ -79,7 +70,7 @@ pub(crate) fn step(world: &mut World, crowd: &mut Crowd, who: usize) -> Result<(
 }
 
 fn leave(world: &mut World, who: usize, spot: usize) -> Result<(), Error> {
-    world.spots[spot].1 = None;
+    world.spots.leave(spot);
     world.go_on(who)
 }
 
@@ -92,7 +83,7 @@ fn look_in(
 ) -> Result<(), Error> {
     let playback = ClipPlayback::looping().fade_in_secs(FADE_SECS);
     world.play(crowd, who, Use::LookIn, (WHOLE, playback))?;
-    let look_at = world.spots[spot].0.look_at;
+    let look_at = world.spots[spot].look_at;
     world.look(crowd, who, look_at)?;
     world.people[who].doing = Doing::LooksIn { spot, until };
     Ok(())
@@ -108,14 +99,10 @@ pub(crate) fn settle(
     if !world.body(who).has(&[Use::LookIn]) {
         return Ok(false);
     }
-    let places =
-        world.spots.iter().map(|(spot, taken)| taken.is_none().then_some(Vec2::from(spot.at)));
-    let places: Vec<_> = places.collect();
     let part = world.people[who].random.unit();
-    let Some((spot, footway)) = settling.free(world, &places, part) else { return Ok(false) };
-    let (plan, taken) = &mut world.spots[spot];
-    *taken = Some(who);
-    let (at, yaw_rad) = (Vec2::from(plan.at), plan.facing_deg.to_radians());
+    let Some((spot, footway)) = settling.free(world, &world.spots, part) else { return Ok(false) };
+    world.spots.take(spot);
+    let (at, yaw_rad) = (world.spots[spot].at(), world.spots.yaw_rad(spot));
     settling.put(world, crowd, who, (at, yaw_rad, 0.0))?;
     world.face(who, Some(yaw_rad))?;
     world.people[who].footway = footway;

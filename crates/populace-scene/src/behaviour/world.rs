@@ -15,6 +15,7 @@ use super::body::{Body, Use};
 use super::footways::Footway;
 use super::hands::{self, Phones};
 use super::person::{Doing, Kind, Person};
+use super::places::Places;
 use super::taken::Taken;
 use super::traffic::Traffic;
 
@@ -141,9 +142,9 @@ pub(crate) struct World {
     pub(crate) people: Vec<Person>,
     pub(crate) footways: Vec<Footway>,
     pub(crate) standing: Taken,
-    pub(crate) spots: Vec<(SpotPlan, Option<usize>)>,
-    pub(crate) leans: Vec<(LeanPlan, Option<usize>)>,
-    pub(crate) seats: Vec<(SeatPlan, Option<usize>)>,
+    pub(crate) spots: Places<SpotPlan>,
+    pub(crate) leans: Places<LeanPlan>,
+    pub(crate) seats: Places<SeatPlan>,
     pub(crate) crossings: Vec<Crossing>,
     pub(crate) traffic: Traffic,
     pub(crate) talks: Vec<Option<Talk>>,
@@ -217,6 +218,17 @@ impl World {
     pub(crate) fn has_arrived(&self, who: usize) -> bool {
         self.position(who).distance(self.people[who].goal) < ARRIVED_M
             && self.velocity(who).length() < STANDS_M_PER_SEC
+    }
+
+    /// Lets somebody who has arrived at the goal stay there and turn to a heading. Returns false
+    /// before.
+    pub(crate) fn stops_at_goal(&mut self, who: usize, yaw_rad: f32) -> Result<bool, Error> {
+        let has_arrived = self.has_arrived(who);
+        if has_arrived {
+            self.halt(who)?;
+            self.face(who, Some(yaw_rad))?;
+        }
+        Ok(has_arrived)
     }
 
     /// Returns true for somebody who stands and faces a heading.

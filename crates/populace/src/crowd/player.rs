@@ -1,11 +1,14 @@
 //! The player: what members play in their slots, and what is scheduled.
 
 pub(super) mod blend_spaces;
+mod eviction;
 mod inertialization;
 mod machines;
 mod playback;
+mod queue;
 pub(super) mod scheduled;
 pub(super) mod slots;
+mod starts;
 
 use populace_clip::ticks_from_secs;
 use populace_device::layout::Slot;

@@ -5,7 +5,8 @@
 //! Review E 62 (2000), 1805-1824).
 #![expect(clippy::disallowed_methods, reason = "roots of the host alone; no device computes them")]
 
-use super::{Drive, JAM_M, LOSS, SWERVE_M, SWERVE_M_PER_SEC, Stop, Traffic};
+use super::bays::SWERVE_M_PER_SEC;
+use super::{Drive, JAM_M, LOSS, SWERVE_M, Stop, Traffic};
 
 /// Gain of speed, in metres per second squared.
 const GAIN: f32 = 1.6;

@@ -10,8 +10,9 @@ use populace_settings::parts::{
 use rustc_hash::FxHashMap;
 
 use super::Player;
+use super::eviction::Plan;
 use super::scheduled::{Action, Start};
-use super::slots::{Plan, Started, faded_out};
+use super::slots::{Started, faded_out};
 use crate::crowd::base::Base;
 use crate::crowd::slab::Slab;
 use crate::crowd::{

@@ -1,18 +1,18 @@
-//! Playback of clips: starting them in slots, now or scheduled, and masks of layers.
+//! Playback of clips: what users ask for, change and are told, and masks of layers.
 
 use populace_clip::{TICKS_PER_SEC, ticks_from_secs};
 use populace_device::LayerSettings;
-use populace_device::layout::{Layer, NONE, SLOT_LIVE, SLOT_ONCE, Slot};
+use populace_device::layout::{Layer, NONE, SLOT_LIVE, Slot};
 use populace_settings::parts::{
     Check, Parts, Playback, PlaybackParts, bounded, check_layer, check_secs, check_weight,
 };
 
+use super::Player;
 use super::scheduled::{Action, Start};
-use super::slots::{Plan, Started, faded_out, weighing};
-use super::{Player, tick_after};
+use super::slots::{Started, faded_out};
 use crate::crowd::base::Base;
 use crate::crowd::live::LiveClips;
-use crate::crowd::{CharacterId, ClipId, MaskId, MemberId, PlaybackId, u32_from};
+use crate::crowd::{CharacterId, ClipId, MaskId, MemberId, PlaybackId};
 use crate::{ActiveClip, Allowed, Error, IdKind};
 
 impl Player {
@@ -220,121 +220,6 @@ impl Player {
         Ok(Start { serial: self.next_serial(), action, play, follows_after: None })
     }
 
-    pub(crate) fn begin_after(
-        &mut self,
-        base: &mut Base,
-        member: MemberId,
-        start: Start,
-        secs: f32,
-    ) -> Result<PlaybackId, Error> {
-        let due = tick_after(base.clock.tick, secs);
-        self.begin_or_wait(base, member.number(), due, start)?;
-        Ok(playback_id(member, start.serial))
-    }
-
-    pub(crate) fn begin_or_wait(
-        &mut self,
-        base: &mut Base,
-        member_index: u32,
-        due: u64,
-        start: Start,
-    ) -> Result<(), Error> {
-        if due > base.clock.tick {
-            self.scheduled.push(member_index, due, start);
-            return Ok(());
-        }
-        self.begin(base, member_index, start, base.clock.tick)
-    }
-
-    /// Executes all starts that are due at or before `tick`, each as of its own tick.
-    pub(crate) fn begin_due(&mut self, base: &mut Base, tick: u64) -> Result<(), Error> {
-        while let Some((due, member_index, start)) = self.scheduled.take_due(tick) {
-            self.begin(base, member_index, start, due)?;
-        }
-        Ok(())
-    }
-
-    fn begin(
-        &mut self,
-        base: &mut Base,
-        member_index: u32,
-        start: Start,
-        tick: u64,
-    ) -> Result<(), Error> {
-        match start.action {
-            Action::Clip { bound, alone } => {
-                self.begin_clip(base, member_index, &start, (bound, alone), tick)
-            }
-            Action::Space { index, at } => {
-                self.begin_space(base, member_index, &start, (index, at), tick)
-            }
-            Action::Machine { state, parameters } => {
-                self.begin_machine(base, member_index, &start, (state, parameters), tick)
-            }
-            Action::Move { at, over_secs } => {
-                self.begin_move(base, member_index, &start, (at, over_secs), tick)
-            }
-        }
-    }
-
-    fn begin_clip(
-        &mut self,
-        base: &mut Base,
-        member_index: u32,
-        start: &Start,
-        (bound, alone): (u32, bool),
-        tick: u64,
-    ) -> Result<(), Error> {
-        let Playback { layer, fade_in_secs: secs, .. } = start.play;
-        if alone && secs <= 0.0 {
-            self.fade_out(base, member_index, layer, 0.0, tick)?;
-        }
-        let slot = start.play.slot(bound, tick, base.duration_secs(bound));
-        let mut slot = slot.on_layer(u32_from(layer));
-        let inertializes = alone
-            && start.play.inertializes
-            && secs > 0.0
-            && self.can_inertialize(base, member_index, &slot, tick);
-        let role = |slot: &Slot, _| {
-            if alone && slot.layer() as usize == layer { Plan::Leaves } else { Plan::Apart }
-        };
-        let needed = usize::from(
-            !inertializes || self.unevaluated(base, member_index, slot.layer(), tick).is_empty(),
-        );
-        // Fading others out leaves a vacant slot vacant, but inertialization may take it.
-        let vacant = self.vacant_slot(base, member_index, None, tick).filter(|_| !inertializes);
-        if vacant.is_none()
-            && let Some(due) = self.free_slots(base, member_index, needed, secs, tick, role)?
-        {
-            self.scheduled.push(member_index, due, start.at_its_time());
-            return Ok(());
-        }
-        let (weight, nothing_fades) = if inertializes {
-            (self.inertialize(base, member_index, &slot, secs, tick)?, true)
-        } else if alone {
-            (0.0, !self.fade_out(base, member_index, layer, secs, tick)?)
-        } else {
-            (0.0, self.is_first(base, member_index, layer, tick))
-        };
-        if alone {
-            self.forget_space(member_index, layer);
-        }
-        let at_once = nothing_fades && layer == 0;
-        slot.ramp_weight(tick, weight, start.play.weight, if at_once { 0.0 } else { secs });
-        let once = slot.mode() == SLOT_ONCE;
-        let started = Started { serial: start.serial, sample: None, once };
-        match vacant {
-            Some(index) => self.put_slot(base, member_index, index, slot, started, tick),
-            None => self.fill_slot(base, member_index, slot, started, tick),
-        }
-    }
-
-    /// Returns whether a start is the first of layer 0. It then has its full weight at once, so
-    /// that the rest pose never shows by accident.
-    pub(crate) fn is_first(&self, base: &Base, member_index: u32, layer: usize, tick: u64) -> bool {
-        layer == 0 && weighing(base.slots(member_index), 0, tick).is_empty()
-    }
-
     /// Returns whether a slot belongs to a playback that has not ended.
     fn is_of(&self, base: &Base, id: PlaybackId, index: usize) -> bool {
         let Started { serial, sample, .. } = self.started(base, id.member().number(), index);
@@ -369,62 +254,8 @@ impl Player {
             }
         });
     }
-
-    /// Returns the tick at which the newest playback of a layer ends.
-    fn end_of_layer(&self, base: &Base, member_index: u32, layer: usize) -> u64 {
-        let scheduled =
-            self.scheduled.of(member_index).filter(|(_, start)| start.play.layer == layer).last();
-        match scheduled {
-            Some((due, start)) => end_of_start(base, due, start),
-            None => self.end_of_slots(base, member_index, layer).unwrap_or(base.clock.tick),
-        }
-    }
-
-    /// Returns the tick at which the newest playback of a layer ends that has begun; `None` if
-    /// there is none, or it has no end.
-    fn end_of_slots(&self, base: &Base, member_index: u32, layer: usize) -> Option<u64> {
-        let tick = base.clock.tick;
-        let slots = base.slots(member_index).iter().enumerate();
-        let playing = slots.filter(|(_, slot)| {
-            let ends = slot.is_inertialization() || slot.end_weight <= 0.0;
-            slot.bound_clip != NONE && slot.layer() as usize == layer && !ends
-        });
-        let last = playing.max_by_key(|(index, _)| self.started(base, member_index, *index).serial);
-        last.and_then(|(_, slot)| end_of(base, slot, tick))
-    }
-
-    /// Reschedules the queued starts of a layer after a change to a playback before them. A start
-    /// stays as it is if what it follows has ended or has no end.
-    fn time_the_queue(&mut self, base: &Base, member_index: u32, layer: usize) {
-        let tick = base.clock.tick;
-        let mut end = self.end_of_slots(base, member_index, layer).filter(|end| *end > tick);
-        self.scheduled.change(member_index, |due, start| {
-            if start.play.layer != layer {
-                return;
-            }
-            if let (Some(gap), Some(end)) = (start.follows_after, end)
-                && due.saturating_sub(gap) > tick
-            {
-                *due = end.saturating_add(gap);
-            }
-            end = Some(end_of_start(base, *due, start));
-        });
-    }
 }
 
-fn end_of_start(base: &Base, due: u64, start: &Start) -> u64 {
-    let Action::Clip { bound, .. } = start.action else { return due };
-    let slot = start.play.slot(bound, due, base.duration_secs(bound));
-    end_of(base, &slot, due).unwrap_or(due)
-}
-
-/// Returns the tick at which a slot ends, at least `tick`; `None` if it has no end. A clip at speed
-/// 0 never ends until its speed is set.
-fn end_of(base: &Base, slot: &Slot, tick: u64) -> Option<u64> {
-    let has_end = !slot.is_tied() && base.duration_secs(slot.bound_clip) > 0.0;
-    has_end.then(|| slot.end_tick(tick).unwrap_or(u64::MAX).max(tick))
-}
-
-fn playback_id(member: MemberId, serial: u64) -> PlaybackId {
+pub(super) fn playback_id(member: MemberId, serial: u64) -> PlaybackId {
     PlaybackId::from_parts(PlaybackParts { member, serial })
 }
