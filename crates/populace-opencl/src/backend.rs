@@ -218,7 +218,7 @@ impl Backend for OpenClBackend {
         }
         self.history.update(&self.device, &self.queue, tables)?;
         self.machines.update(&self.device, &self.queue, tables)?;
-        self.pages.update(&self.device, tables)
+        self.pages.update(&self.device, &self.queue, tables)
     }
 
     fn set_stages(&mut self, stages: &[Option<UserStage>]) -> Result<(), BackendError> {

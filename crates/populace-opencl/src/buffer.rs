@@ -12,9 +12,10 @@ use opencl3::command_queue::{enqueue_read_buffer, enqueue_write_buffer};
 use opencl3::error_codes::ClError;
 use opencl3::event;
 use opencl3::memory::{
-    Buffer as ClBuffer, CL_MAP_READ, CL_MEM_ALLOC_HOST_PTR, CL_MEM_READ_WRITE, ClMem,
+    Buffer as ClBuffer, CL_MAP_READ, CL_MAP_WRITE_INVALIDATE_REGION, CL_MEM_ALLOC_HOST_PTR,
+    CL_MEM_READ_WRITE, ClMem,
 };
-use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING};
+use opencl3::types::{CL_BLOCKING, CL_NON_BLOCKING, cl_map_flags};
 use populace_device::BackendError;
 use populace_device::layout::{
     Body, BoundBlock, BoundClip, ClipRows, Condition, Constraint, Contact, Control, DeviceStruct,
@@ -443,6 +444,34 @@ impl<T: Element> Buffer<T> {
             reader(&[]);
             return Ok(());
         }
+        self.mapped(queue, CL_MAP_READ, |address| {
+            // SAFETY: the mapping holds `len` elements, aligned by the driver to its largest type
+            // (128 bytes), any bytes are a `T`, and `self` is borrowed mutably, so nothing is
+            // enqueued on the buffer until it is unmapped.
+            reader(unsafe { std::slice::from_raw_parts(address.cast::<T>(), self.len) });
+        })
+    }
+
+    /// Asks for large pages for new memory of a device that shares memory with the host. The
+    /// contents are lost.
+    #[cfg(target_os = "linux")]
+    pub(crate) fn prefer_large_pages(&self, queue: &CommandQueue) -> Result<(), ClError> {
+        if self.len == 0 {
+            return Ok(());
+        }
+        self.mapped(queue, CL_MAP_WRITE_INVALIDATE_REGION, |address| {
+            // SAFETY: the mapping holds the whole buffer.
+            unsafe { crate::large_pages::ask_for(address, self.bytes()) }
+        })
+    }
+
+    /// Maps the whole buffer and passes its address.
+    fn mapped(
+        &self,
+        queue: &CommandQueue,
+        flags: cl_map_flags,
+        act: impl FnOnce(*mut c_void),
+    ) -> Result<(), ClError> {
         let mut address = ptr::null_mut();
         waits::begin();
         // SAFETY: the whole buffer is mapped, and the call blocks until the mapping is valid.
@@ -450,18 +479,15 @@ impl<T: Element> Buffer<T> {
             queue.enqueue_map_buffer(
                 &self.memory,
                 CL_BLOCKING,
-                CL_MAP_READ,
+                flags,
                 0,
                 self.bytes(),
                 &mut address,
                 &[],
             )
         }?;
-        // SAFETY: the mapping holds `len` elements, aligned by the driver to its largest type (128
-        // bytes), any bytes are a `T`, and `self` is borrowed mutably, so nothing is enqueued on
-        // the buffer until it is unmapped below.
-        reader(unsafe { std::slice::from_raw_parts(address.cast::<T>(), self.len) });
-        // SAFETY: the address is the one that mapping this buffer gave; the slice is gone.
+        act(address);
+        // SAFETY: the address is the one that mapping this buffer gave, and `act` is done with it.
         unsafe { queue.enqueue_unmap_mem_object(self.memory.get(), address, &[]) }?;
         waits::for_queue(queue)
     }

@@ -38,6 +38,8 @@ mod gl_context;
 mod gl_sharing;
 mod handles;
 mod history;
+#[cfg(target_os = "linux")]
+mod large_pages;
 mod launch;
 mod machines;
 mod pages;

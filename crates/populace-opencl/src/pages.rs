@@ -6,10 +6,10 @@ use opencl3::error_codes::ClError;
 use populace_device::layout::{Float4, PAGE_ENTRIES};
 use populace_device::{BackendError, PaletteTarget, ReleasedPalettes, Tables, TargetMark};
 
-use crate::OpenClDevice;
 use crate::buffer::Buffer;
 use crate::gl_sharing::InteropPages;
 use crate::handles::CommandQueue;
+use crate::{DeviceKind, OpenClDevice};
 
 /// Elements of a whole page.
 const PAGE_ELEMENTS: usize = PAGE_ENTRIES as usize * 3;
@@ -27,6 +27,23 @@ pub(crate) struct Pages {
     mark: Option<TargetMark>,
 }
 
+/// Allocates a page of the device's own memory.
+pub(crate) fn own_page(
+    device: &OpenClDevice,
+    queue: &CommandQueue,
+    elements: usize,
+) -> Result<Buffer<Float4>, BackendError> {
+    let page = Buffer::new(device, elements, "matrix palettes")?;
+    #[cfg(target_os = "linux")]
+    if device.info.kind == DeviceKind::Cpu {
+        let asked = page.prefer_large_pages(queue);
+        asked.map_err(|error| device.failed("allocate matrix palettes", &error))?;
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = queue;
+    Ok(page)
+}
+
 impl Pages {
     /// Palette entries in use on each page.
     pub(crate) fn lengths(&self) -> &[usize] {
@@ -38,23 +55,29 @@ impl Pages {
     pub(crate) fn update(
         &mut self,
         device: &OpenClDevice,
+        queue: &CommandQueue,
         tables: &Tables,
     ) -> Result<(), BackendError> {
         // Most frames allocate nothing.
         if self.lengths.iter().copied().eq(tables.page_lengths()) {
             return Ok(());
         }
-        self.resize(device, tables.page_lengths().collect())
+        self.resize(device, queue, tables.page_lengths().collect())
     }
 
-    fn resize(&mut self, device: &OpenClDevice, lengths: Vec<usize>) -> Result<(), BackendError> {
+    fn resize(
+        &mut self,
+        device: &OpenClDevice,
+        queue: &CommandQueue,
+        lengths: Vec<usize>,
+    ) -> Result<(), BackendError> {
         if self.interop.as_mut().is_some_and(|interop| !interop.resize(&lengths)) {
             *self = Self::default();
         }
         if self.interop.is_none() {
             for (page, entries) in lengths.iter().enumerate() {
                 if self.own.get(page).is_none_or(|own| own.len() < entries * 3) {
-                    let grown = Buffer::new(device, entries * 3, "matrix palettes")?;
+                    let grown = own_page(device, queue, entries * 3)?;
                     self.own.truncate(page); // no later page is in use while this one still grows
                     self.own.push(grown);
                 }
@@ -147,7 +170,7 @@ impl Pages {
                 cause,
             });
         }
-        next.resize(device, self.lengths.clone())?;
+        next.resize(device, queue, self.lengths.clone())?;
         // Pages that were longer keep their capacity, but only entries in use are copied.
         let copied = self.lengths.clone().into_iter().enumerate().try_for_each(|(page, length)| {
             next.with_buffer(page, |to| {

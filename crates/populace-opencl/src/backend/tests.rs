@@ -52,6 +52,43 @@ fn shared_structs_have_the_same_layout() {
     assert_eq!(answers, expected, "{structs:#?}");
 }
 
+/// Returns the flags of the memory around an address, as the system shows them.
+#[cfg(target_os = "linux")]
+fn memory_flags(address: usize) -> Option<String> {
+    let maps = std::fs::read_to_string("/proc/self/smaps").ok()?;
+    let mut is_around = false;
+    for line in maps.lines() {
+        let range = line.split(' ').next().and_then(|range| range.split_once('-'));
+        let ends = range.map(|(from, to)| [from, to].map(|end| usize::from_str_radix(end, 16)));
+        if let Some([Ok(from), Ok(to)]) = ends {
+            is_around = (from..to).contains(&address);
+        }
+        if let Some(flags) = line.strip_prefix("VmFlags:").filter(|_| is_around) {
+            return Some(flags.to_owned());
+        }
+    }
+    None
+}
+
+#[cfg(target_os = "linux")]
+#[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
+#[test]
+fn palettes_of_large_crowds_are_in_large_pages() {
+    if !std::path::Path::new("/sys/kernel/mm/transparent_hugepage").exists() {
+        return;
+    }
+    let device = device();
+    if device.info.kind != DeviceKind::Cpu {
+        return;
+    }
+    let (queue, elements) = (device.queue().unwrap(), (8 << 20) / size_of::<Float4>());
+    let mut page = crate::pages::own_page(&device, &queue, elements).unwrap();
+    let mut middle = 0;
+    page.map(&queue, &mut |page| middle = page[page.len() / 2..].as_ptr().addr()).unwrap();
+    let flags = memory_flags(middle).unwrap();
+    assert!(flags.split_whitespace().any(|flag| flag == "hg"), "{flags}");
+}
+
 #[cfg_attr(skip_opencl, ignore = "POPULACE_SKIP names opencl")]
 #[test]
 fn access_past_the_end_is_an_error() {
