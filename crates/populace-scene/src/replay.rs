@@ -235,8 +235,8 @@ impl Replay {
     }
 
     /// Finds where agents are, and takes people from the crowd whose agents have left since a time.
-    /// Those who jump leave too, and [come](Self::appear) where they are now: nothing of a body is
-    /// dragged along.
+    /// People who jump leave too, and [appear](Self::appear) at the new place: no foot stays at the
+    /// old one.
     fn leave(&mut self, crowd: &mut Crowd, since_secs: f64) -> Result<(), Error> {
         let mut index = 0;
         while let Some(agent) = self.agents.get(index).copied() {

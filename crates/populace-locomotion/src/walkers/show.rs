@@ -1,4 +1,4 @@
-//! What members of walkers show: placements, mixes of clips and strides.
+//! Placements, mixes of clips and strides of the members of walkers.
 
 use populace::Crowd;
 

@@ -220,8 +220,7 @@ impl World {
             && self.velocity(who).length() < STANDS_M_PER_SEC
     }
 
-    /// Lets somebody who has arrived at the goal stay there and turn to a heading. Returns false
-    /// before.
+    /// Stops a person at its goal and turns it to a heading. Returns false until it has arrived.
     pub(crate) fn stops_at_goal(&mut self, who: usize, yaw_rad: f32) -> Result<bool, Error> {
         let has_arrived = self.has_arrived(who);
         if has_arrived {
