@@ -36,12 +36,14 @@ use crate::mesh::Simplifier;
 /// whether the next levels are simplified from it. Small members are many, and between errors far
 /// apart they would be drawn much finer than they need. Errors add up along the chain, so it has none
 /// of the levels between.
-const LEVELS: [(f32, usize, bool); 10] = [
+const LEVELS: [(f32, usize, bool); 12] = [
     (0.001, 4, true),
     (0.0018, 4, true),
     (0.0032, 4, true),
     (0.0056, 2, true),
+    (0.0075, 2, false),
     (0.01, 2, true),
+    (0.0134, 2, false),
     (0.018, 2, true),
     (0.024, 2, false),
     (0.032, 1, true),

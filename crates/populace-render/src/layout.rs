@@ -152,6 +152,8 @@ glsl_block! {
     /// Per-frame constants of all shaders. Colours are linear; unused w components are 0.
     Frame, binding 0 {
         clip_from_world: Mat4,
+        /// xy: width and height of the picture in pixels. zw: the same relative to their sum.
+        picture: Float4,
         /// Inverse of `clip_from_world`, used for view directions only.
         world_from_clip: Mat4,
         shadow_from_world: Mat4,

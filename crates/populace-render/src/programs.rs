@@ -43,8 +43,10 @@ pub(crate) enum Kind {
     Contact,
     /// The background.
     Sky,
+    /// What lies beyond the picture on the grid of samples.
+    Beyond,
     /// The members' samples, over ground and sky.
-    Resolve { samples: u8 },
+    Resolve,
     /// The user interface of a window.
     Interface,
 }
@@ -63,6 +65,7 @@ const VERSION: &str = "#version 430 core\n";
 const SKIN: &str = include_str!("shaders/skin.glsl");
 const LOOK: &str = include_str!("shaders/look.glsl");
 const FADE: &str = include_str!("shaders/fade.glsl");
+const GRID: &str = include_str!("shaders/grid.glsl");
 const SUNK: &str = include_str!("shaders/sunk.glsl");
 const LIGHT: &str = include_str!("shaders/light.glsl");
 const SHADING: &str = include_str!("shaders/shading.glsl");
@@ -97,13 +100,14 @@ fn sources(kind: Kind) -> [String; 2] {
             with_blocks(Alpha::Opaque, &[include_str!("shaders/sky.vert")]),
             with_blocks(Alpha::Opaque, &[LIGHT, include_str!("shaders/sky.frag")]),
         ],
-        Kind::Resolve { samples } => {
-            let define = format!("#define SAMPLES {samples}\n");
-            [
-                [VERSION, include_str!("shaders/resolve.vert")].concat(),
-                [VERSION, &define, include_str!("shaders/resolve.frag")].concat(),
-            ]
-        }
+        Kind::Beyond => [
+            with_blocks(Alpha::Opaque, &[GRID, include_str!("shaders/beyond.vert")]),
+            [VERSION, "void main() {}\n"].concat(),
+        ],
+        Kind::Resolve => [
+            [VERSION, include_str!("shaders/resolve.vert")].concat(),
+            with_blocks(Alpha::Opaque, &[GRID, include_str!("shaders/resolve.frag")]),
+        ],
         Kind::Interface => {
             let inputs = glsl_inputs(&[Corner::ATTRIBUTES]);
             [
@@ -128,8 +132,11 @@ fn member_sources(kind: MemberKind) -> [String; 2] {
     let defines = [&maps.defines(), texture, sampled, light, define].concat();
     let member = include_str!("shaders/member.frag");
     [
-        skinned(influences, &[&defines, LIGHT, SUNK, include_str!("shaders/member.vert")]),
-        with_blocks(alpha, &[&defines, faded, contacts_define(contacts), LIGHT, shading, member]),
+        skinned(influences, &[&defines, LIGHT, SUNK, GRID, include_str!("shaders/member.vert")]),
+        with_blocks(
+            alpha,
+            &[&defines, faded, GRID, contacts_define(contacts), LIGHT, shading, member],
+        ),
     ]
 }
 

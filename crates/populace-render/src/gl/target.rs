@@ -13,9 +13,6 @@ use crate::Error;
 pub(crate) use contacts::ContactTarget;
 pub(crate) use marks::MarkTarget;
 
-/// Samples per pixel, if the driver supports them.
-const SAMPLES: u8 = 4;
-
 /// A framebuffer and its attachments.
 struct Target {
     gl: Rc<Gl>,
@@ -41,8 +38,7 @@ impl Target {
         &mut self,
         attachment: u32,
         format: u32,
-        samples: i32,
-        size: [i32; 2],
+        [width, height]: [i32; 2],
     ) -> Result<(), Error> {
         let functions = &self.gl.functions;
         self.bind(glow::FRAMEBUFFER);
@@ -50,17 +46,11 @@ impl Target {
         let renderbuffer = unsafe { functions.create_renderbuffer() }
             .map_err(|code| Error::GlError { operation: "create a renderbuffer".into(), code })?;
         self.renderbuffers.push(renderbuffer);
-        // SAFETY: the context is current and the framebuffer bound. `check` reports a size or
-        // sample count that the driver rejects.
+        // SAFETY: the context is current and the framebuffer bound. `check` reports a size that
+        // the driver rejects.
         unsafe {
             functions.bind_renderbuffer(glow::RENDERBUFFER, Some(renderbuffer));
-            functions.renderbuffer_storage_multisample(
-                glow::RENDERBUFFER,
-                samples,
-                format,
-                size[0],
-                size[1],
-            );
+            functions.renderbuffer_storage(glow::RENDERBUFFER, format, width, height);
             functions.framebuffer_renderbuffer(
                 glow::FRAMEBUFFER,
                 attachment,
@@ -69,39 +59,6 @@ impl Target {
             );
         }
         self.gl.check("allocate a renderbuffer")
-    }
-
-    /// Attaches an sRGB colour texture of `samples` samples per pixel.
-    fn attach_samples(&mut self, samples: i32, [width, height]: [i32; 2]) -> Result<(), Error> {
-        let functions = &self.gl.functions;
-        self.bind(glow::FRAMEBUFFER);
-        // SAFETY: the context is current.
-        let texture = unsafe { functions.create_texture() }
-            .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
-        self.texture = Some(texture);
-        let target = glow::TEXTURE_2D_MULTISAMPLE;
-        self.bind_texture(target, 0);
-        // SAFETY: the context is current, and framebuffer and texture bound. `check` reports a size
-        // or sample count that the driver rejects. Fixed locations are required beside a
-        // renderbuffer.
-        unsafe {
-            functions.tex_storage_2d_multisample(
-                target,
-                samples,
-                glow::SRGB8_ALPHA8,
-                width,
-                height,
-                true,
-            );
-            functions.framebuffer_texture_2d(
-                glow::FRAMEBUFFER,
-                glow::COLOR_ATTACHMENT0,
-                target,
-                Some(texture),
-                0,
-            );
-        }
-        self.gl.check("allocate a multisampled texture")
     }
 
     /// Attaches a texture without mip levels. `complete` reports a size that the driver rejects.
@@ -178,11 +135,14 @@ impl Drop for Target {
     }
 }
 
-/// The picture: multisampled sRGB colour and depth of the members, and one sample per pixel to
-/// blend them with their surroundings and to read back.
+/// The picture: sRGB colour and depth of the members on a grid of samples, and pixels to blend them
+/// with their surroundings and to read back.
+///
+/// The grid is turned by 45 degrees. Its samples lie in the middle of the edges of pixels, two for each
+/// pixel, and each pixel is the average of the four on its edges (T. Akenine-Möller and J. Ström,
+/// "Graphics for the Masses", SIGGRAPH 2003, section 3).
 pub(crate) struct PictureTarget {
-    drawn: Target,
-    samples: u8,
+    grid: Target,
     resolved: Target,
     size: [i32; 2],
 }
@@ -194,47 +154,43 @@ impl PictureTarget {
         if width == 0 || height == 0 {
             return Err(Error::EmptyPicture { width, height });
         }
-        let limit = gl.limits().picture_size;
-        let (Ok(w), Ok(h), true) =
-            (i32::try_from(width), i32::try_from(height), width.max(height) <= limit)
+        let limit = u64::from(gl.limits().picture_size);
+        let side = u64::from(width) + u64::from(height);
+        let (Ok(w), Ok(h), true) = (i32::try_from(width), i32::try_from(height), side <= limit)
         else {
-            let (size, limit) = (u64::from(width.max(height)), u64::from(limit));
-            return Err(Error::TooLarge { what: "the side of a picture", size, limit });
+            return Err(Error::TooLarge {
+                what: "width plus height of a picture",
+                size: side,
+                limit,
+            });
         };
         let size = [w, h];
-        // Drivers may reject multisampling at large sizes. Fall back to one sample.
-        let (drawn, samples) = match Self::multisampled(gl, SAMPLES, size) {
-            Err(_) => (Self::multisampled(gl, 1, size)?, 1),
-            Ok(drawn) => (drawn, SAMPLES),
-        };
+        let mut grid = Target::new(gl)?;
+        let parameters = [
+            (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
+            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
+            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
+        ];
+        let format = glow::SRGB8_ALPHA8;
+        grid.attach_texture(glow::COLOR_ATTACHMENT0, format, [w + h; 2], &parameters)?;
+        grid.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, [w + h; 2])?;
+        grid.complete("create a framebuffer of the picture's samples")?;
         let mut resolved = Target::new(gl)?;
-        resolved.attach(glow::COLOR_ATTACHMENT0, glow::SRGB8_ALPHA8, 0, size)?;
+        resolved.attach(glow::COLOR_ATTACHMENT0, format, size)?;
         resolved.complete("create a framebuffer of the picture's size")?;
-        Ok(Self { drawn, samples, resolved, size })
-    }
-
-    fn multisampled(gl: &Rc<Gl>, samples: u8, size: [i32; 2]) -> Result<Target, Error> {
-        let mut target = Target::new(gl)?;
-        target.attach_samples(i32::from(samples), size)?;
-        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, i32::from(samples), size)?;
-        target.complete("create a framebuffer of the picture's size")?;
-        Ok(target)
-    }
-
-    /// Returns the number of samples per pixel.
-    pub(crate) fn samples(&self) -> u8 {
-        self.samples
+        Ok(Self { grid, resolved, size })
     }
 
     /// Makes the members' framebuffer the current one and clears it to no coverage. Vertex shaders
     /// that draw to the picture write one clip distance.
     pub(crate) fn begin(&self) {
-        self.drawn.bind(glow::FRAMEBUFFER);
-        let functions = &self.drawn.gl.functions;
+        self.grid.bind(glow::FRAMEBUFFER);
+        let functions = &self.grid.gl.functions;
         let [width, height] = self.size;
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
-            functions.viewport(0, 0, width, height);
+            functions.viewport(0, 0, width + height, width + height);
             functions.enable(glow::FRAMEBUFFER_SRGB);
             functions.enable(glow::CLIP_DISTANCE0);
             functions.depth_mask(true);
@@ -260,7 +216,7 @@ impl PictureTarget {
             self.resolved.gl.functions.clear_color(0.0, 0.0, 0.0, alpha);
             self.resolved.gl.functions.clear(glow::COLOR_BUFFER_BIT);
         }
-        self.drawn.bind_texture(glow::TEXTURE_2D_MULTISAMPLE, unit);
+        self.grid.bind_texture(glow::TEXTURE_2D, unit);
     }
 
     /// Copies the picture into the window, byte by byte; its upper left corner comes to `at`, in

@@ -43,8 +43,11 @@ pub(super) fn frame(
     let Ambient { sky: up, side, ground: down, .. } = scene.ambient;
     let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
     let pixel_m = pixel_m(clip_from_world, size);
+    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+    let [wide, high] = size.map(|side| side as f32);
     Frame {
         clip_from_world: clip_from_world.into(),
+        picture: Float4([wide, high, wide / (wide + high), high / (wide + high)]),
         world_from_clip: clip_from_world.inverse().into(),
         shadow_from_world: sun.map_or(Mat4::IDENTITY, |s| s.shadow_from_world).into(),
         eye: with(camera.eye, camera.far),

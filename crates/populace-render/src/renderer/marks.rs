@@ -19,7 +19,7 @@ pub struct Marks {
     pub depths_m: Vec<f32>,
     /// Index among the instances that were drawn, at the middle of the pixel; `None` where there is
     /// none. Blended surfaces count if they hide at least half of what is behind them, and members
-    /// that fade count in the pixels in which they are drawn.
+    /// that fade count in as large a part of their pixels as they are opaque.
     pub instances: Vec<Option<u32>>,
     /// Share of the pixel in 1/255 that those instances cover that count, as far as opaque surfaces
     /// of others do not hide them. Blended surfaces count by their alpha.
@@ -77,7 +77,7 @@ impl Renderer {
         let passes = passes.map(|(runs, pass)| (calls(&runs, pass, models, commands), pass));
         self.commands.upload()?;
         self.frame.bind_uniform();
-        self.picture.begin();
+        self.begin_members()?;
         for (calls, pass) in &passes {
             self.draw_calls(calls, *pass, &mut PassCounts::default())?;
         }
@@ -103,8 +103,7 @@ impl Renderer {
         self.picture.begin_resolve(MEMBER_UNIT, 0.0);
         let state = DrawState { cull: Cull::Nothing, depth_write: false, ..DrawState::OPAQUE };
         self.gl.set_state(state);
-        let resolve = Kind::Resolve { samples: self.picture.samples() };
-        self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
+        self.gl.draw_strip(self.programs.get(Kind::Resolve)?, &self.no_attributes, 4);
         let image = self.picture.read()?;
         Ok(image.rgba.chunks_exact(4).map(|pixel| pixel[3]).collect())
     }

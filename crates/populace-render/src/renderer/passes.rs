@@ -86,8 +86,8 @@ impl Renderer {
         if let Some(shadow) = &self.shadow {
             shadow.bind_texture(SHADOW_UNIT);
         }
-        self.picture.begin();
         self.timed(MEMBER_PASS, |renderer| {
+            renderer.begin_members()?;
             renderer.draw_calls(&opaque, Pass::Opaque { on_members }, &mut drawn.members)?;
             renderer.draw_calls(&blended, Pass::Blended, &mut drawn.members)
         })?;
@@ -97,6 +97,17 @@ impl Renderer {
         let instances = |runs: &[Run]| runs.iter().map(|run| run.count as usize).sum();
         drawn.members.instances = instances(&batches.opaque);
         drawn.shadow.instances = instances(&batches.shadow);
+        Ok(())
+    }
+
+    /// Makes the grid of samples the current framebuffer. Nothing will be drawn beyond the picture.
+    pub(super) fn begin_members(&mut self) -> Result<(), Error> {
+        self.picture.begin();
+        let unseen = DrawState { cull: Cull::Nothing, color_write: false, ..DrawState::OPAQUE };
+        self.gl.set_state(unseen);
+        self.gl.draw_strip(self.programs.get(Kind::Beyond)?, &self.no_attributes, 10);
+        // Clearing writes colours too.
+        self.gl.set_state(DrawState::OPAQUE);
         Ok(())
     }
 
@@ -168,8 +179,7 @@ impl Renderer {
             counts.draw_calls += 1;
         }
         self.gl.set_state(DrawState { blend: true, ..surroundings });
-        let resolve = Kind::Resolve { samples: self.picture.samples() };
-        self.gl.draw_strip(self.programs.get(resolve)?, &self.no_attributes, 4);
+        self.gl.draw_strip(self.programs.get(Kind::Resolve)?, &self.no_attributes, 4);
         Ok(())
     }
 }

@@ -30,7 +30,7 @@ void main() {
     vec3 sky = sky_light_on(vec3(0.0, 1.0, 0.0), to_sun.y);
     vec3 light = sky + sun;
 #ifdef CONTACTS
-    light = darkened(light, sky);
+    light = darkened(light, sky, gl_FragCoord.xy);
 #endif
     vec3 lit = base * light;
     color = vec4(tone_mapped(hazed(lit, haze_at(world_position))), 1.0);

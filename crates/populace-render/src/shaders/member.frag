@@ -128,8 +128,10 @@ vec3 lit_surface(vec3 base) {
     vec3 lit = shaded(at, normalize(eye.xyz - world_position), shadow_position);
 #ifdef CONTACTS
     bool is_floor = world_position.y - ambient_glow.w < ON_FLOOR_M && normal.y > 0.5;
-    if (is_floor)
-        lit = darkened(lit, occlusion * base * sky_light_on(normal, dot(normal, to_sun.xyz)));
+    if (is_floor) {
+        vec3 of_sky = occlusion * base * sky_light_on(normal, dot(normal, to_sun.xyz));
+        lit = darkened(lit, of_sky, pixel_at(gl_FragCoord.xy));
+    }
 #endif
     return lit;
 }

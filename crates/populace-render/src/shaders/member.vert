@@ -1,6 +1,6 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  texture coordinates, product of vertex colour and the region's tint, and what light and
+// Writes  place on the grid of samples, texture coordinates, product of vertex colour and the region's tint, and what light and
 //         haze need: position and normal in world space, the position in the shadow map and the
 //         surface's substance (metallic, roughness, skin). With VERTEX_LIT, the factor of the
 //         texture's colour and what is added to it instead, and with TWO_SIDED also the back's
@@ -79,7 +79,7 @@ void main() {
     surface_color = tinted;
 #endif
     texture_uv = uv;
-    gl_Position = clip_from_world * vec4(world_position, 1.0);
+    gl_Position = on_grid(clip_from_world * vec4(world_position, 1.0));
     gl_ClipDistance[0] = above_ground(world_position, gl_Position.w);
 #ifdef FADED
     faded = faded_out();

@@ -108,8 +108,8 @@ pub(crate) fn source(
 pub(crate) fn person(body: [f32; 3], head: [f32; 3]) -> Character {
     let color = |[r, g, b]: [f32; 3]| plain([r, g, b, 1.0]);
     let parts = vec![
-        part("leg", 0, box_mesh([-0.22, 0.0, -0.1], [-0.03, 0.8, 0.1], 0)),
-        part("leg", 0, box_mesh([0.03, 0.0, -0.1], [0.22, 0.8, 0.1], 0)),
+        part("leg", 0, box_mesh([-0.22, 0.0, -0.1], [-0.05, 0.8, 0.1], 0)),
+        part("leg", 0, box_mesh([0.05, 0.0, -0.1], [0.22, 0.8, 0.1], 0)),
         part("body", 0, box_mesh([-0.25, 0.8, -0.14], [0.25, 1.4, 0.14], 0)),
         part("head", 1, box_mesh([-0.13, 1.45, -0.13], [0.13, 1.75, 0.13], 1)),
     ];

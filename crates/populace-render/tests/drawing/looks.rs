@@ -8,7 +8,7 @@ use populace_model::Affine;
 use populace_render::Ambient;
 
 use crate::fixture::{at, box_mesh, part, plain, quad_mesh, source, transform};
-use crate::rig::{NOTHING, Rig, instance, srgb};
+use crate::rig::{NOTHING, Rig, instance, linear, srgb};
 
 /// Returns a shirt on the left and trousers on the right; both materials are grey.
 fn dressed() -> Character {
@@ -90,7 +90,7 @@ fn hidden_options_are_not_drawn_and_cast_no_shadow() {
 
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn members_that_fade_cover_a_part_of_their_pixels() {
+fn members_that_fade_cover_a_part_of_their_samples() {
     let square = source(vec![part("square", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
     let square = Arc::new(Character::new(square).unwrap());
     let mut rig = Rig::new();
@@ -99,7 +99,7 @@ fn members_that_fade_cover_a_part_of_their_pixels() {
         let mut one = instance(&square, Affine::IDENTITY, 0);
         one.look = one.look.with_opacity(opacity);
         let drawn = rig.draw(&[one]);
-        drawn.0.rgba.chunks(4).filter(|pixel| pixel[..3] != NOTHING).count() as f64
+        drawn.0.rgba.chunks(4).map(|pixel| linear(pixel[0])).sum::<f64>()
     };
     let whole = covered(1.0);
     assert!(whole > 100.0, "{whole}");

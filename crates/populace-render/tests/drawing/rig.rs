@@ -188,3 +188,9 @@ pub(crate) fn srgb(linear: f64) -> u8 {
     let byte = (stored.clamp(0.0, 1.0) * 255.0).round() as u8;
     byte
 }
+
+/// Decodes an sRGB byte (IEC 61966-2-1).
+pub(crate) fn linear(byte: u8) -> f64 {
+    let stored = f64::from(byte) / 255.0;
+    if stored <= 0.040_45 { stored / 12.92 } else { ((stored + 0.055) / 1.055).powf(2.4) }
+}

@@ -236,3 +236,24 @@ fn highlights_approach_white_without_reaching_it() {
     assert!(bright < brighter && brighter < 255, "{bright} {brighter}");
     assert_eq!((shade(1.0, Highlights::Clipped), shade(1.5, Highlights::Clipped)), (255, 255));
 }
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn pixels_are_averages_of_the_samples_on_their_edges() {
+    let white = source(vec![part("square", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
+    let white = Arc::new(Character::new(white).unwrap());
+    let mut rig = Rig::new();
+    rig.upload(&[Affine::IDENTITY]);
+    let pixel_m = 1.0 / 32.0;
+    // A square that ends within the pixel right of the middle or above it.
+    for (end, wanted) in [(0.25, 0.25), (0.75, 0.75), (0.9, 0.75)] {
+        let by = end * pixel_m - 1.0;
+        let right = rig.draw(&[instance(&white, at(by, 0.0, 0.0), 0)]);
+        right.expect(0.5 * pixel_m, 0.3, [srgb(wanted); 3]);
+        let up = rig.draw(&[instance(&white, at(0.0, by, 0.0), 0)]);
+        up.expect(0.3, 0.5 * pixel_m, [srgb(wanted); 3]);
+    }
+    // Nothing is missing along the edges of the picture.
+    let whole = rig.draw(&[instance(&white, transform([0.0; 3], 0.0, [2.1, 2.1, 1.0]), 0)]);
+    assert!(whole.0.rgba.iter().all(|byte| *byte == 255));
+}

@@ -18,8 +18,8 @@ impl MarkTarget {
     /// Allocates a target of the size of a picture.
     pub(crate) fn new(gl: &Rc<Gl>, size: [i32; 2]) -> Result<Self, Error> {
         let mut target = Target::new(gl)?;
-        target.attach(glow::COLOR_ATTACHMENT0, glow::RG32UI, 0, size)?;
-        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, 0, size)?;
+        target.attach(glow::COLOR_ATTACHMENT0, glow::RG32UI, size)?;
+        target.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, size)?;
         target.complete("create a framebuffer of depths")?;
         Ok(Self { target, size })
     }
