@@ -139,8 +139,8 @@ impl Drop for Target {
 /// with their surroundings and to read back.
 ///
 /// The grid is turned by 45 degrees. Its samples lie in the middle of the edges of pixels, two for each
-/// pixel, and each pixel is the average of the four on its edges (T. Akenine-Möller and J. Ström,
-/// "Graphics for the Masses", SIGGRAPH 2003, section 3).
+/// pixel, and each pixel is the average of the four on its edges. Pixels share samples as in T.
+/// Akenine-Möller and J. Ström, "Graphics for the Masses", SIGGRAPH 2003.
 pub(crate) struct PictureTarget {
     grid: Target,
     resolved: Target,

@@ -71,7 +71,7 @@ const fn day() -> Scene {
             to_sun: [0.55, 1.0, 0.6],
             color: [1.5, 1.37, 1.15],
             casts_shadows: true,
-            error_texels: 0.75,
+            error_texels: 1.0,
         },
         ambient: Ambient {
             sky: [0.44, 0.53, 0.72],
@@ -104,7 +104,7 @@ const fn evening() -> Scene {
             to_sun: [-0.9, 0.32, -0.45],
             color: [2.1, 1.15, 0.5],
             casts_shadows: true,
-            error_texels: 0.75,
+            error_texels: 1.0,
         },
         ambient: Ambient {
             sky: [0.32, 0.36, 0.52],
@@ -137,7 +137,7 @@ const fn overcast() -> Scene {
             to_sun: [0.2, 1.0, 0.3],
             color: [0.0; 3],
             casts_shadows: false,
-            error_texels: 0.75,
+            error_texels: 1.0,
         },
         ambient: Ambient {
             sky: [1.15, 1.2, 1.27],
@@ -171,7 +171,7 @@ const fn studio() -> Scene {
             to_sun: [-0.6, 1.1, 0.9],
             color: [1.15, 1.12, 1.08],
             casts_shadows: true,
-            error_texels: 0.75,
+            error_texels: 1.0,
         },
         ambient: Ambient {
             sky: [0.62, 0.63, 0.66],
