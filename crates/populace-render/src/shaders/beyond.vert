@@ -5,7 +5,7 @@
 void main() {
     int corner = gl_VertexID >> 1 & 3;
     vec2 side = vec2(corner == 1 || corner == 2, corner >= 2) * 2.0 - 1.0;
-    // Samples lie on the picture's edges, and half a pixel beyond.
+    // A quarter of a pixel outside of the edges, on which samples lie.
     vec4 picture_corner = on_grid(vec4(side * (1.0 + 0.5 / picture.xy), -1.0, 1.0));
     gl_Position = (gl_VertexID & 1) == 0 ? picture_corner : vec4(side, -1.0, 1.0);
     gl_ClipDistance[0] = 1.0;

@@ -1,10 +1,10 @@
 // member.vert - skins and projects a vertex of a member.
 // Reads   Vertex and Influences per vertex, InstanceData per instance, palette of the bound page
-// Writes  place on the grid of samples, texture coordinates, product of vertex colour and the region's tint, and what light and
-//         haze need: position and normal in world space, the position in the shadow map and the
-//         surface's substance (metallic, roughness, skin). With VERTEX_LIT, the factor of the
-//         texture's colour and what is added to it instead, and with TWO_SIDED also the back's
-//         factor; without a texture, the colours that are seen.
+// Writes  place on the grid of samples, texture coordinates, product of vertex colour and the
+//         region's tint, and what light and haze need: position and normal in world space, the
+//         position in the shadow map and the surface's substance (metallic, roughness, skin).
+//         With VERTEX_LIT, the factor of the texture's colour and what is added to it instead, and
+//         with TWO_SIDED also the back's factor; without a texture, the colours that are seen.
 //         With FADED, the part that is not drawn
 
 #ifdef VERTEX_LIT
