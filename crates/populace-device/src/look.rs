@@ -64,7 +64,7 @@ impl MemberLook {
     }
 
     /// Returns the same look, of which a part from 0 to 1 is drawn: a member that fades in or out
-    /// is a pattern of pixels. It is rounded to steps of 1 / 63; what is not a number counts as 1.
+    /// is a pattern of samples. It is rounded to steps of 1 / 63; what is not a number counts as 1.
     #[must_use]
     pub fn with_opacity(mut self, opacity: f32) -> Self {
         let shown = if opacity.is_nan() { 1.0 } else { opacity.clamp(0.0, 1.0) };
