@@ -43,7 +43,7 @@ pub(crate) enum Kind {
     Contact,
     /// The background.
     Sky,
-    /// What lies beyond the picture on the grid of samples.
+    /// Corners of the grid of samples, outside of the picture.
     Beyond,
     /// The members' samples, over ground and sky.
     Resolve,

@@ -14,7 +14,7 @@ use populace_character::{Character, Image, Part};
 use populace_device::{DrawSource, GlContext, Instance, PaletteSource, Visibility};
 use rayon::prelude::*;
 
-use self::constants::{bounding_sphere, frame, pixel_m};
+use self::constants::{bounding_sphere, frame, pixel_m, sides};
 use self::interface::Interface;
 use crate::batch::{Batches, Drawn, Instances, ModelInfo};
 use crate::gl::{
@@ -281,9 +281,8 @@ impl Renderer {
         // They would name models that may be gone, if this fails.
         self.last = Batches::default();
         scene.check()?;
-        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
-        let aspect = self.size[0] as f32 / self.size[1] as f32;
-        let clip_from_world = camera.clip_from_world(aspect)?;
+        let [wide, high] = sides(self.size);
+        let clip_from_world = camera.clip_from_world(wide / high)?;
         self.gl.make_current()?;
         let models = self.models_of(instances)?;
         let infos: Vec<&ModelInfo> = self.models.as_slice().iter().map(|m| &m.info).collect();

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use glow::HasContext as _;
 use populace_character::Image;
 
-use super::target::flip_rows;
+use super::target::{SMOOTH, flip_rows};
 use super::{Buffer, BufferUse, Gl, Program, VertexArray};
 use crate::Error;
 use crate::layout::Corner;
@@ -32,16 +32,10 @@ impl InterfaceTexture {
             .map_err(|code| Error::GlError { operation: "create a texture".into(), code })?;
         let texture = Self { gl: Rc::clone(gl), raw, size: [width, height] };
         texture.bind();
-        let parameters = [
-            (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
-            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
-            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
-        ];
         // SAFETY: the context is current and the texture bound; enumerants are below 2^31.
         unsafe {
             gl.functions.tex_storage_2d(glow::TEXTURE_2D, 1, glow::RGBA8, width, height);
-            for (name, value) in parameters {
+            for (name, value) in SMOOTH {
                 gl.functions.tex_parameter_i32(glow::TEXTURE_2D, name, value.cast_signed());
             }
         }

@@ -8,10 +8,18 @@ use std::rc::Rc;
 use glow::HasContext as _;
 use populace_character::Image;
 
-use super::Gl;
+use super::{DrawState, Gl};
 use crate::Error;
 pub(crate) use contacts::ContactTarget;
 pub(crate) use marks::MarkTarget;
+
+/// Parameters of textures without mip levels that are interpolated between texels.
+pub(super) const SMOOTH: [(u32, u32); 4] = [
+    (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
+    (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
+    (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
+    (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
+];
 
 /// A framebuffer and its attachments.
 struct Target {
@@ -166,14 +174,8 @@ impl PictureTarget {
         };
         let size = [w, h];
         let mut grid = Target::new(gl)?;
-        let parameters = [
-            (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
-            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
-            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
-        ];
         let format = glow::SRGB8_ALPHA8;
-        grid.attach_texture(glow::COLOR_ATTACHMENT0, format, [w + h; 2], &parameters)?;
+        grid.attach_texture(glow::COLOR_ATTACHMENT0, format, [w + h; 2], &SMOOTH)?;
         grid.attach(glow::DEPTH_ATTACHMENT, glow::DEPTH_COMPONENT24, [w + h; 2])?;
         grid.complete("create a framebuffer of the picture's samples")?;
         let mut resolved = Target::new(gl)?;
@@ -186,6 +188,8 @@ impl PictureTarget {
     /// that draw to the picture write one clip distance.
     pub(crate) fn begin(&self) {
         self.grid.bind(glow::FRAMEBUFFER);
+        // Clearing writes the colours and depths that draws write.
+        self.grid.gl.set_state(DrawState::OPAQUE);
         let functions = &self.grid.gl.functions;
         let [width, height] = self.size;
         // SAFETY: the context is current and the framebuffer bound.
@@ -193,7 +197,6 @@ impl PictureTarget {
             functions.viewport(0, 0, width + height, width + height);
             functions.enable(glow::FRAMEBUFFER_SRGB);
             functions.enable(glow::CLIP_DISTANCE0);
-            functions.depth_mask(true);
             functions.clear_color(0.0, 0.0, 0.0, 0.0);
             functions.clear_depth_f32(1.0);
             functions.clear(glow::COLOR_BUFFER_BIT | glow::DEPTH_BUFFER_BIT);
@@ -209,6 +212,8 @@ impl PictureTarget {
     /// alpha. Binds the members' samples to texture unit `unit`.
     pub(crate) fn begin_resolve(&self, unit: u32, alpha: f32) {
         self.resolved.bind(glow::FRAMEBUFFER);
+        // Clearing writes the colours that draws write.
+        self.resolved.gl.set_state(DrawState::OPAQUE);
         let [width, height] = self.size;
         // SAFETY: the context is current and the framebuffer bound.
         unsafe {
@@ -286,16 +291,17 @@ impl ShadowTarget {
     pub(crate) fn new(gl: &Rc<Gl>, size: u32) -> Result<Self, Error> {
         let size = size.min(gl.limits().texture_size).cast_signed();
         let mut target = Target::new(gl)?;
-        let parameters = [
-            (glow::TEXTURE_MIN_FILTER, glow::LINEAR),
-            (glow::TEXTURE_MAG_FILTER, glow::LINEAR),
-            (glow::TEXTURE_WRAP_S, glow::CLAMP_TO_EDGE),
-            (glow::TEXTURE_WRAP_T, glow::CLAMP_TO_EDGE),
+        let compared = [
             (glow::TEXTURE_COMPARE_MODE, glow::COMPARE_REF_TO_TEXTURE),
             (glow::TEXTURE_COMPARE_FUNC, glow::LEQUAL),
         ];
         let format = glow::DEPTH_COMPONENT24;
-        target.attach_texture(glow::DEPTH_ATTACHMENT, format, [size; 2], &parameters)?;
+        target.attach_texture(
+            glow::DEPTH_ATTACHMENT,
+            format,
+            [size; 2],
+            &[&SMOOTH[..], &compared].concat(),
+        )?;
         // SAFETY: the context is current and the framebuffer bound. Without colour attachments,
         // drawing to no buffer is valid.
         unsafe {

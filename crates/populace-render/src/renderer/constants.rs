@@ -23,10 +23,15 @@ pub(super) fn bounding_sphere(info: &ModelInfo, instance: &Instance<'_>) -> Opti
     (center.is_finite() && radius.is_finite()).then_some(Sphere { center, radius, is_floor })
 }
 
+/// Returns width and height of a picture in pixels.
+pub(super) fn sides(size: [u32; 2]) -> [f32; 2] {
+    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
+    size.map(|side| side as f32)
+}
+
 /// Returns the size of a pixel in metres, at a distance of one metre from the eye.
-pub(super) fn pixel_m(clip_from_world: Mat4, [_, height]: [u32; 2]) -> f32 {
-    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels high")]
-    let height = height as f32;
+pub(super) fn pixel_m(clip_from_world: Mat4, size: [u32; 2]) -> f32 {
+    let [_, height] = sides(size);
     2.0 / (clip_from_world.row(1).truncate().length() * height)
 }
 
@@ -43,8 +48,7 @@ pub(super) fn frame(
     let Ambient { sky: up, side, ground: down, .. } = scene.ambient;
     let to_sun = Vec3::from(scene.sun.to_sun).normalize().to_array();
     let pixel_m = pixel_m(clip_from_world, size);
-    #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
-    let [wide, high] = size.map(|side| side as f32);
+    let [wide, high] = sides(size);
     Frame {
         clip_from_world: clip_from_world.into(),
         picture: Float4([wide, high, wide / (wide + high), high / (wide + high)]),

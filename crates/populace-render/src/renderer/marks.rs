@@ -5,6 +5,7 @@ use populace_model::convert::u32_from;
 
 use super::Renderer;
 use super::calls::{Pass, calls};
+use super::constants::sides;
 use super::passes::{Contacts, MEMBER_UNIT};
 use crate::batch::{PassCounts, Run};
 use crate::gl::{Cull, DrawState, MarkTarget};
@@ -19,7 +20,7 @@ pub struct Marks {
     pub depths_m: Vec<f32>,
     /// Index among the instances that were drawn, at the middle of the pixel; `None` where there is
     /// none. Blended surfaces count if they hide at least half of what is behind them, and members
-    /// that fade count in as large a part of their pixels as they are opaque.
+    /// that fade count in a share of their pixels that is equal to their opacity.
     pub instances: Vec<Option<u32>>,
     /// Share of the pixel in 1/255 that those instances cover that count, as far as opaque surfaces
     /// of others do not hide them. Blended surfaces count by their alpha.
@@ -81,8 +82,6 @@ impl Renderer {
         for (calls, pass) in &passes {
             self.draw_calls(calls, *pass, &mut PassCounts::default())?;
         }
-        // Clearing writes colours too.
-        self.gl.set_state(DrawState::OPAQUE);
         Ok(())
     }
 
@@ -137,9 +136,8 @@ struct Ground {
 }
 
 impl Ground {
-    fn new(camera: &Camera, scene: &Scene, [width, height]: [u32; 2]) -> Result<Self, Error> {
-        #[expect(clippy::cast_precision_loss, reason = "no picture is 2^24 pixels wide")]
-        let [wide, high] = [width as f32, height as f32];
+    fn new(camera: &Camera, scene: &Scene, size: [u32; 2]) -> Result<Self, Error> {
+        let [wide, high] = sides(size);
         camera.clip_from_world(wide / high)?;
         let [eye, target, up] = [camera.eye, camera.target, camera.up].map(Vec3::from);
         let forward = (target - eye).normalize();

@@ -100,14 +100,12 @@ impl Renderer {
         Ok(())
     }
 
-    /// Makes the grid of samples the current framebuffer. Nothing will be drawn beyond the picture.
+    /// Makes the grid of samples the current framebuffer. Hides members outside of the picture.
     pub(super) fn begin_members(&mut self) -> Result<(), Error> {
         self.picture.begin();
         let unseen = DrawState { cull: Cull::Nothing, color_write: false, ..DrawState::OPAQUE };
         self.gl.set_state(unseen);
         self.gl.draw_strip(self.programs.get(Kind::Beyond)?, &self.no_attributes, 10);
-        // Clearing writes colours too.
-        self.gl.set_state(DrawState::OPAQUE);
         Ok(())
     }
 

@@ -1,5 +1,5 @@
-// beyond.vert - the corners of the grid of samples, which lie beyond the picture. At no distance from
-//               the eye, they hide what is drawn there.
+// beyond.vert - the corners of the grid of samples, outside of the picture. They have the least depth
+//               and hide members there.
 // Reads   gl_VertexID: corners of the picture and of the grid in turn; no attributes
 
 void main() {

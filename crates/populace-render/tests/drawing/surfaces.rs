@@ -240,8 +240,7 @@ fn highlights_approach_white_without_reaching_it() {
 #[test]
 #[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
 fn pixels_are_averages_of_the_samples_on_their_edges() {
-    let white = source(vec![part("square", 0, quad_mesh(0))], vec![plain([1.0; 4])], 1);
-    let white = Arc::new(Character::new(white).unwrap());
+    let white = Arc::new(quad_of(plain([1.0; 4])));
     let mut rig = Rig::new();
     rig.upload(&[Affine::IDENTITY]);
     let pixel_m = 1.0 / 32.0;
