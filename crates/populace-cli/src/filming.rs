@@ -184,6 +184,9 @@ pub(crate) fn build_crowd(builder: CrowdBuilder) -> Result<Crowd, Failure> {
     Ok(crowd)
 }
 
+/// How far shadows may be off, relative to surfaces.
+const SHADOW_DETAIL: f32 = 1.5;
+
 /// Returns the light and the surroundings that were asked for.
 pub(crate) fn scene(args: &PictureArgs) -> Scene {
     scene_of(args, args.sky.unwrap_or_default())
@@ -192,6 +195,7 @@ pub(crate) fn scene(args: &PictureArgs) -> Scene {
 /// Returns the light and the surroundings of a preset.
 pub(crate) fn scene_of(args: &PictureArgs, sky: Preset) -> Scene {
     let mut scene = sky.scene();
+    scene.sun.error_px = SHADOW_DETAIL * args.detail_px().unwrap_or(0.0);
     if args.full_detail {
         scene.sun.error_texels = 0.0;
     }

@@ -62,6 +62,11 @@ impl ModelInfo {
         level.min(u32_from(self.level_errors_m.len().saturating_sub(1)))
     }
 
+    /// Returns the error of a level that there is, in metres.
+    pub(crate) fn level_error_m(&self, level: u32) -> f32 {
+        self.level_errors_m.get(level as usize).copied().unwrap_or(0.0)
+    }
+
     /// Returns the coarsest level with an error of at most `error_m`.
     pub(crate) fn level_within(&self, error_m: f32) -> u32 {
         let finer = self.level_errors_m.iter().filter(|error| **error <= error_m).count();
@@ -163,9 +168,17 @@ pub(crate) struct Instances<'a> {
     pub(crate) infos: &'a [&'a ModelInfo],
     /// Number of palette entries of each page.
     pub(crate) page_lengths: &'a [usize],
-    /// Returns the level of an instance in the shadow map; `None` if its shadow is not in it.
-    pub(crate) shadow_level: &'a (dyn Fn(usize) -> Option<u32> + Sync),
+    /// Returns what throws the shadow of an instance; `None` if its shadow is not in the map.
+    pub(crate) thrown: &'a (dyn Fn(usize) -> Option<Thrown> + Sync),
     pub(crate) eye: Vec3,
+}
+
+/// What throws the shadow of an instance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Thrown {
+    pub(crate) level: u32,
+    /// Its distance in metres from the surface that is seen; 0 for that surface itself.
+    pub(crate) apart_m: f32,
 }
 
 /// Keys of the instances of each list.
@@ -241,7 +254,7 @@ impl Instances<'_> {
                 DrawKey { group, distance, index: u32_from(index) }
             };
             if look.opacity() > THROWS {
-                keys.shadow.extend((self.shadow_level)(index).map(key));
+                keys.shadow.extend((self.thrown)(index).map(|thrown| key(thrown.level)));
             }
             if instance.visibility == Visibility::InView {
                 let key = key(info.level(instance.level));
@@ -270,8 +283,15 @@ impl Instances<'_> {
         let instance = &self.all[number as usize];
         let [look0, look1]: [Index32x4; 2] = bytemuck::cast(instance.look);
         let [world_row0, world_row1, world_row2] = instance.world_from_model.rows;
-        let palette_first = instance.palette_first % PAGE_ENTRIES;
-        InstanceData { world_row0, world_row1, world_row2, look0, look1, palette_first, number }
+        InstanceData {
+            world_row0,
+            world_row1,
+            world_row2,
+            look0,
+            look1,
+            entry_and_number: [instance.palette_first % PAGE_ENTRIES, number],
+            thrown_m: (self.thrown)(number as usize).unwrap_or_default().apart_m,
+        }
     }
 }
 

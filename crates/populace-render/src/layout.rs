@@ -29,6 +29,8 @@ pub(crate) type Vector4 = [f32; 4];
 pub(crate) type Index4 = [u16; 4];
 /// Four bytes as one vertex attribute.
 pub(crate) type Bytes4 = [u8; 4];
+/// Two 32-bit numbers as one vertex attribute.
+pub(crate) type Index32x2 = [u32; 2];
 /// Four 32-bit numbers as one vertex attribute.
 pub(crate) type Index32x4 = [u32; 4];
 
@@ -107,8 +109,8 @@ macro_rules! glsl_block {
 }
 
 macro_rules! attribute_type {
-    (u32) => {
-        ("uint", Component::U32, 1)
+    (f32) => {
+        ("float", Component::F32, 1)
     };
     (Float2) => {
         ("vec2", Component::F32, 2)
@@ -124,6 +126,9 @@ macro_rules! attribute_type {
     };
     (Bytes4) => {
         ("uvec4", Component::U8, 4)
+    };
+    (Index32x2) => {
+        ("uvec2", Component::U32, 2)
     };
     (Index32x4) => {
         ("uvec4", Component::U32, 4)
@@ -271,10 +276,17 @@ vertex_struct! {
         look0: Index32x4,
         /// Second half: tints of regions 4 to 6, and the hidden options.
         look1: Index32x4,
-        /// First palette entry, relative to the bound page.
-        palette_first: u32,
-        /// Index in the caller's list.
-        number: u32,
+        /// First palette entry, relative to the bound page, and index in the caller's list.
+        entry_and_number: Index32x2,
+        /// Distance in metres between the surface that is seen and what throws the shadow.
+        thrown_m: f32,
+    }
+}
+
+impl InstanceData {
+    /// Returns the index in the caller's list.
+    pub(crate) fn number(&self) -> u32 {
+        self.entry_and_number[1]
     }
 }
 
@@ -302,7 +314,7 @@ mod tests {
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 11) in uint number;"
+            "layout(location = 11) in float thrown_m;"
         );
     }
 

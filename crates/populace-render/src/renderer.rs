@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use self::constants::{bounding_sphere, frame, pixel_m, sides};
 use self::interface::Interface;
-use crate::batch::{Batches, Drawn, Instances, ModelInfo};
+use crate::batch::{Batches, Drawn, Instances, ModelInfo, Thrown};
 use crate::gl::{
     Buffer, BufferUse, ContactTarget, DrawCommands, Gl, MarkTarget, PictureTarget, ShadowTarget,
     Timers, VertexArray, WindowTarget,
@@ -291,23 +291,28 @@ impl Renderer {
         let shadow = shadow_map(&self.gl, &mut self.shadow, self.size, scene)?;
         let eye = (Vec3::from(camera.eye), pixel_m(clip_from_world, self.size));
         let sun = shadow.and_then(|map| sun_view(map, scene, &casting, eye, clip_from_world));
-        let shadow_level = |index: usize| {
+        let thrown = |index: usize| {
             let (sun, info, instance) = (sun?, infos[models[index]], &instances[index]);
             let (_, model_radius) = info.sphere;
             let sphere = spheres[index].filter(|sphere| sun.covers(sphere))?;
             let scale = if model_radius > 0.0 { sphere.radius / model_radius } else { 1.0 };
-            let error_m = scene.sun.error_texels * sun.texel_m;
+            let in_texels_m = scene.sun.error_texels * sun.texel_m;
+            let in_pixels_m = scene.sun.error_px * eye.1 * sphere.center.distance(eye.0);
+            let error_m = in_texels_m.max(in_pixels_m);
             let is_trusted = error_m >= LEAST_SHADOW_ERROR_M;
             let coarsest = if is_trusted { info.level_within(error_m / scale) } else { 0 };
             // The mesh that is seen throws no false shadow on itself.
-            Some(coarsest.max(info.level(instance.level)))
+            let seen = info.level(instance.level);
+            let level = coarsest.max(seen);
+            let apart_m = if level > seen { scale * info.level_error_m(level) } else { 0.0 };
+            Some(Thrown { level, apart_m })
         };
         let batches = Batches::new(&Instances {
             all: instances,
             models: &models,
             infos: &infos,
             page_lengths: &self.palettes.lengths(),
-            shadow_level: &shadow_level,
+            thrown: &thrown,
             eye: Vec3::from(camera.eye),
         })?;
         self.instances.fill(&batches.instances, "upload the instances")?;

@@ -19,6 +19,8 @@ pub struct Sun {
     /// character's surface. Coarser levels of detail throw the shadows of characters that have
     /// some. If the distance is less than 10 mm, the level in which the member is seen throws it.
     pub error_texels: f32,
+    /// The same in pixels, where they are larger than texels: far from the camera.
+    pub error_px: f32,
 }
 
 /// Light of the sky and of what it shines on, by the direction of the surface's normal. It is also
@@ -169,10 +171,11 @@ impl Scene {
         let (share, height) = ("0 to 1", "-1000000 to 1000000 metres");
         let is_share = |value: f32| (0.0..=1.0).contains(&value);
         let is_height = |value: f32| value.abs() <= 1e6;
-        let is_error = (0.0..=1e6).contains(&self.sun.error_texels);
+        let is_error = |error: f32| (0.0..=1e6).contains(&error);
         let to_sun = glam::Vec3::from(self.sun.to_sun).try_normalize();
         let numbers = [
-            ("error of the shadow map", is_error, "0 to 1000000 texels"),
+            ("error of shadows", is_error(self.sun.error_texels), "0 to 1000000 texels"),
+            ("error of shadows", is_error(self.sun.error_px), "0 to 1000000 pixels"),
             ("fraction of reflections", is_share(self.reflections), share),
             ("fraction of contact shadows", is_share(self.contact_shadows), share),
             ("visibility", self.sky.visibility_m > 0.0, "above 0 metres"),

@@ -79,7 +79,7 @@ fn batches_with(
         models: &models,
         infos: &infos.iter().collect::<Vec<_>>(),
         page_lengths: &[100, 100],
-        shadow_level: &|index| (index == 0).then_some(1),
+        thrown: &|index| (index == 0).then_some(Thrown { level: 1, apart_m: 0.1 }),
         eye: Vec3::new(0.0, 0.0, 10.0),
     })
 }
@@ -94,7 +94,7 @@ fn each_model_and_page_is_one_run() {
     };
     assert_eq!(sorted.shadow, [run(0, 0, 1, 0, 1)]);
     assert_eq!(sorted.opaque, [run(0, 0, 0, 1, 2), run(0, 1, 0, 3, 1), run(1, 0, 0, 4, 1)]);
-    let firsts: Vec<_> = sorted.instances.iter().map(|i| i.palette_first).collect();
+    let firsts: Vec<_> = sorted.instances.iter().map(|i| i.entry_and_number[0]).collect();
     assert_eq!(firsts, [0, 16, 0, 8, 4], "near instances first; entries relative to the page");
     assert!(sorted.blended.is_empty());
 }
@@ -120,7 +120,7 @@ fn instances_are_sorted_where_root_motion_has_brought_them() {
     let sorted = batches_with(&[(0, 0, 0.0), (0, 3, -5.0)], &[Blended], swap).unwrap();
     let firsts = |runs: &[Run]| {
         let numbers = runs.iter().flat_map(|run| run.first..run.first + run.count);
-        numbers.map(|n| sorted.instances[n as usize].palette_first).collect::<Vec<_>>()
+        numbers.map(|n| sorted.instances[n as usize].entry_and_number[0]).collect::<Vec<_>>()
     };
     assert_eq!(firsts(&sorted.blended), [0, 3], "back to front");
     assert_eq!(firsts(&sorted.opaque), [3, 0], "front to back");
@@ -170,7 +170,7 @@ fn shares_of_threads_join_in_order() {
         .map(|i| (usize::from(i % 2), 4 * u32::from(i % 24), f32::from(i) / 1e4))
         .collect();
     let sorted = batches(&placed, &[Opaque, Opaque]).unwrap();
-    let numbers: Vec<u32> = sorted.instances.iter().map(|instance| instance.number).collect();
+    let numbers: Vec<u32> = sorted.instances.iter().map(|instance| instance.number()).collect();
     let last_first = |odd: u16| (0..count).rev().filter(move |i| i % 2 == odd).map(u32::from);
     let expected: Vec<u32> = [0].into_iter().chain(last_first(0)).chain(last_first(1)).collect();
     assert_eq!(numbers, expected, "the first throws a shadow");
@@ -195,7 +195,7 @@ fn places_are_drawn_after_those_who_stand_before_them() {
 #[test]
 fn non_finite_instances_are_skipped() {
     let sorted = batches(&[(0, 0, f32::NAN), (0, 4, 0.0)], &[Opaque]).unwrap();
-    assert_eq!(sorted.instances.iter().map(|i| i.palette_first).collect::<Vec<_>>(), [4]);
+    assert_eq!(sorted.instances.iter().map(|i| i.entry_and_number[0]).collect::<Vec<_>>(), [4]);
 }
 
 #[test]
@@ -221,7 +221,7 @@ fn levels_are_runs_and_hidden_instances_are_not_drawn() {
     });
     let sorted = sorted.unwrap();
     let runs = |runs: &[Run]| -> Vec<_> {
-        let first = |r: &Run| sorted.instances[r.first as usize].palette_first;
+        let first = |r: &Run| sorted.instances[r.first as usize].entry_and_number[0];
         runs.iter().map(|r| (r.level, r.count, first(r))).collect()
     };
     assert_eq!(runs(&sorted.shadow), [(1, 1, 0)]);

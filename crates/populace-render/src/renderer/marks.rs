@@ -44,7 +44,7 @@ impl Renderer {
         covers: &dyn Fn(u32) -> bool,
     ) -> Result<Marks, Error> {
         self.gl.make_current()?;
-        if !self.last.instances.iter().all(|instance| covers(instance.number)) {
+        if !self.last.instances.iter().all(|instance| covers(instance.number())) {
             self.draw_covering(scene, covers)?;
         }
         let coverage = self.coverage()?;
@@ -87,7 +87,7 @@ impl Renderer {
 
     /// Returns the parts of runs whose instances count, and the other parts.
     fn parts(&self, runs: &[Run], covers: &dyn Fn(u32) -> bool) -> (Vec<Run>, Vec<Run>) {
-        let counts = |index: u32| covers(self.last.instances[index as usize].number);
+        let counts = |index: u32| covers(self.last.instances[index as usize].number());
         let parts = runs.iter().flat_map(|run| {
             let all: Vec<u32> = (run.first..run.first + run.count).collect();
             let parts = all.chunk_by(|a, b| counts(*a) == counts(*b));

@@ -72,6 +72,7 @@ const fn day() -> Scene {
             color: [1.5, 1.37, 1.15],
             casts_shadows: true,
             error_texels: 1.0,
+            error_px: 1.0,
         },
         ambient: Ambient {
             sky: [0.44, 0.53, 0.72],
@@ -105,6 +106,7 @@ const fn evening() -> Scene {
             color: [2.1, 1.15, 0.5],
             casts_shadows: true,
             error_texels: 1.0,
+            error_px: 1.0,
         },
         ambient: Ambient {
             sky: [0.32, 0.36, 0.52],
@@ -138,6 +140,7 @@ const fn overcast() -> Scene {
             color: [0.0; 3],
             casts_shadows: false,
             error_texels: 1.0,
+            error_px: 1.0,
         },
         ambient: Ambient {
             sky: [1.15, 1.2, 1.27],
@@ -172,6 +175,7 @@ const fn studio() -> Scene {
             color: [1.15, 1.12, 1.08],
             casts_shadows: true,
             error_texels: 1.0,
+            error_px: 1.0,
         },
         ambient: Ambient {
             sky: [0.62, 0.63, 0.66],

@@ -5,8 +5,7 @@
 layout(binding = 8) uniform sampler2D contact_map;
 
 float clear_sky(vec2 pixel) {
-    ivec2 last = textureSize(contact_map, 0) - 1;
-    return texelFetch(contact_map, min(ivec2(pixel), last), 0).r;
+    return textureLod(contact_map, pixel / picture.xy, 0.0).r;
 }
 
 // Returns the light of a floor without what bodies hide of the sky's. All of it is darker by that

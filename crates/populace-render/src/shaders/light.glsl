@@ -3,12 +3,16 @@
 layout(binding = 1) uniform sampler2DShadow shadow_map;
 
 // Fraction of the sun's light that arrives at a position in the shadow map, from 0 to 1: the average
-// of four taps, each of which the sampler filters from four texels. 1 outside of the map, and on
-// surfaces that are turned away from the sun, where `facing` is at most 0.
+// of four taps, each of which the sampler filters from four texels, or one with VERTEX_LIT. 1 outside
+// of the map, and on surfaces that are turned away from the sun, where `facing` is at most 0.
 float sunlit(vec3 at, float facing) {
     vec2 texel = 1.0 / vec2(textureSize(shadow_map, 0));
     vec2 inside = 0.5 - 2.0 * texel - abs(at.xy - 0.5);
     bool is_tapped = min(facing, min(inside.x, inside.y)) > 0.0 && to_sun.w > 0.0;
+#ifdef VERTEX_LIT
+    // Triangles blend the light of their corners, so one tap is enough.
+    return is_tapped ? textureLod(shadow_map, at, 0.0) : 1.0;
+#else
     // A loop, since software rasterizers mask branches, but leave loops that no pixel is in.
     int taps = is_tapped ? 4 : 0;
     vec2 offset = vec2(-0.8, -0.32);
@@ -18,6 +22,7 @@ float sunlit(vec3 at, float facing) {
         offset = vec2(-offset.y, offset.x);
     }
     return is_tapped ? 0.25 * sum : 1.0;
+#endif
 }
 
 // Light of the whole sky on a surface with unit normal `normal`, of which `facing` is the component

@@ -14,7 +14,7 @@ flat out float faded;
 void main() {
     vec3 model = vec4(position, 1.0) * model_from_bind();
     vec3 world = vec4(model, 1.0) * world_from_model();
-    instance_number = number;
+    instance_number = entry_and_number.y;
     texture_uv = uv;
     surface_alpha = color.a;
     gl_Position = clip_from_world * vec4(world, 1.0);

@@ -9,7 +9,7 @@
 layout(binding = 7) uniform samplerBuffer palette;
 
 mat3x4 palette_entry(uint entry) {
-    int row = int((palette_first + entry) * 3u);
+    int row = int((entry_and_number.x + entry) * 3u);
     return mat3x4(texelFetch(palette, row), texelFetch(palette, row + 1),
                   texelFetch(palette, row + 2));
 }

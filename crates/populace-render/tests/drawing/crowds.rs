@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace_character::{Level, Mesh, Part};
+use populace_character::{Character, Level, Mesh, Part};
 use populace_device::{Instance, Visibility};
 use populace_model::Affine;
 
@@ -104,10 +104,8 @@ fn instances_and_visible_triangles_are_counted() {
     assert_eq!(headless.members.triangles, all.members.triangles - triangles("head"));
 }
 
-#[test]
-#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
-fn instances_show_their_level_and_hidden_ones_nothing() {
-    let mut rig = Rig::new();
+/// Returns a red person whose coarser level is 0.1 m off and has no head.
+fn headless_from_afar() -> Arc<Character> {
     let character = person([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
     let headless = |part: &Part| {
         let indices = if part.node_name == "head" { Vec::new() } else { part.mesh.indices.clone() };
@@ -115,7 +113,34 @@ fn instances_show_their_level_and_hidden_ones_nothing() {
     };
     let meshes = character.parts.iter().map(headless).collect();
     let level = Level { error_m: 0.1, meshes, joint_count: 1 };
-    let character = Arc::new(character.with_levels(vec![level]).unwrap());
+    Arc::new(character.with_levels(vec![level]).unwrap())
+}
+
+/// Pixels are 0.03 m wide at the first member, and 0.16 m at the second.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn far_members_throw_shadows_of_coarser_levels() {
+    let mut rig = Rig::new();
+    rig.scene.sun.casts_shadows = true;
+    let character = headless_from_afar();
+    rig.upload(&[Affine::IDENTITY; 2]);
+    let list = [0.0, -40.0].map(|z| instance(&character, at(0.0, 0.0, z), 0));
+    let mut triangles = |error_px| {
+        rig.scene.sun.error_px = error_px;
+        let drawn = rig.renderer.draw_instances(&list, &rig.camera, &rig.scene).unwrap();
+        (drawn.members.triangles, drawn.shadow.triangles)
+    };
+    let (all, all_thrown) = triangles(0.0);
+    let [(far_seen, far), (both_seen, both)] = [1.0, 10.0].map(triangles);
+    assert_eq!((all_thrown, far_seen, both_seen), (all, all, all));
+    assert!(both < far && far - both == all - far, "{all}, {far}, {both}");
+}
+
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn instances_show_their_level_and_hidden_ones_nothing() {
+    let mut rig = Rig::new();
+    let character = headless_from_afar();
     let member = (Arc::clone(&character), Affine::IDENTITY, 0);
     let mut pages = Pages::new(vec![palette(&[Affine::IDENTITY; 2])], vec![member]);
     rig.renderer.acquire_palettes(&mut pages).unwrap();

@@ -122,6 +122,7 @@ fn flat_scene() -> Scene {
             color: [0.0; 3],
             casts_shadows: false,
             error_texels: 0.0,
+            error_px: 0.0,
         },
         ambient: Ambient::uniform([1.0; 3]),
         ground: None,

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use populace_character::Character;
+use populace_character::{Character, Level, Mesh, Part};
 use populace_model::Affine;
 use populace_render::{Ambient, Camera, Ground, Highlights, Sky};
 
@@ -169,6 +169,28 @@ fn lit_surfaces_do_not_shadow_themselves() {
     for y in [0.1, 0.3, 0.5, 0.9, 1.0, 1.1, 1.2, 1.3] {
         drawn.expect(0.13, y, lit);
     }
+}
+
+/// The coarser level stands out by 0.1 m. Its shadow is to be 0.125 m off at most.
+#[test]
+#[cfg_attr(skip_gl, ignore = "POPULACE_SKIP names gl")]
+fn coarser_levels_throw_no_shadows_on_the_surface_that_is_seen() {
+    let mut rig = Rig::new();
+    rig.scene.ambient = Ambient::uniform([0.0; 3]);
+    rig.scene.sun.color = [0.9; 3];
+    rig.scene.sun.casts_shadows = true;
+    rig.scene.sun.error_px = 4.0;
+    let white = person([1.0; 3], [1.0; 3]);
+    let thick = |part: &Part| {
+        let out = |(p, n): (&[f32; 3], &[f32; 3])| [0, 1, 2].map(|i| p[i] + 0.1 * n[i]);
+        let positions = part.mesh.positions.iter().zip(&part.mesh.normals).map(out).collect();
+        Mesh { positions, ..part.mesh.clone() }
+    };
+    let meshes = white.parts.iter().map(thick).collect();
+    let level = Level { error_m: 0.1, meshes, joint_count: 2 };
+    let white = Arc::new(white.with_levels(vec![level]).unwrap());
+    rig.upload(&[Affine::IDENTITY; 2]);
+    rig.draw(&[instance(&white, Affine::IDENTITY, 0)]).expect(0.0, 1.1, [srgb(0.9); 3]);
 }
 
 #[test]

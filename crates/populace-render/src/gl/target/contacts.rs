@@ -4,23 +4,23 @@ use std::rc::Rc;
 
 use glow::HasContext as _;
 
-use super::Target;
+use super::{SMOOTH, Target};
 use crate::Error;
 use crate::gl::Gl;
 
-/// One number from 0 to 1 for each pixel of a picture.
+/// One number from 0 to 1 for each square of two by two pixels of a picture. Contact shadows are
+/// soft, and their areas overlap many times.
 pub(crate) struct ContactTarget {
     target: Target,
     size: [i32; 2],
 }
 
 impl ContactTarget {
-    /// Allocates a map of the size of a picture.
+    /// Allocates the map of a picture of `size` pixels (width, height).
     pub(crate) fn new(gl: &Rc<Gl>, size: [i32; 2]) -> Result<Self, Error> {
         let mut target = Target::new(gl)?;
-        let parameters =
-            [glow::TEXTURE_MIN_FILTER, glow::TEXTURE_MAG_FILTER].map(|name| (name, glow::NEAREST));
-        target.attach_texture(glow::COLOR_ATTACHMENT0, glow::R8, size, &parameters)?;
+        let size = size.map(|side| side / 2 + side % 2);
+        target.attach_texture(glow::COLOR_ATTACHMENT0, glow::R8, size, &SMOOTH)?;
         target.complete("create a contact map")?;
         Ok(Self { target, size })
     }
