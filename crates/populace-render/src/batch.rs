@@ -62,7 +62,7 @@ impl ModelInfo {
         level.min(u32_from(self.level_errors_m.len().saturating_sub(1)))
     }
 
-    /// Returns the error of a level that there is, in metres.
+    /// Returns the error of a level in metres; 0 if there is no such level.
     pub(crate) fn level_error_m(&self, level: u32) -> f32 {
         self.level_errors_m.get(level as usize).copied().unwrap_or(0.0)
     }
@@ -169,15 +169,15 @@ pub(crate) struct Instances<'a> {
     /// Number of palette entries of each page.
     pub(crate) page_lengths: &'a [usize],
     /// Returns what throws the shadow of an instance; `None` if its shadow is not in the map.
-    pub(crate) thrown: &'a (dyn Fn(usize) -> Option<Thrown> + Sync),
+    pub(crate) caster: &'a (dyn Fn(usize) -> Option<Caster> + Sync),
     pub(crate) eye: Vec3,
 }
 
-/// What throws the shadow of an instance.
+/// What throws the shadow of an instance into the map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Thrown {
+pub(crate) struct Caster {
     pub(crate) level: u32,
-    /// Its distance in metres from the surface that is seen; 0 for that surface itself.
+    /// Greatest distance in metres from the surface that is seen; 0 if both are the same.
     pub(crate) apart_m: f32,
 }
 
@@ -254,7 +254,7 @@ impl Instances<'_> {
                 DrawKey { group, distance, index: u32_from(index) }
             };
             if look.opacity() > THROWS {
-                keys.shadow.extend((self.thrown)(index).map(|thrown| key(thrown.level)));
+                keys.shadow.extend((self.caster)(index).map(|caster| key(caster.level)));
             }
             if instance.visibility == Visibility::InView {
                 let key = key(info.level(instance.level));
@@ -290,7 +290,7 @@ impl Instances<'_> {
             look0,
             look1,
             entry_and_number: [instance.palette_first % PAGE_ENTRIES, number],
-            thrown_m: (self.thrown)(number as usize).unwrap_or_default().apart_m,
+            caster_apart_m: (self.caster)(number as usize).unwrap_or_default().apart_m,
         }
     }
 }

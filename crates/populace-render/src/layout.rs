@@ -278,8 +278,8 @@ vertex_struct! {
         look1: Index32x4,
         /// First palette entry, relative to the bound page, and index in the caller's list.
         entry_and_number: Index32x2,
-        /// Distance in metres between the surface that is seen and what throws the shadow.
-        thrown_m: f32,
+        /// Greatest distance in metres between the surface that is seen and what throws its shadow.
+        caster_apart_m: f32,
     }
 }
 
@@ -314,7 +314,7 @@ mod tests {
         );
         assert_eq!(
             glsl_inputs(&[Vertex::ATTRIBUTES, InstanceData::ATTRIBUTES]).lines().last().unwrap(),
-            "layout(location = 11) in float thrown_m;"
+            "layout(location = 11) in float caster_apart_m;"
         );
     }
 

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 
 use self::constants::{bounding_sphere, frame, pixel_m, sides};
 use self::interface::Interface;
-use crate::batch::{Batches, Drawn, Instances, ModelInfo, Thrown};
+use crate::batch::{Batches, Caster, Drawn, Instances, ModelInfo};
 use crate::gl::{
     Buffer, BufferUse, ContactTarget, DrawCommands, Gl, MarkTarget, PictureTarget, ShadowTarget,
     Timers, VertexArray, WindowTarget,
@@ -291,7 +291,7 @@ impl Renderer {
         let shadow = shadow_map(&self.gl, &mut self.shadow, self.size, scene)?;
         let eye = (Vec3::from(camera.eye), pixel_m(clip_from_world, self.size));
         let sun = shadow.and_then(|map| sun_view(map, scene, &casting, eye, clip_from_world));
-        let thrown = |index: usize| {
+        let caster = |index: usize| {
             let (sun, info, instance) = (sun?, infos[models[index]], &instances[index]);
             let (_, model_radius) = info.sphere;
             let sphere = spheres[index].filter(|sphere| sun.covers(sphere))?;
@@ -305,14 +305,14 @@ impl Renderer {
             let seen = info.level(instance.level);
             let level = coarsest.max(seen);
             let apart_m = if level > seen { scale * info.level_error_m(level) } else { 0.0 };
-            Some(Thrown { level, apart_m })
+            Some(Caster { level, apart_m })
         };
         let batches = Batches::new(&Instances {
             all: instances,
             models: &models,
             infos: &infos,
             page_lengths: &self.palettes.lengths(),
-            thrown: &thrown,
+            caster: &caster,
             eye: Vec3::from(camera.eye),
         })?;
         self.instances.fill(&batches.instances, "upload the instances")?;

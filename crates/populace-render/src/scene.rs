@@ -19,7 +19,7 @@ pub struct Sun {
     /// character's surface. Coarser levels of detail throw the shadows of characters that have
     /// some. If the distance is less than 10 mm, the level in which the member is seen throws it.
     pub error_texels: f32,
-    /// The same in pixels, where they are larger than texels: far from the camera.
+    /// The same in pixels of the picture, where that is more: far from the camera.
     pub error_px: f32,
 }
 

@@ -79,7 +79,7 @@ fn batches_with(
         models: &models,
         infos: &infos.iter().collect::<Vec<_>>(),
         page_lengths: &[100, 100],
-        thrown: &|index| (index == 0).then_some(Thrown { level: 1, apart_m: 0.1 }),
+        caster: &|index| (index == 0).then_some(Caster { level: 1, apart_m: 0.1 }),
         eye: Vec3::new(0.0, 0.0, 10.0),
     })
 }
