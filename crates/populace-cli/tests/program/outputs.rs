@@ -376,7 +376,7 @@ fn near_members_throw_the_shadows_of_the_level_that_is_seen() {
     let out = folder.text("x.png");
     let common = ["--size", "640x360", "--device", "native", "--json", "--out", &out];
     let near = json_of(
-        &[&["render", "@man", "--members", "8", "--camera", "close"], &common[..]].concat(),
+        &[&["render", "@man", "--members", "1", "--camera", "close"], &common[..]].concat(),
     );
     assert_eq!(near["shadow"]["triangles"], near["triangles"], "{near}");
     let among = ["render", "@man", "--members", "100", "--camera", "0,1.7,4,6,1,-10"];
