@@ -38,9 +38,10 @@ void main() {
 #endif
     world_position = vec4(vec4(position, 1.0) * model_from_bind, 1.0) * world_from_model;
     world_normal = transform_normal(world_from_model, transform_normal(model_from_bind, normal));
-    // An offset along the normal by 1.5 shadow texels, or errors of the level that throws the
-    // shadow, prevents self-shadowing.
-    vec3 offset_position = world_position + world_normal * (1.5 * max(to_sun.w, caster_apart_m));
+    // An offset along the normal by 1.5 shadow texels, or three errors of the level that throws
+    // the shadow, prevents self-shadowing: poses add to errors, which are those at rest.
+    float offset_m = max(1.5 * to_sun.w, 3.0 * caster_apart_m);
+    vec3 offset_position = world_position + world_normal * offset_m;
     shadow_position = (shadow_from_world * vec4(offset_position, 1.0)).xyz * 0.5 + 0.5;
     substance = vec3(vec2(marks.zw) * (1.0 / 255.0), marks.x == 0u ? 1.0 : 0.0);
     vec4 tinted = color * vec4(region_tint(), 1.0);
