@@ -184,7 +184,7 @@ pub(crate) fn build_crowd(builder: CrowdBuilder) -> Result<Crowd, Failure> {
     Ok(crowd)
 }
 
-/// How far shadows may be off, relative to surfaces.
+/// Greatest error of shadows, relative to that of surfaces in the picture.
 const SHADOW_DETAIL: f32 = 1.5;
 
 /// Returns the light and the surroundings that were asked for.

@@ -168,16 +168,17 @@ pub(crate) struct Instances<'a> {
     pub(crate) infos: &'a [&'a ModelInfo],
     /// Number of palette entries of each page.
     pub(crate) page_lengths: &'a [usize],
-    /// Returns what throws the shadow of an instance; `None` if its shadow is not in the map.
+    /// Returns the shadow caster of an instance; `None` if its shadow lies outside of the map.
     pub(crate) caster: &'a (dyn Fn(usize) -> Option<Caster> + Sync),
     pub(crate) eye: Vec3,
 }
 
-/// What throws the shadow of an instance into the map.
+/// Shadow caster: the level of detail of an instance that is drawn into the shadow map.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Caster {
     pub(crate) level: u32,
-    /// Greatest distance in metres from the surface that is seen; 0 if both are the same.
+    /// Greatest distance in metres between its surface and that in the picture; 0 if both are of the
+    /// same level.
     pub(crate) apart_m: f32,
 }
 

@@ -278,7 +278,7 @@ vertex_struct! {
         look1: Index32x4,
         /// First palette entry, relative to the bound page, and index in the caller's list.
         entry_and_number: Index32x2,
-        /// Greatest distance in metres between the surface that is seen and what throws its shadow.
+        /// Greatest distance in metres between the surface in the picture and the shadow caster.
         caster_apart_m: f32,
     }
 }
