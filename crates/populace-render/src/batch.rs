@@ -177,8 +177,8 @@ pub(crate) struct Instances<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Caster {
     pub(crate) level: u32,
-    /// Greatest distance in metres between its surface and that in the picture; 0 if both are of the
-    /// same level.
+    /// Greatest distance in metres between its surface and that in the picture; 0 if the level is
+    /// the same.
     pub(crate) apart_m: f32,
 }
 
