@@ -168,8 +168,8 @@ pub(crate) struct Instances<'a> {
     pub(crate) infos: &'a [&'a ModelInfo],
     /// Number of palette entries of each page.
     pub(crate) page_lengths: &'a [usize],
-    /// Returns the shadow caster of an instance; `None` if its shadow lies outside of the map.
-    pub(crate) caster: &'a (dyn Fn(usize) -> Option<Caster> + Sync),
+    /// For each instance its shadow caster; `None` if its shadow lies outside of the map.
+    pub(crate) casters: &'a [Option<Caster>],
     pub(crate) eye: Vec3,
 }
 
@@ -255,7 +255,7 @@ impl Instances<'_> {
                 DrawKey { group, distance, index: u32_from(index) }
             };
             if look.opacity() > THROWS {
-                keys.shadow.extend((self.caster)(index).map(|caster| key(caster.level)));
+                keys.shadow.extend(self.casters[index].map(|caster| key(caster.level)));
             }
             if instance.visibility == Visibility::InView {
                 let key = key(info.level(instance.level));
@@ -291,7 +291,7 @@ impl Instances<'_> {
             look0,
             look1,
             entry_and_number: [instance.palette_first % PAGE_ENTRIES, number],
-            caster_apart_m: (self.caster)(number as usize).unwrap_or_default().apart_m,
+            caster_apart_m: self.casters[number as usize].unwrap_or_default().apart_m,
         }
     }
 }

@@ -307,12 +307,13 @@ impl Renderer {
             let apart_m = if level > seen { scale * info.level_error_m(level) } else { 0.0 };
             Some(Caster { level, apart_m })
         };
+        let casters: Vec<_> = (0..instances.len()).into_par_iter().map(caster).collect();
         let batches = Batches::new(&Instances {
             all: instances,
             models: &models,
             infos: &infos,
             page_lengths: &self.palettes.lengths(),
-            caster: &caster,
+            casters: &casters,
             eye: Vec3::from(camera.eye),
         })?;
         self.instances.fill(&batches.instances, "upload the instances")?;

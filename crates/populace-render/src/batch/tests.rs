@@ -74,12 +74,14 @@ fn batches_with(
     change(&mut instances);
     let models: Vec<usize> = placed.iter().map(|placed| placed.0).collect();
     let infos: Vec<_> = kinds.iter().map(|kind| info(*kind)).collect();
+    let mut casters = vec![None; instances.len()];
+    casters.iter_mut().take(1).for_each(|c| *c = Some(Caster { level: 1, apart_m: 0.1 }));
     Batches::new(&Instances {
         all: &instances,
         models: &models,
         infos: &infos.iter().collect::<Vec<_>>(),
         page_lengths: &[100, 100],
-        caster: &|index| (index == 0).then_some(Caster { level: 1, apart_m: 0.1 }),
+        casters: &casters,
         eye: Vec3::new(0.0, 0.0, 10.0),
     })
 }
