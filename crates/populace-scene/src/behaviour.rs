@@ -134,6 +134,7 @@ impl Behaviours {
         }
         arrival::set_out(&mut behaviours.world)?;
         in_lanes::hold(&mut behaviours.world, crowd)?;
+        driving::fade(&behaviours.world, crowd)?;
         Ok(behaviours)
     }
 
@@ -153,6 +154,7 @@ impl Behaviours {
         in_lanes::stops(world, crowd, &mut self.stops)?;
         world.traffic.advance(crowd, &self.stops, (world.now, secs))?;
         stroll::step(world, crowd)?;
+        driving::fade(world, crowd)?;
         world.phones.step(crowd, (world.now, world.step_secs))?;
         world.walkers.update(crowd, secs)?;
         Ok(world.ragdolls.step(crowd, secs)?)

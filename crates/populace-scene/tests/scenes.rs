@@ -228,6 +228,34 @@ fn vehicles_stop_for_people_who_stand_in_their_lane() {
     }
 }
 
+/// Nobody who sees an end of a lane sees a vehicle or its driver appear at once.
+#[test]
+fn vehicles_fade_out_at_the_end_of_their_lane_and_in_at_its_start() {
+    let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
+                count = 1\ndoes.stroll = {}\n[[footway]]\nname = \"f\"\n\
+                points = [[0, 6], [60, 6]]\nwidth_m = 2\n[[lane]]\nname = \"l\"\n\
+                ends = [[0, 0], [60, 0]]\nvehicles = 1\n";
+    let mut live = live(&ScenePlan::parse(text).unwrap()).unwrap();
+    let vehicle = live.behaviours.vehicles().next().unwrap();
+    let driver = live.behaviours.people().next().unwrap();
+    let (mut before, mut jumps) = ([0.0, 1.0], 0);
+    for _ in 0..150 {
+        live.run(0.1);
+        let car = live.crowd.member(vehicle).unwrap();
+        let [x, ..] = car.placement().position();
+        let opacity = car.look().opacity();
+        assert_eq!(live.crowd.member(driver).unwrap().look().opacity(), opacity, "at {x}");
+        assert!(opacity == 1.0 || !(6.1..53.9).contains(&x), "{opacity} at {x}");
+        let [x_before, opacity_before] = before;
+        if x < x_before {
+            assert!(opacity < 0.25 && opacity_before < 0.25, "{opacity_before}, {opacity} at {x}");
+            jumps += 1;
+        }
+        before = [x, opacity];
+    }
+    assert!(jumps > 0);
+}
+
 #[test]
 fn soldiers_advance_to_their_posts_fight_fall_and_get_up() {
     let mut plan = ScenePlan::parse(include_str!("../../../scenes/battle.toml")).unwrap();

@@ -206,6 +206,20 @@ pub(crate) fn board(
     Ok(())
 }
 
+/// Fades vehicles out and in at the ends of their lanes, with their drivers.
+pub(crate) fn fade(world: &World, crowd: &mut Crowd) -> Result<(), Error> {
+    for vehicle in &world.traffic.vehicles {
+        let opacity = world.traffic.lanes[vehicle.lane].opacity_at(vehicle.along_m);
+        let driver = vehicle.driver.map(|who| world.member(who as usize));
+        for member in [Some(vehicle.member), driver].into_iter().flatten() {
+            let mut member = crowd.member_mut(member)?;
+            let look = member.look().with_opacity(opacity);
+            member.set_look(look);
+        }
+    }
+    Ok(())
+}
+
 /// Lets a driver get out.
 fn alight(world: &mut World, crowd: &mut Crowd, who: usize, car: usize) -> Result<(), Error> {
     let model = &world.traffic.models[world.traffic.vehicles[car].model];

@@ -5,6 +5,9 @@ use glam::Vec2;
 use super::SWERVE_M;
 use crate::plan::LanePlan;
 
+/// Distance from the ends of a lane within which vehicles fade out and in, in metres.
+const FADE_M: f32 = 6.0;
+
 /// A lane.
 #[derive(Clone, Debug)]
 pub(crate) struct Lane {
@@ -32,6 +35,12 @@ impl Lane {
 
     pub(crate) fn height_m(&self) -> f32 {
         self.height_m
+    }
+
+    /// Returns the part of a vehicle that is drawn: it fades out before the end of the lane, from
+    /// which it comes to the start, and fades in after it. Above 1 between them.
+    pub(crate) fn opacity_at(&self, along_m: f32) -> f32 {
+        along_m.min(self.length_m - along_m) / FADE_M.min(0.25 * self.length_m)
     }
 
     /// Returns true if a vehicle can park in a bay at a point and set off again before the end of
