@@ -228,7 +228,6 @@ fn vehicles_stop_for_people_who_stand_in_their_lane() {
     }
 }
 
-/// Nobody who sees an end of a lane sees a vehicle or its driver appear at once.
 #[test]
 fn vehicles_fade_out_at_the_end_of_their_lane_and_in_at_its_start() {
     let text = "schema = 1\n[[cast]]\nname = \"a\"\nfrom = [\"@man\"]\n[[crowd]]\ncast = \"a\"\n\
