@@ -10,7 +10,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use populace::character::Level;
-use populace::interop::View;
+use populace::interop::{VIEW_PLANES, View};
 use populace::{Crowd, Device, Placement};
 
 const UPDATES: u16 = 30;
@@ -54,10 +54,10 @@ fn turning(update: u16) -> View {
 
 /// A view of all people from above, that rises.
 fn rising(update: u16) -> View {
-    seen_from([0.0, 200.0 + f32::from(update), 0.0], [[0.0, 1.0, 0.0, 1000.0]; 5])
+    seen_from([0.0, 200.0 + f32::from(update), 0.0], [[0.0, 1.0, 0.0, 1000.0]; VIEW_PLANES])
 }
 
-fn seen_from(eye: [f32; 3], planes: [[f32; 4]; 5]) -> View {
+fn seen_from(eye: [f32; 3], planes: [[f32; 4]; VIEW_PLANES]) -> View {
     let to_sun = Some([0.6, 0.8, 0.0]);
     View { eye, planes, pixels_per_metre: 1000.0, to_sun, error_px: 1.0 }
 }
