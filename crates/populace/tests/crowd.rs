@@ -13,7 +13,7 @@ use populace::model::{
 use populace::model::{Role, RoleMap, Side};
 use populace::{
     Affine, ClipPlayback, Crowd, Device, Error, IdKind, LayerMode, LayerSettings, Mask, MemberId,
-    Placement, Trs,
+    MemberLook, Placement, Trs,
 };
 
 fn track(joint: &str, height: f32) -> Track {
@@ -222,11 +222,20 @@ fn members_can_be_spawned_and_despawned(device: Device) {
     for &member in &members {
         crowd.member_mut(member).unwrap().play(high, ClipPlayback::held_at_secs(0.0)).unwrap();
     }
+    let look = MemberLook::PLAIN.without_option(0);
+    for (number, &member) in (1..).zip(&members) {
+        let mut member = crowd.member_mut(member).unwrap();
+        member.set_user_data(number);
+        member.set_look(look);
+    }
     crowd.update(0.0).unwrap();
     crowd.despawn(members[1]).unwrap();
     assert_eq!(crowd.despawn(members[1]), Err(Error::StaleMember));
 
     let new_member = spawn(&mut crowd).unwrap();
+    let details = |of| crowd.member(of).map(|member| (member.user_data(), member.look())).unwrap();
+    assert_eq!(details(new_member), (0, MemberLook::PLAIN), "those of the member before are gone");
+    assert_eq!(details(members[2]), (3, look));
     assert_eq!(
         crowd.member_mut(members[1]).and_then(|mut m| m.set_placement(Placement::at([1.0; 3]))),
         Err(Error::StaleMember)

@@ -109,23 +109,32 @@ pub(super) struct CharacterState {
 #[derive(Clone)]
 pub(super) struct Members {
     pub(super) all: Vec<MemberState>,
+    /// One for each of `all`.
+    pub(super) details: Vec<MemberDetails>,
     pub(super) count: usize,
     pub(super) capacity: usize,
 }
 
+/// The part of a member that every update reads.
 #[derive(Clone, Copy)]
 pub(super) struct MemberState {
     pub(super) generation: u32,
     /// `None` while the index is free.
     pub(super) character: Option<CharacterId>,
     pub(super) placement: Placement,
+    /// Whether root motion moves it.
+    pub(super) moves: bool,
+    pub(super) seen: Seen,
+}
+
+/// The part of a member that updates do not read. It lies apart: the choice of levels waits for
+/// memory, and reads half as much without it.
+#[derive(Clone, Copy)]
+pub(super) struct MemberDetails {
     pub(super) user_data: u64,
     pub(super) look: MemberLook,
     /// The number of updates when the member was spawned.
     pub(super) since: u64,
-    /// Whether root motion moves it.
-    pub(super) moves: bool,
-    pub(super) seen: Seen,
 }
 
 /// What a member is seen as in the present view.
@@ -138,16 +147,7 @@ pub(super) struct Seen {
 impl MemberState {
     /// Returns the state of an index that was never used.
     pub(super) fn free(placement: Placement) -> Self {
-        Self {
-            generation: 0,
-            character: None,
-            placement,
-            user_data: 0,
-            look: MemberLook::PLAIN,
-            since: 0,
-            moves: false,
-            seen: Seen::default(),
-        }
+        Self { generation: 0, character: None, placement, moves: false, seen: Seen::default() }
     }
 }
 
@@ -158,7 +158,7 @@ impl Base {
             tables: Tables::with_capacity(slots_per_member, capacity),
             clock: Clock { tick: FIRST_TICK, left_over: 0.0, frame: 0, recent: [(0, 0); RECENT] },
             assets: Assets::default(),
-            members: Members { all: Vec::new(), count: 0, capacity },
+            members: Members { all: Vec::new(), details: Vec::new(), count: 0, capacity },
             view: None,
             is_viewed: false,
         }

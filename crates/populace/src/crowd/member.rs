@@ -12,7 +12,7 @@ use populace_model::convert::u32_from;
 use populace_model::{JointIndex, Role};
 use populace_settings::parts::Parts;
 
-use super::base::MemberState;
+use super::base::{MemberDetails, MemberState};
 use super::state::State;
 use super::{CharacterId, Crowd, MemberId};
 use crate::{Error, Placement};
@@ -102,7 +102,7 @@ impl<'a> MemberRef<'a> {
             world_from_model: self.placement().world_from_model(),
             moved: self.crowd.offset_of(index),
             palette_first: base.tables.members().as_slice()[index as usize].palette_first,
-            look: self.member().look,
+            look: self.look(),
             level: seen.level,
             visibility: if is_new { Visibility::Hidden } else { seen.visibility },
         }
@@ -136,6 +136,10 @@ impl<C: Borrow<State>> MemberView<C> {
         &self.state().base.members.all[self.id.number() as usize]
     }
 
+    fn details(&self) -> &MemberDetails {
+        &self.state().base.members.details[self.id.number() as usize]
+    }
+
     /// The member's handle.
     #[must_use]
     pub const fn id(&self) -> MemberId {
@@ -165,7 +169,7 @@ impl<C: Borrow<State>> MemberView<C> {
     /// The number set by [`set_user_data`](Self::set_user_data), 0 unless set.
     #[must_use]
     pub fn user_data(&self) -> u64 {
-        self.member().user_data
+        self.details().user_data
     }
 }
 
@@ -174,11 +178,15 @@ impl<C: Borrow<State>> MemberView<C> {
     /// [`MemberLook::PLAIN`] unless set.
     #[must_use]
     pub fn look(&self) -> MemberLook {
-        self.member().look
+        self.details().look
     }
 }
 
 impl MemberMut<'_> {
+    fn details_mut(&mut self) -> &mut MemberDetails {
+        &mut self.crowd.state.base.members.details[self.id.number() as usize]
+    }
+
     /// Sets the member's tints, and the options of its character that it does not show.
     ///
     /// ```
@@ -193,7 +201,7 @@ impl MemberMut<'_> {
     /// }
     /// ```
     pub fn set_look(&mut self, look: MemberLook) {
-        self.crowd.state.base.members.all[self.id.number() as usize].look = look;
+        self.details_mut().look = look;
     }
 
     /// Sets the placement of the member and of all that is attached to it. Root motion continues
@@ -210,6 +218,6 @@ impl MemberMut<'_> {
 
     /// Stores a number of the caller's own beside the member, such as an index or a key.
     pub fn set_user_data(&mut self, user_data: u64) {
-        self.crowd.state.base.members.all[self.id.number() as usize].user_data = user_data;
+        self.details_mut().user_data = user_data;
     }
 }

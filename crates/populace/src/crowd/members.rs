@@ -1,11 +1,11 @@
 //! Spawning, despawning and drawing of members.
 
-use populace_device::Instance;
+use populace_device::{Instance, MemberLook};
 use populace_model::convert::u32_from;
 use populace_settings::parts::{Check, Key, Parts};
 use rayon::prelude::*;
 
-use super::base::{Base, MemberState, Members};
+use super::base::{Base, MemberDetails, MemberState, Members};
 use super::{CharacterId, Crowd, MemberId};
 use crate::{Error, Placement};
 
@@ -20,12 +20,15 @@ impl Base {
         let body = self.character_state(character)?.body;
         let index = self.tables.add_member(body)?;
         let free = MemberState::free(placement);
-        let all = &mut self.members.all;
-        all.resize(all.len().max(index as usize + 1), free);
+        let new = MemberDetails { user_data: 0, look: MemberLook::PLAIN, since: self.clock.frame };
+        let Members { all, details, .. } = &mut self.members;
+        let len = all.len().max(index as usize + 1);
+        all.resize(len, free);
+        details.resize(len, new);
         let state = &mut all[index as usize];
         let generation = state.generation;
-        let character = Some(character);
-        *state = MemberState { generation, character, since: self.clock.frame, ..free };
+        *state = MemberState { generation, character: Some(character), ..free };
+        details[index as usize] = new;
         self.members.count += 1;
         Ok(MemberId::from_parts(Key { crowd: self.number, index, generation }))
     }
@@ -40,7 +43,7 @@ impl Base {
     /// update none was: renderers refuse such a crowd, instead of drawing nobody.
     pub(super) fn is_new(&self, member_index: u32) -> bool {
         let frame = self.clock.frame;
-        frame > 0 && self.members.all[member_index as usize].since == frame
+        frame > 0 && self.members.details[member_index as usize].since == frame
     }
 
     /// Returns whether the last update evaluated the member at an index. It left out those that it
@@ -48,7 +51,7 @@ impl Base {
     pub(super) fn is_evaluated(&self, member_index: u32) -> bool {
         let index = member_index as usize;
         let is_hidden = self.tables.members().as_slice()[index].is_hidden();
-        self.members.all[index].since < self.clock.frame && !is_hidden
+        self.members.details[index].since < self.clock.frame && !is_hidden
     }
 
     pub(super) fn remove_member(&mut self, member: MemberId) {
