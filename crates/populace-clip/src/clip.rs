@@ -5,7 +5,7 @@ mod live;
 mod motion;
 
 use glam::DAffine3;
-use populace_model::{ClipSource, JointIndex, Property, Skeleton, f64math};
+use populace_model::{ClipSource, JointIndex, Property, Skeleton, Trs, f64math};
 
 use crate::Error;
 use crate::contacts::{Contacts, Footstep};
@@ -228,6 +228,12 @@ impl Clip {
     #[must_use]
     pub fn ranges(&self) -> &[[Range; 3]] {
         &self.rows.storage.ranges
+    }
+
+    /// Returns the local transforms of all joints in the first row.
+    #[must_use]
+    pub fn first_pose(&self) -> Vec<Trs> {
+        self.skeleton.joints().map(|joint| self.rows.local(joint, 0, 0.0).trs()).collect()
     }
 
     /// Iterates over the poses of every `every`th row, as local transforms of all joints. 0 counts

@@ -265,19 +265,23 @@ device_consts! {
     /// [`JOINT_BLOCK`] joints follow one another. Within a block, planes follow one another, each
     /// with one number for each joint.
     pub const POSE_PLANES: u32 = 10;
-    /// Planes of a bound clip's ranges, in blocks like [`POSE_PLANES`].
+    /// Planes of a bound clip, in blocks like those of [`POSE_PLANES`]: ranges, and the pose in the
+    /// clip's first row, from which additive layers take differences.
     ///
     /// | Planes | Content |
     /// |---|---|
     /// | 0 to 3, 4 | rotation: offsets `x y z w`, part |
     /// | 5 to 7, 8 | translation: offsets `x y z`, part |
     /// | 9 to 11, 12 | scale: offsets `x y z`, part |
+    /// | 13 to 22 | first pose, in the order of [`POSE_PLANES`] |
     ///
     /// A part is a step divided by [`ROW_PARTS`]. A component is `offset + part * n`, where `n` is
     /// the sum of the numbers that are stored in two rows, each times its weight in [`ROW_PARTS`].
     /// With a part of 0 the value is constant: the clip's constant, or the body's rest if the clip
     /// does not drive the joint.
-    pub const RANGE_PLANES: u32 = 13;
+    pub const BOUND_PLANES: u32 = FIRST_POSE_PLANE + POSE_PLANES;
+    /// The first of the [`BOUND_PLANES`] that hold the first pose.
+    pub const FIRST_POSE_PLANE: u32 = 13;
     /// Weights that sum to less count as none: the inverse of the sum would overflow.
     pub const LEAST_WEIGHT: f32 = 1e-20;
     /// A member is at rest if the weights of layer 0 do not sum to more.

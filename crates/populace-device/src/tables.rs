@@ -26,7 +26,7 @@ use std::collections::{BinaryHeap, HashMap};
 use crate::Error;
 use crate::layout::{
     Body, Entry, Float4, JOINT_BLOCK, LAYER_MASK, LAYERS_PER_MEMBER, MAX_PHASES, Member, NONE,
-    PAGE_ENTRIES, PALETTE_BLOCK,
+    PAGE_ENTRIES, PALETTE_BLOCK, POSE_PLANES,
 };
 use crate::playback::MAX_SLOTS;
 use crate::stage_buffer::StageBuffer;
@@ -367,12 +367,14 @@ pub struct Epochs {
 
 /// Returns the planes of a pose, padded to whole blocks of joints.
 fn planes_of(pose: &[Trs]) -> Vec<f32> {
-    in_blocks(pose.iter().map(|trs| {
-        let ([qx, qy, qz, qw], [tx, ty, tz], [sx, sy, sz]) =
-            (trs.rotation, trs.translation, trs.scale);
-        // Zeros become positive, as in constant ranges.
-        [qx, qy, qz, qw, tx, ty, tz, sx, sy, sz].map(|component| component + 0.0)
-    }))
+    in_blocks(pose.iter().map(numbers_of))
+}
+
+/// Returns the number of a joint in each of the planes of a pose.
+fn numbers_of(trs: &Trs) -> [f32; POSE_PLANES as usize] {
+    let ([qx, qy, qz, qw], [tx, ty, tz], [sx, sy, sz]) = (trs.rotation, trs.translation, trs.scale);
+    // Zeros become positive, as in constant ranges.
+    [qx, qy, qz, qw, tx, ty, tz, sx, sy, sz].map(|component| component + 0.0)
 }
 
 /// Stores the numbers of each joint in planes, block by block. Padding is 0.

@@ -17,7 +17,7 @@ use crate::encoding::Rows;
 use crate::local::{Local, add_layer, after, change, each3, quotient};
 use crate::playback::Inertialization;
 use crate::rows::Joints;
-use crate::sample::sample_joint;
+use crate::sample::{first_pose, sample_joint};
 use crate::widths::SampleWidth;
 
 /// Returns the sample of one row.
@@ -54,14 +54,13 @@ fn sampled_poses<R: SampleWidth<Stored: PoseWidth>>(
     let bound = &joints.tables.bound_clips().as_slice()[state.bound_clip as usize];
     let clip = &joints.tables.clips().as_slice()[bound.rows as usize];
     let last = clip.row_count - 1;
-    let rows = [place_of(clip, state.row), row_of(clip, far_row(state.row, last)), row_of(clip, 0)];
-    let mut poses = [*rest; 3];
-    let wanted = if additive { 3 } else { 2 };
-    for (pose, at) in poses.iter_mut().zip(&rows).take(wanted) {
+    let rows = [place_of(clip, state.row), row_of(clip, far_row(state.row, last))];
+    let mut poses = [*rest; 2];
+    for (pose, at) in poses.iter_mut().zip(&rows) {
         *pose = sample_joint::<R>(joints, bound, &Rows::of(at), rest).normalized(rest);
     }
-    let [at, far, start] = poses;
-    SampledPoses { at, far, reference: if additive { start } else { at } }
+    let [at, far] = poses;
+    SampledPoses { at, far, reference: if additive { first_pose(joints, bound) } else { at } }
 }
 
 /// Factors of the four samples. Those of `_step` belong to the step from the instant of the

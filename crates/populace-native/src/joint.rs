@@ -6,27 +6,24 @@
 
 use populace_device::layout::{
     Control, LEAST_TOTAL, LEAST_WEIGHT, Layer, NONE, POSE_PLANES, REST_SCALE, REST_TRANSLATION,
-    SlotSample,
 };
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
-use crate::encoding::Rows;
 use crate::frame::FrameInputs;
 use crate::inertialize::OfLayer;
 use crate::local::{Local, add_layer, change, each3, quotient};
 use crate::members::control_of;
 use crate::playback::{Inertialization, Play, Playing};
-use crate::rows::{Joints, load_quat, load_vec3};
-use crate::sample::{sample_joint, unit_of};
+use crate::rows::Joints;
+use crate::sample::{first_pose, sample_joint, stored_pose, unit_of};
 use crate::stages::stage_locals;
 use crate::widths::SampleWidth;
 
 /// Loads rest poses.
 #[inline(always)]
 pub(crate) fn rest_of<R: SampleWidth>(joints: &Joints) -> Local<R> {
-    let rest = joints.stored(joints.body.rest_first, POSE_PLANES);
-    Local { r: load_quat::<R>(rest, 0), t: load_vec3(rest, 4), s: load_vec3(rest, 7) }
+    stored_pose(joints.stored(joints.body.rest_first, POSE_PLANES))
 }
 
 /// Weighted sum over a layer's slots.
@@ -163,11 +160,8 @@ impl Posing<'_> {
             let (weight, local) = (R::splat(part), &mut sum.local);
             sum.at_rest &= sample.at_rest;
             let (value, k) = if additive {
-                let first = tables.clips().as_slice()[bound.rows as usize].row_first;
-                let start = SlotSample { row0: first, row1: first, between: 0.0, weight: 0.0 };
-                let start =
-                    sample_joint::<R>(joints, bound, &Rows::of(&start), rest).normalized(rest);
-                let turned = quotient(&sample.normalized(rest), &start, quat::identity());
+                let first = first_pose::<R>(joints, bound);
+                let turned = quotient(&sample.normalized(rest), &first, quat::identity());
                 (change(&turned), weight)
             } else {
                 let r = sample.local.r;

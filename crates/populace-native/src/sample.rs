@@ -1,14 +1,19 @@
 //! Local transforms sampled from a clip. Twin of the end of
 //! `kernels/rows.cl`.
 
-use populace_device::layout::{BoundClip, RANGE_PLANES, REST_SCALE, REST_TRANSLATION};
+use populace_device::layout::{
+    BOUND_PLANES, BoundClip, FIRST_POSE_PLANE, REST_SCALE, REST_TRANSLATION,
+};
 use populace_model::Property;
 use populace_model::math::{Real, quat};
 
 use crate::change::{Change, PoseWidth};
 use crate::encoding::Rows;
+use crate::lanes::LANES;
 use crate::local::Local;
-use crate::rows::{Columns, Joints, RowWidth, sample_rotation, sample_vector};
+use crate::rows::{
+    Columns, Joints, RowWidth, load_quat, load_vec3, sample_rotation, sample_vector,
+};
 use crate::widths::SampleWidth;
 
 /// Sample of a clip.
@@ -39,6 +44,19 @@ impl<R: Real> Sample<R> {
         let r = quat::scale(self.local.r, unit_of(self.local.r, rest.r));
         Local { r, ..self.local }
     }
+}
+
+/// Loads the poses in the first row of a bound clip.
+#[inline(always)]
+pub(crate) fn first_pose<R: SampleWidth>(joints: &Joints, bound: &BoundClip) -> Local<R> {
+    let planes = joints.stored(bound.plane_first, BOUND_PLANES);
+    stored_pose(&planes[FIRST_POSE_PLANE as usize * LANES..])
+}
+
+/// Loads poses, from their first plane on.
+#[inline(always)]
+pub(crate) fn stored_pose<R: SampleWidth>(planes: &[f32]) -> Local<R> {
+    Local { r: load_quat::<R>(planes, 0), t: load_vec3(planes, 4), s: load_vec3(planes, 7) }
 }
 
 /// Samples local transforms between two rows.
@@ -89,7 +107,7 @@ fn sample_columns<R: RowWidth, const COMMON: bool>(
     at: &Rows,
     rest: &Local<R>,
 ) -> Local<R> {
-    let range = joints.stored(bound.range_first, RANGE_PLANES);
+    let range = joints.stored(bound.plane_first, BOUND_PLANES);
     let mut local = Local { r: sample_rotation::<R, COMMON>(columns, at, range), ..*rest };
     let flags = joints.bound_block(bound).flags();
     if flags & REST_TRANSLATION == 0 {

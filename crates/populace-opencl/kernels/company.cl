@@ -64,14 +64,12 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         if (slot.at.weight <= 0.0f) continue;
         const BoundClip clip = tables->bound_clips[slot.bound_clip];
         slot.blocks = tables->bound_blocks + clip.block_first;
-        slot.ranges = tables->poses + clip.range_first;
+        slot.ranges = tables->poses + clip.plane_first;
         slot.from = row_start(tables, slot.at.row0);
         slot.to = row_start(tables, slot.at.row1);
         __global const ClipRows *stored = tables->clips + clip.rows;
         fetch_rows(slot.from, slot.to, stored->row_stride);
         playback.has_floats = playback.has_floats || stored->has_floats;
-        // Additive layers show differences from the first row.
-        if (slot.layer != 0) slot.first = row_start(tables, stored->row_first);
         if (slot.layer == 0) lowest = with_slot(lowest, playback.count, slot.at.weight);
         else layers[slot.layer] = with_slot(layers[slot.layer], playback.count, slot.at.weight);
         playing[playback.count++] = slot;

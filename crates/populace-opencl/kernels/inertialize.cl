@@ -83,10 +83,10 @@ enum { SAMPLE_REFERENCE, SAMPLE_AT, SAMPLE_FAR, SAMPLES_OF_CLIP };
 INLINE Local inertialization_sample(const ClipTables *tables, SampledState state, uint sample,
                                     bool additive, uint joint, Local rest)
 {
+    if (sample == SAMPLE_REFERENCE && additive) return first_pose(tables, state.bound_clip, joint);
     const ClipRows clip = tables->clips[tables->bound_clips[state.bound_clip].rows];
     SlotSample place = place_of(clip, state.row);
     if (sample == SAMPLE_FAR) place = row_of(clip, far_row(state.row, clip.row_count - 1));
-    if (sample == SAMPLE_REFERENCE && additive) place = row_of(clip, 0);
     return normalized(
         sample_joint(tables, state.bound_clip, joint, rows_of(tables, place), rest, false), rest);
 }

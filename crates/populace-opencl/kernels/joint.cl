@@ -169,9 +169,7 @@ APART void adjust(Adjustments adjustments, __global const Control *control, uint
 
 INLINE Local rest_of(const ClipTables *tables, Body body, uint joint)
 {
-    const Stored planes = stored_at(tables, body.rest_first, POSE_PLANES, joint);
-    const Local rest = { stored_vec3(planes, 4), stored_quat(planes, 0), stored_vec3(planes, 7) };
-    return rest;
+    return stored_pose(stored_at(tables, body.rest_first, POSE_PLANES, joint), 0);
 }
 
 // A member's adjustments of the pose that layer 0 shows, none in most members.

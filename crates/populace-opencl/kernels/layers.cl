@@ -34,7 +34,7 @@ INLINE void show_alone(const ClipTables *tables, Playing playing, uint first, bo
     const uint flags = slot.columns.flags;
     shown->terms.at_rest = flags;
     if (shown->how.additive) {
-        shown->own = weighted_change(tables, playing, slot, rest);
+        shown->own = weighted_change(tables, slot, rest);
         return;
     }
     shown->own.r = rotation_alone(tables, slot, rest);

@@ -52,6 +52,12 @@ INLINE Real quat_side(Quat a, Quat towards)
 
 INLINE Quat quat_hemisphere(Quat a, Quat towards) { return quat_scale(a, quat_side(a, towards)); }
 
+// Returns `a` or `-a`, whichever rotates by at most half a turn.
+INLINE Quat quat_short_way(Quat a)
+{
+    return quat_scale(a, a.w < (Real)(0.0f) ? (Real)(-1.0f) : (Real)(1.0f));
+}
+
 INLINE Quat quat_conjugate(Quat a)
 {
     const Quat q = { -a.x, -a.y, -a.z, a.w };
@@ -77,5 +83,5 @@ INLINE Quat quat_part_as_told(Quat rotation, Real k)
 // Returns a fraction of a rotation, the short way.
 INLINE Quat quat_part(Quat rotation, Real k)
 {
-    return quat_part_as_told(quat_hemisphere(rotation, quat_identity()), k);
+    return quat_part_as_told(quat_short_way(rotation), k);
 }

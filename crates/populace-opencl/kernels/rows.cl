@@ -37,11 +37,10 @@ typedef struct {
     // The weights of both rows; see Rows.
     uint halves;
 #if LANES > 1
-    // The clip's first block of columns, its ranges, and both rows; above layer 0 also the clip's
-    // first row. play_all() sets them.
+    // The clip's first block of columns, its planes, and both rows. play_all() sets them.
     __global const BoundBlock *blocks;
     Stored ranges;
-    RowStart from, to, first;
+    RowStart from, to;
 #endif
 } Playing;
 
@@ -271,6 +270,21 @@ INLINE Vec3 stored_vec3(Stored stored, int plane)
     return v;
 }
 
+// Returns the pose whose first plane is `plane`.
+INLINE Local stored_pose(Stored stored, int plane)
+{
+    const Local pose = { stored_vec3(stored, plane + 4), stored_quat(stored, plane),
+                         stored_vec3(stored, plane + 7) };
+    return pose;
+}
+
+// Returns the pose in the first row of a bound clip.
+INLINE Local first_pose(const ClipTables *tables, uint bound, uint joint)
+{
+    const uint planes = tables->bound_clips[bound].plane_first;
+    return stored_pose(stored_at(tables, planes, BOUND_PLANES, joint), FIRST_POSE_PLANE);
+}
+
 // Returns rotations between two rows, of a block in which they move.
 INLINE Quat moving_quat(const ClipTables *tables, Columns columns, Rows at, Stored range)
 {
@@ -395,7 +409,7 @@ INLINE Sample sample_joint(const ClipTables *tables, uint bound, uint joint, Row
 {
     __global const BoundClip *clip = tables->bound_clips + bound;
     const Columns columns = columns_of(tables->bound_blocks + clip->block_first, joint, false);
-    const Stored range = stored_at(tables, clip->range_first, RANGE_PLANES, joint);
+    const Stored range = stored_at(tables, clip->plane_first, BOUND_PLANES, joint);
     Sample sample = { rest, columns.flags & (REST_TRANSLATION | REST_SCALE) };
     if (at_once) sample_at_once(tables, columns, range, rows, &sample.trs);
     else sample_columns(tables, columns, range, rows, &sample.trs);

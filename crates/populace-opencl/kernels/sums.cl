@@ -61,14 +61,9 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bo
         if (!additive) {
             k = alone ? quat_side(trs.r, rest.r) : unit_of(trs.r, rest.r) * weight;
         } else {
-            const uint clip = tables->bound_clips[playing.bound_clip].rows;
-            const uint first = tables->clips[clip].row_first;
-            const SlotSample start = { first, first, 0.0f, 0.0f };
-            const Local reference = normalized(sample_joint(tables, playing.bound_clip, joint,
-                                                            rows_of(tables, start), rest, false),
-                                               rest);
-            trs = change(
-                quotient(normalized(sample, rest), reference, quat_identity(), sample.at_rest));
+            const Local first = first_pose(tables, playing.bound_clip, joint);
+            trs =
+                change(quotient(normalized(sample, rest), first, quat_identity(), sample.at_rest));
         }
         sum.trs.t = vec3_add(sum.trs.t, vec3_scale(trs.t, weight));
         sum.trs.r = quat_add(sum.trs.r, quat_scale(trs.r, k));
@@ -92,7 +87,7 @@ typedef struct {
 INLINE BlockSlot block_slot(Playing playing, uint joint, bool no_floats)
 {
     const BlockSlot slot = { columns_of(playing.blocks, joint, no_floats),
-                             playing.ranges + stored_offset(RANGE_PLANES, joint), rows_in(playing),
+                             playing.ranges + stored_offset(BOUND_PLANES, joint), rows_in(playing),
                              playing.at.weight };
     return slot;
 }
@@ -256,25 +251,21 @@ INLINE Quat unit_rotation(const ClipTables *tables, BlockSlot slot, Stored rest)
 
 // Returns the change from the first row of a slot's clip, times the slot's weight. Leaves out
 // properties at rest.
-INLINE Local weighted_change(const ClipTables *tables, Playing playing, BlockSlot slot, Stored rest)
+INLINE Local weighted_change(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    BlockSlot start = slot;
-    const Rows first = { playing.first, playing.first, 0.0f, ROW_PARTS };
-    start.rows = first;
+    const Local first = stored_pose(slot.range, FIRST_POSE_PLANE);
     const uint flags = slot.columns.flags;
     Local change = no_local();
-    const Quat reference = unit_rotation(tables, start, rest);
-    const Quat turned = quat_mul(quat_conjugate(reference), unit_rotation(tables, slot, rest));
-    change.r = quat_hemisphere(turned, quat_identity());
+    const Quat turned = quat_mul(quat_conjugate(first.r), unit_rotation(tables, slot, rest));
+    change.r = quat_short_way(turned);
     change.r.w -= 1.0f;
     change.r = quat_scale(change.r, slot.weight);
     if (!(flags & REST_TRANSLATION)) {
-        const Vec3 from = vector_alone(tables, start, TRANSLATION);
         const Vec3 to = vector_alone(tables, slot, TRANSLATION);
-        add_vector(vec3_add(to, vec3_scale(from, -1.0f)), slot.weight, &change.t);
+        add_vector(vec3_add(to, vec3_scale(first.t, -1.0f)), slot.weight, &change.t);
     }
     if (flags & REST_SCALE) return change;
-    Vec3 s = scale_ratios(vector_alone(tables, slot, SCALE), vector_alone(tables, start, SCALE));
+    Vec3 s = scale_ratios(vector_alone(tables, slot, SCALE), first.s);
     s.x -= 1.0f;
     s.y -= 1.0f;
     s.z -= 1.0f;
@@ -293,7 +284,7 @@ APART Local sum_changes(const ClipTables *tables, Playback playback, uint layer,
         const Playing playing = playing_at(playback, s);
         if (playing.layer != layer) continue;
         const BlockSlot slot = block_slot(playing, joint, no_floats);
-        sum = local_add(sum, weighted_change(tables, playing, slot, rest));
+        sum = local_add(sum, weighted_change(tables, slot, rest));
         *at_rest &= slot.columns.flags;
     }
     return sum;

@@ -145,7 +145,6 @@ INLINE float4 rotation_between(float4 from, float4 to, float4 about)
 // Returns a fraction of a rotation, the short way.
 INLINE float4 part_of(float4 rotation, float k)
 {
-    const bool far = rotation_dot(rotation, IDENTITY_ROTATION) < 0.0f;
-    const float4 near = rotation * (far ? -1.0f : 1.0f);
+    const float4 near = rotation * (rotation.w < 0.0f ? -1.0f : 1.0f);
     return rotation_unit(IDENTITY_ROTATION + (near - IDENTITY_ROTATION) * k);
 }

@@ -2,7 +2,7 @@
 
 use populace_clip::{COLUMNS_PER_BLOCK, Clip, MotionOrigin, Range, RowBlock};
 use populace_model::humanoid::RoleMap;
-use populace_model::{JointIndex, Property, Skeleton};
+use populace_model::{JointIndex, Property, Skeleton, Trs};
 
 use crate::Error;
 use crate::common::{Common, Soles};
@@ -22,6 +22,7 @@ const GROUND_POSES: usize = 128;
 pub struct Binding {
     ranges: Vec<[Range; 3]>,
     blocks: Vec<RowBlock>,
+    first_pose: Vec<Trs>,
     converted: Option<Converted>,
     bound_joint_count: usize,
     /// Scale of root motion: distance moved by the body per distance moved by the clip's own
@@ -57,8 +58,8 @@ impl Binding {
             columns[joint.index()].is_some_and(|column| clip.drives_property(column, property))
         };
         let rows = converted.as_ref().map_or(clip, |converted| &converted.clip);
-        let (ranges, blocks) = places(rows, skeleton, drives);
-        Self { ranges, blocks, converted, bound_joint_count, motion_scale: 1.0, report }
+        let Places { ranges, blocks, first_pose } = Places::new(rows, skeleton, drives);
+        Self { ranges, blocks, first_pose, converted, bound_joint_count, motion_scale: 1.0, report }
     }
 
     /// Binds a clip by the method that suits: by name if the skeleton is the clip's own
@@ -149,11 +150,11 @@ impl Binding {
         let report = BindingReport::by_roles(clip, skeleton, &common);
         let retarget = Retarget::by_roles(&common);
         let clip = retarget.clip(clip, &common, soles.as_ref());
-        let (ranges, blocks) = places(&clip, skeleton.in_bind_pose(), |joint, property| {
-            clip.drives_property(joint, property)
-        });
+        let skeleton = skeleton.in_bind_pose();
+        let drives = |joint, property| clip.drives_property(joint, property);
+        let Places { ranges, blocks, first_pose } = Places::new(&clip, skeleton, drives);
         let converted = Some(Converted { clip, retarget });
-        Self { ranges, blocks, converted, bound_joint_count, motion_scale, report }
+        Self { ranges, blocks, first_pose, converted, bound_joint_count, motion_scale, report }
     }
 
     /// The range of each joint and [`Property`].
@@ -167,6 +168,13 @@ impl Binding {
     #[must_use]
     pub fn blocks(&self) -> &[RowBlock] {
         &self.blocks
+    }
+
+    /// Local transforms of all joints in the clip's first row, from which additive layers take
+    /// differences.
+    #[must_use]
+    pub fn first_pose(&self) -> &[Trs] {
+        &self.first_pose
     }
 
     /// The clip converted to the skeleton, whose rows the joints follow; `None` if the clip has
@@ -195,23 +203,48 @@ impl Binding {
     }
 }
 
-/// Returns the range of each joint and property, and the location of each 16 joints within a row.
-/// Each joint follows the column of its own number in the properties of which `drives` is true.
-fn places(
-    clip: &Clip,
-    skeleton: &Skeleton,
-    drives: impl Fn(JointIndex, Property) -> bool,
-) -> (Vec<[Range; 3]>, Vec<RowBlock>) {
-    let range = |joint: JointIndex, property: Property| match drives(joint, property) {
-        true => clip.ranges()[joint.index()][property as usize],
-        false => Range::still(property.of(skeleton.rest(joint))),
-    };
-    let ranges: Vec<_> =
-        skeleton.joints().map(|joint| Property::ALL.map(|p| range(joint, p))).collect();
-    let blocks = ranges.chunks(COLUMNS_PER_BLOCK as usize).enumerate().map(|(block, joints)| {
-        let moves = |property: Property| joints.iter().any(|j| j[property as usize].step > 0.0);
-        clip.row_blocks().get(block).map_or(RowBlock::STILL, |rows| rows.with_planes_of(moves))
-    });
-    let blocks = blocks.collect();
-    (ranges, blocks)
+/// What a skeleton's joints read from a clip: see the fields of [`Binding`].
+struct Places {
+    ranges: Vec<[Range; 3]>,
+    blocks: Vec<RowBlock>,
+    first_pose: Vec<Trs>,
+}
+
+impl Places {
+    /// Each joint follows the column of its own number in the properties of which `drives` is true.
+    fn new(
+        clip: &Clip,
+        skeleton: &Skeleton,
+        drives: impl Fn(JointIndex, Property) -> bool,
+    ) -> Self {
+        let range = |joint: JointIndex, property: Property| match drives(joint, property) {
+            true => clip.ranges()[joint.index()][property as usize],
+            false => Range::still(property.of(skeleton.rest(joint))),
+        };
+        let ranges: Vec<_> =
+            skeleton.joints().map(|joint| Property::ALL.map(|p| range(joint, p))).collect();
+        let first = clip.first_pose();
+        let first_pose = skeleton.joints().map(|joint| {
+            let from = |property| match drives(joint, property) {
+                true => &first[joint.index()],
+                false => skeleton.rest(joint),
+            };
+            Trs {
+                translation: from(Property::Translation).translation,
+                rotation: from(Property::Rotation).rotation,
+                scale: from(Property::Scale).scale,
+            }
+        });
+        let first_pose = first_pose.collect();
+        let blocks =
+            ranges.chunks(COLUMNS_PER_BLOCK as usize).enumerate().map(|(block, joints)| {
+                let moves =
+                    |property: Property| joints.iter().any(|j| j[property as usize].step > 0.0);
+                clip.row_blocks()
+                    .get(block)
+                    .map_or(RowBlock::STILL, |rows| rows.with_planes_of(moves))
+            });
+        let blocks = blocks.collect();
+        Self { ranges, blocks, first_pose }
+    }
 }

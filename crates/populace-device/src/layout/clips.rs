@@ -66,8 +66,8 @@ device_struct! {
         /// Index into `clips`: the rows that the joints follow, each the column of its own number.
         /// They are those of the clip, or of the clip converted to the body.
         pub rows: u32,
-        /// Offset into `poses`: the planes of [`RANGE_PLANES`].
-        pub range_first: u32,
+        /// Offset into `poses`: the planes of [`BOUND_PLANES`].
+        pub plane_first: u32,
         /// Offset into `bound_blocks`: one for each block of 16 joints of the body.
         pub block_first: u32,
         /// The body it is bound to; [`NONE`] for an unused element, which slots must not name.

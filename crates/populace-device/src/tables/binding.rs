@@ -1,14 +1,18 @@
-//! Clips bound to bodies: the rows that they follow, and the range of each joint.
+//! Clips bound to bodies: the rows that they follow, and the ranges and the first pose of their
+//! joints.
 
+use populace_clip::Local;
+use populace_model::Trs;
 use populace_model::convert::u32_from;
 use populace_retarget::Binding;
 
 use super::runs::{Asset, Runs};
-use super::{BLOCK, BodyIndex, Tables, in_blocks};
+use super::table::Table;
+use super::{BLOCK, BodyIndex, Tables, in_blocks, numbers_of};
 use crate::Error;
 use crate::layout::{
-    Body, BoundBlock, BoundClip, Contact, NEAR_REST, NONE, POSE_PLANES, RANGE_PLANES, REST_SCALE,
-    REST_TRANSLATION, ROW_PARTS,
+    BOUND_PLANES, Body, BoundBlock, BoundClip, Contact, FIRST_POSE_PLANE, NEAR_REST, NONE,
+    POSE_PLANES, REST_SCALE, REST_TRANSLATION, ROW_PARTS,
 };
 
 impl Tables {
@@ -72,18 +76,18 @@ impl Tables {
             Some(converted) => self.add_converted(clip, &converted.clip, runs)?,
             None => clip,
         };
-        let range_first = runs.add(&mut self.all.poses, range_planes(binding))?;
+        let plane_first = runs.add(&mut self.all.poses, bound_planes(binding))?;
         let first_joints = (0..).step_by(BLOCK);
         let blocks: Vec<_> = first_joints
             .zip(binding.blocks())
             .map(|(first, rows)| {
-                BoundBlock::new(rows, self.rest_flags(&body_row, range_first, first))
+                BoundBlock::new(rows, self.rest_flags(&body_row, plane_first, first))
             })
             .collect();
         let bound = BoundClip {
             clip,
             rows,
-            range_first,
+            plane_first,
             block_first: runs.add(&mut self.all.bound_blocks, blocks)?,
             body: body.0,
             motion_scale: binding.motion_scale(),
@@ -93,18 +97,19 @@ impl Tables {
         if let Some(converted) = binding.converted() {
             self.follow_live(clip, index, rows, converted);
         }
+        self.store_first_poses(clip);
         Ok(index)
     }
 
     /// Returns flags that tell whether the translations and scales of 16 joints from `first` on
     /// equal those of the body's rest, and whether their rotations are near it.
-    fn rest_flags(&self, body: &Body, range_first: u32, first: usize) -> u32 {
+    fn rest_flags(&self, body: &Body, plane_first: u32, first: usize) -> u32 {
         let poses = self.all.poses.as_slice();
         let planes = |table: u32, planes: u32| {
             poses[table as usize + first * planes as usize..].as_chunks::<BLOCK>().0
         };
         let (ranges, rest) =
-            (planes(range_first, RANGE_PLANES), planes(body.rest_first, POSE_PLANES));
+            (planes(plane_first, BOUND_PLANES), planes(body.rest_first, POSE_PLANES));
         let same = |range_plane: usize, rest_plane: usize| {
             ranges[range_plane..range_plane + 3] == rest[rest_plane..rest_plane + 3]
                 && ranges[range_plane + 3] == [0.0; BLOCK]
@@ -128,13 +133,36 @@ fn least_cosine(ranges: &[[f32; BLOCK]], rest: &[[f32; BLOCK]], joint: usize) ->
     cosine(0) + cosine(1) + cosine(2) + cosine(3)
 }
 
-fn range_planes(binding: &Binding) -> Vec<f32> {
-    in_blocks(binding.ranges().iter().map(|[translation, rotation, scale]| {
+fn bound_planes(binding: &Binding) -> Vec<f32> {
+    let joints = binding.ranges().iter().zip(binding.first_pose());
+    in_blocks(joints.map(|([translation, rotation, scale], first)| {
         let ([qx, qy, qz, qw], [tx, ty, tz, _], [sx, sy, sz, _]) =
             (rotation.offset, translation.offset, scale.offset);
         let [q, t, s] = [rotation, translation, scale].map(|range| range.step * (1.0 / ROW_PARTS));
-        [qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s]
+        let mut planes = [0.0; BOUND_PLANES as usize];
+        let (ranges, pose) = planes.split_at_mut(FIRST_POSE_PLANE as usize);
+        ranges.copy_from_slice(&[qx, qy, qz, qw, q, tx, ty, tz, t, sx, sy, sz, s]);
+        pose.copy_from_slice(&numbers_of(first));
+        planes
     }))
+}
+
+/// Stores the first pose in the planes of a bound clip. Properties that the clip does not move stay
+/// as they are.
+pub(super) fn set_first_pose(poses: &mut Table<f32>, plane_first: u32, pose: &[Trs]) {
+    for (joint, trs) in pose.iter().enumerate() {
+        let numbers = numbers_of(&Local::of(trs).trs());
+        let block = plane_first as usize + joint / BLOCK * BLOCK * BOUND_PLANES as usize;
+        let place = |plane: usize| block + plane * BLOCK + joint % BLOCK;
+        for (part, planes) in [(4, 0..4), (8, 4..7), (12, 7..10)] {
+            if poses.as_slice()[place(part)] == 0.0 {
+                continue;
+            }
+            for plane in planes {
+                poses.set(place(FIRST_POSE_PLANE as usize + plane), numbers[plane]);
+            }
+        }
+    }
 }
 
 #[cfg(test)]

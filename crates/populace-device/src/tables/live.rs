@@ -7,9 +7,10 @@ use populace_model::math::quat;
 use populace_retarget::Converted;
 
 use super::Tables;
+use super::binding::set_first_pose;
 use super::set::TableSet;
 use crate::Error;
-use crate::layout::ClipRows;
+use crate::layout::{ClipRows, NONE};
 
 /// A live clip, and the bound clips that show it on other bodies.
 #[derive(Clone, Debug)]
@@ -156,7 +157,30 @@ impl Tables {
             let rows = self.all.clips.as_slice()[follower.rows as usize];
             write_row(&mut self.all, &rows, nth, &follower.row_of(&received));
         }
+        if nth == 0 {
+            self.store_first_poses(index);
+        }
         Ok(())
+    }
+
+    /// Stores the first row of a live clip as the first pose of each clip bound to it. Does nothing
+    /// if the clip `index` is not live.
+    pub(super) fn store_first_poses(&mut self, index: u32) {
+        let Some(live) = self.live_clips.get(&index) else {
+            return;
+        };
+        let TableSet { bound_clips, clips, rows, poses, .. } = &mut self.all;
+        for (number, bound) in (0..).zip(bound_clips.as_slice()) {
+            if bound.body == NONE || bound.clip != index {
+                continue;
+            }
+            let follower = live.followers.iter().find(|follower| follower.bound == number);
+            let clip = follower.map_or(&live.clip, |follower| &follower.converted.clip);
+            let ClipRows { row_first, row_stride, .. } = clips.as_slice()[bound.rows as usize];
+            let words = &rows.as_slice()[row_first as usize..][..row_stride as usize];
+            let pose = clip.pose_of(words);
+            set_first_pose(poses, bound.plane_first, &pose);
+        }
     }
 
     /// Sets the newest row of a live clip.

@@ -26,7 +26,7 @@ macro_rules! with_tables {
             levels: u32,
             /// Palette entries of all bodies.
             entries: Entry,
-            /// Rest poses (`POSE_PLANES` planes each) and ranges of bound clips (`RANGE_PLANES`
+            /// Rest poses (`POSE_PLANES` planes each) and planes of bound clips (`BOUND_PLANES`
             /// planes each), in blocks of `JOINT_BLOCK` joints.
             poses: f32,
             /// Clips, and clips converted to bodies.

@@ -68,6 +68,14 @@ pub fn hemisphere<R: Real>(a: [R; 4], towards: [R; 4]) -> [R; 4] {
     scale(a, side(a, towards))
 }
 
+/// Returns `a` or `-a`, whichever rotates by at most half a turn.
+#[inline(always)]
+#[must_use]
+pub fn short_way<R: Real>(a: [R; 4]) -> [R; 4] {
+    let (one, zero) = (R::splat(1.0), R::splat(0.0));
+    scale(a, R::choose(a[3].less(zero), zero - one, one))
+}
+
 /// The inverse of a unit quaternion.
 #[inline(always)]
 #[must_use]

@@ -192,6 +192,7 @@ proptest! {
         prop_assert_eq!(chosen, [a, b]);
         let sign: f32 = if quat::dot(a, b) < 0.0 { -1.0 } else { 1.0 };
         prop_assert_eq!((quat::side(a, b), quat::hemisphere(a, b)), (sign, a.map(|v| v * sign)));
+        prop_assert_eq!(quat::short_way(a), quat::hemisphere(a, quat::identity()));
     }
 
     #[test]

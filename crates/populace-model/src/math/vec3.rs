@@ -122,7 +122,7 @@ pub fn any_across<R: Real>(a: Vec3<R>) -> Vec3<R> {
 #[inline(always)]
 #[must_use]
 pub fn part_of<R: Real>(rotation: [R; 4], k: R) -> [R; 4] {
-    part_as_told(quat::hemisphere(rotation, quat::identity()), k)
+    part_as_told(quat::short_way(rotation), k)
 }
 
 /// Scales a rotation along the arc given by its sign, which is longer than half a turn if `w` is

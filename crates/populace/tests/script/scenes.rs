@@ -34,7 +34,7 @@ pub(crate) struct Scene {
 
 pub(crate) const ALL: [Scene; 12] = [
     Scene { name: "clips", start: clips, hash: 0x93e6_dc6f_7b48_0931 },
-    Scene { name: "layers", start: layers, hash: 0x6c24_7eff_7cdd_4970 },
+    Scene { name: "layers", start: layers, hash: 0x68ed_67f2_0cef_7b9c },
     Scene { name: "inertialization", start: inertialization, hash: 0xeca9_b0aa_3719_8dd6 },
     Scene { name: "retargeting", start: retargeting, hash: 0x0633_628f_c695_efcc },
     Scene { name: "blend spaces", start: blend_spaces, hash: 0xa6d3_5b41_1040_04b2 },

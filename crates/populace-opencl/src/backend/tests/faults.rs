@@ -98,8 +98,8 @@ faults! {
     }
     check_additive_layers {
         differences_are_reversed:
-            "quotient(normalized(sample, rest), reference," =>
-            "quotient(reference, normalized(sample, rest),";
+            "quotient(normalized(sample, rest), first," =>
+            "quotient(first, normalized(sample, rest),";
         additions_turn_in_the_parent:
             "quat_mul(beneath, quat_normalize_or(changed, quat_identity()))" =>
             "quat_mul(quat_normalize_or(changed, quat_identity()), beneath)";
@@ -326,11 +326,12 @@ faults! {
     check_additive_layers {
         additions_do_not_move: "*at_rest &= kept;" => "";
         changes_in_lanes_are_reversed:
-            "quat_mul(quat_conjugate(reference), unit_rotation(tables, slot, rest))" =>
-            "quat_mul(quat_conjugate(unit_rotation(tables, slot, rest)), reference)";
+            "quat_mul(quat_conjugate(first.r), unit_rotation(tables, slot, rest))" =>
+            "quat_mul(quat_conjugate(unit_rotation(tables, slot, rest)), first.r)";
         turns_in_lanes_are_not_weighted: "quat_scale(change.r, slot.weight)" => "change.r";
         scales_in_lanes_are_not_weighted: "vec3_scale(s, slot.weight)" => "s";
-        changes_begin_at_the_row_that_plays: "start.rows = first;" => "";
+        changes_begin_at_rest:
+            "stored_pose(slot.range, FIRST_POSE_PLANE)" => "stored_pose(rest, 0)";
     }
     check_small_totals {
         small_totals_are_mixed: "sum.terms.total > LEAST_TOTAL" => "sum.terms.total > 0.5f";

@@ -86,6 +86,7 @@ fn twins() -> impl IntoIterator<Item = Twin> {
         lanes "quat_side" "PUT1(quat_side(Q(0), Q(4)));" |x| vec![quat::side(q(x, 0), q(x, 4))];
         lanes "quat_hemisphere" "PUTQ(quat_hemisphere(Q(0), Q(4)));"
             |x| quat::hemisphere(q(x, 0), q(x, 4)).to_vec();
+        lanes "quat_short_way" "PUTQ(quat_short_way(Q(0)));" |x| quat::short_way(q(x, 0)).to_vec();
         lanes "quat_conjugate" "PUTQ(quat_conjugate(Q(0)));" |x| quat::conjugate(q(x, 0)).to_vec();
         lanes "quat_mul" "PUTQ(quat_mul(Q(0), Q(4)));" |x| quat::mul(q(x, 0), q(x, 4)).to_vec();
         lanes "quat_part_as_told" "PUTQ(quat_part_as_told(Q(0), IN(4)));"
