@@ -169,7 +169,7 @@ impl Tables {
         let Some(live) = self.live_clips.get(&index) else {
             return;
         };
-        let TableSet { bound_clips, clips, rows, poses, .. } = &mut self.all;
+        let TableSet { bodies, bound_clips, clips, rows, poses, .. } = &mut self.all;
         for (number, bound) in (0..).zip(bound_clips.as_slice()) {
             if bound.body == NONE || bound.clip != index {
                 continue;
@@ -178,7 +178,9 @@ impl Tables {
             let clip = follower.map_or(&live.clip, |follower| &follower.converted.clip);
             let ClipRows { row_first, row_stride, .. } = clips.as_slice()[bound.rows as usize];
             let words = &rows.as_slice()[row_first as usize..][..row_stride as usize];
-            let pose = clip.pose_of(words);
+            let mut pose = clip.pose_of(words);
+            // The clip may have more joints than the body.
+            pose.truncate(bodies.as_slice()[bound.body as usize].joint_count as usize);
             set_first_pose(poses, bound.plane_first, &pose);
         }
     }

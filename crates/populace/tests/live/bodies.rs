@@ -163,6 +163,43 @@ fn additive_layers_of_all_bodies_measure_from_the_first_pose_that_arrived() {
     });
 }
 
+/// Returns a chain of joints, each above the one before.
+fn chain(count: usize) -> Skeleton {
+    let joint = |nth: usize| JointSource {
+        name: format!("joint {nth}"),
+        parent: nth.checked_sub(1),
+        rest: Trs { translation: [0.0, 0.1, 0.0], ..Trs::IDENTITY },
+    };
+    Skeleton::new(&(0..count).map(joint).collect::<Vec<_>>()).expect("a skeleton")
+}
+
+#[test]
+fn bodies_with_fewer_joints_add_what_they_have() {
+    // More joints than blocks of sixteen that the shorter body has.
+    const LONGER: usize = 40;
+    everywhere(|scene| {
+        let [longer, shorter] = [LONGER, 24].map(|count| {
+            let character = fixture::bare("chain", chain(count), Vec::new());
+            scene.crowd.add_character(character).expect("enough capacity")
+        });
+        let mut character = scene.crowd.character_mut(longer).expect("a character");
+        let live = character.add_live_clip("chain", &settings(1.0)).expect("a live clip");
+        let member = scene.crowd.spawn(shorter, Placement::at([0.0; 3])).expect("capacity");
+        add_live(scene, live, member);
+        for (nth, turn_deg) in [10.0_f32, 40.0].into_iter().enumerate() {
+            let mut pose: Vec<_> = chain(LONGER).joints().map(|_| Trs::IDENTITY).collect();
+            let (sin, cos) = (0.5 * turn_deg).to_radians().sin_cos();
+            pose[3].rotation = [sin, 0.0, 0.0, cos];
+            let secs = nth as f64 / 30.0;
+            scene.crowd.clip_mut(live).expect("a clip").append(secs, &pose).expect("a pose");
+        }
+        scene.update(1.0 / 30.0 + 0.4);
+        let models = scene.models(member);
+        let turn_deg = fixture::turn_deg(&models[3], &models[2]);
+        assert!((turn_deg - 30.0).abs() < 0.1, "it turns by {turn_deg} degrees");
+    });
+}
+
 #[test]
 fn bodies_bound_late_show_what_arrived_before() {
     everywhere(|scene| {
