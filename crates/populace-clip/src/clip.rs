@@ -233,7 +233,7 @@ impl Clip {
     /// Returns the local transforms of all joints in the first row.
     #[must_use]
     pub fn first_pose(&self) -> Vec<Trs> {
-        self.skeleton.joints().map(|joint| self.rows.local(joint, 0, 0.0).trs()).collect()
+        self.pose_at(0).iter().map(curves::Local::trs).collect()
     }
 
     /// Iterates over the poses of every `every`th row, as local transforms of all joints. 0 counts

@@ -68,15 +68,17 @@ impl Culling {
             body[lane] = level + self.offset[lane];
             end[lane] = body[lane] + self.shadow[lane] * radius;
         }
-        match (least(body) >= -radius, least(end) >= -radius) {
-            (true, _) => Visibility::InView,
-            (false, true) => Visibility::ShadowOnly,
-            (false, false) => Visibility::Hidden,
+        // A centre that is no number stays in view.
+        match (least(body) < -radius, least(end) < -radius) {
+            (false, _) => Visibility::InView,
+            (true, false) => Visibility::ShadowOnly,
+            (true, true) => Visibility::Hidden,
         }
     }
 }
 
-/// Returns the least number, by halves: compilers put those into vectors, but no chain of minima.
+/// Returns the least number. Compares halves, which compilers put into vectors; a chain of minima
+/// they do not.
 #[inline]
 fn least(numbers: [f32; LANES]) -> f32 {
     // One instruction; `f32::min` must also handle NaN.
@@ -140,6 +142,7 @@ mod tests {
         assert_eq!(at(10.0 + 1.4), Visibility::InView, "the sphere touches the edge");
         assert_eq!(at(10.0 + 1.5), Visibility::Hidden);
         assert_eq!(view(None).culling().visibility([0.0, 0.0, 1.5], 1.0), Visibility::Hidden);
+        assert_eq!(view(None).culling().visibility([f32::NAN; 3], 1.0), Visibility::InView);
     }
 
     #[test]

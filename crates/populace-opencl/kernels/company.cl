@@ -64,7 +64,7 @@ INLINE Playback play_all(__global const Slot *slots, uint slot_count, Machines m
         if (slot.at.weight <= 0.0f) continue;
         const BoundClip clip = tables->bound_clips[slot.bound_clip];
         slot.blocks = tables->bound_blocks + clip.block_first;
-        slot.ranges = tables->poses + clip.plane_first;
+        slot.planes = tables->poses + clip.plane_first;
         slot.from = row_start(tables, slot.at.row0);
         slot.to = row_start(tables, slot.at.row1);
         __global const ClipRows *stored = tables->clips + clip.rows;

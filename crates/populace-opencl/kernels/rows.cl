@@ -39,7 +39,7 @@ typedef struct {
 #if LANES > 1
     // The clip's first block of columns, its planes, and both rows. play_all() sets them.
     __global const BoundBlock *blocks;
-    Stored ranges;
+    Stored planes;
     RowStart from, to;
 #endif
 } Playing;

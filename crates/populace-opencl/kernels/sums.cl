@@ -79,7 +79,7 @@ INLINE Sum sum_layer(const ClipTables *tables, Playback playback, uint layer, bo
 // A slot in a block of joints: where its numbers are, from the first of LANES joints on.
 typedef struct {
     Columns columns;
-    Stored range;
+    Stored planes;
     Rows rows;
     float weight;
 } BlockSlot;
@@ -87,7 +87,7 @@ typedef struct {
 INLINE BlockSlot block_slot(Playing playing, uint joint, bool no_floats)
 {
     const BlockSlot slot = { columns_of(playing.blocks, joint, no_floats),
-                             playing.ranges + stored_offset(BOUND_PLANES, joint), rows_in(playing),
+                             playing.planes + stored_offset(BOUND_PLANES, joint), rows_in(playing),
                              playing.at.weight };
     return slot;
 }
@@ -96,14 +96,14 @@ INLINE BlockSlot block_slot(Playing playing, uint joint, bool no_floats)
 INLINE BlockSlot next_span(BlockSlot slot)
 {
     slot.columns.lane += LANES;
-    slot.range += LANES;
+    slot.planes += LANES;
     return slot;
 }
 
 // Returns the rotation of a slot, near length 1 and in either hemisphere.
 INLINE Quat rotation_of(const ClipTables *tables, BlockSlot slot)
 {
-    return sample_rotation(tables, slot.columns, slot.rows, slot.range);
+    return sample_rotation(tables, slot.columns, slot.rows, slot.planes);
 }
 
 // Returns the factor that brings a slot's rotation to length 1 and into the hemisphere of the rest.
@@ -138,7 +138,7 @@ INLINE Quat rotation_alone(const ClipTables *tables, BlockSlot slot, Stored rest
 INLINE Vec3 vector_alone(const ClipTables *tables, BlockSlot slot, uint property)
 {
     const int plane = property == TRANSLATION ? 5 : 9;
-    return sample_vector(tables, slot.columns, property, slot.rows, slot.range, plane);
+    return sample_vector(tables, slot.columns, property, slot.rows, slot.planes, plane);
 }
 
 // Adds weight times translation or scale of a slot. Each branch adds on its own: numbers that
@@ -153,13 +153,13 @@ INLINE void add_property(const ClipTables *tables, BlockSlot slot, uint property
         add_vector(stored_vec3(rest, rest_plane), slot.weight, first);
         if (two_spans) add_vector(stored_vec3(rest + LANES, rest_plane), slot.weight, second);
     } else if (planes_of(slot.columns, property).first == NONE) {
-        add_vector(stored_vec3(slot.range, plane), slot.weight, first);
-        if (two_spans) add_vector(stored_vec3(next.range, plane), slot.weight, second);
+        add_vector(stored_vec3(slot.planes, plane), slot.weight, first);
+        if (two_spans) add_vector(stored_vec3(next.planes, plane), slot.weight, second);
     } else {
-        add_vector(moving_vector(tables, slot.columns, property, slot.rows, slot.range, plane),
+        add_vector(moving_vector(tables, slot.columns, property, slot.rows, slot.planes, plane),
                    slot.weight, first);
         if (two_spans)
-            add_vector(moving_vector(tables, next.columns, property, slot.rows, next.range, plane),
+            add_vector(moving_vector(tables, next.columns, property, slot.rows, next.planes, plane),
                        slot.weight, second);
     }
 }
@@ -253,7 +253,7 @@ INLINE Quat unit_rotation(const ClipTables *tables, BlockSlot slot, Stored rest)
 // properties at rest.
 INLINE Local weighted_change(const ClipTables *tables, BlockSlot slot, Stored rest)
 {
-    const Local first = stored_pose(slot.range, FIRST_POSE_PLANE);
+    const Local first = stored_pose(slot.planes, FIRST_POSE_PLANE);
     const uint flags = slot.columns.flags;
     Local change = no_local();
     const Quat turned = quat_mul(quat_conjugate(first.r), unit_rotation(tables, slot, rest));

@@ -12,7 +12,8 @@ use crate::retarget::Retarget;
 /// Number of poses, at most, from which the lift of the hips and the pace of the feet are found.
 const GROUND_POSES: usize = 128;
 
-/// A clip bound to a skeleton: the rows that the joints follow, and the range of each joint.
+/// A clip bound to a skeleton: the rows that the joints follow, the range of each joint, and the
+/// pose in the first row.
 ///
 /// Each joint follows the column of its own number. If the clip has other joints, or the same in
 /// another order, its rows are converted.
@@ -171,7 +172,7 @@ impl Binding {
     }
 
     /// Local transforms of all joints in the clip's first row, from which additive layers take
-    /// differences.
+    /// differences. For a live clip, it is the pose before the first one arrives.
     #[must_use]
     pub fn first_pose(&self) -> &[Trs] {
         &self.first_pose

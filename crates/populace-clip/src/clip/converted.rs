@@ -126,7 +126,7 @@ impl Clip {
         Self { source, skeleton, rows, contacts, ring: None, motion: None }
     }
 
-    fn pose_at(&self, row: usize) -> Vec<Local> {
+    pub(super) fn pose_at(&self, row: usize) -> Vec<Local> {
         self.skeleton.joints().map(|joint| self.rows.local(joint, row, 0.0)).collect()
     }
 }

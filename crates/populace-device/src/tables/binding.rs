@@ -1,9 +1,9 @@
 //! Clips bound to bodies: the rows that they follow, and the ranges and the first pose of their
 //! joints.
 
-use populace_clip::Local;
 use populace_model::Trs;
 use populace_model::convert::u32_from;
+use populace_model::math::quat;
 use populace_retarget::Binding;
 
 use super::runs::{Asset, Runs};
@@ -97,7 +97,7 @@ impl Tables {
         if let Some(converted) = binding.converted() {
             self.follow_live(clip, index, rows, converted);
         }
-        self.store_first_poses(clip);
+        self.store_first_pose(index);
         Ok(index)
     }
 
@@ -151,9 +151,11 @@ fn bound_planes(binding: &Binding) -> Vec<f32> {
 /// as they are.
 pub(super) fn set_first_pose(poses: &mut Table<f32>, plane_first: u32, pose: &[Trs]) {
     for (joint, trs) in pose.iter().enumerate() {
-        let numbers = numbers_of(&Local::of(trs).trs());
+        let rotation = quat::normalize_or(trs.rotation, quat::identity());
+        let numbers = numbers_of(&Trs { rotation, ..*trs });
         let block = plane_first as usize + joint / BLOCK * BLOCK * BOUND_PLANES as usize;
         let place = |plane: usize| block + plane * BLOCK + joint % BLOCK;
+        // The plane of a property's part, and the property's planes in a pose.
         for (part, planes) in [(4, 0..4), (8, 4..7), (12, 7..10)] {
             if poses.as_slice()[place(part)] == 0.0 {
                 continue;

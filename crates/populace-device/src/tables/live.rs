@@ -126,7 +126,9 @@ impl Tables {
     }
 
     /// Writes a pose into a row of a live clip's ring, and into those of the bound clips that it is
-    /// converted for. With `row` of `None` it writes the row that additive layers measure from.
+    /// converted for. With `row` of `None` it writes the
+    /// first row, and stores it as the first pose of the bound clips, which additive layers measure
+    /// from.
     ///
     /// # Errors
     ///
@@ -158,31 +160,30 @@ impl Tables {
             write_row(&mut self.all, &rows, nth, &follower.row_of(&received));
         }
         if nth == 0 {
-            self.store_first_poses(index);
+            let bound_clips = (0..).zip(self.all.bound_clips.as_slice());
+            let bound = bound_clips.filter(|(_, bound)| bound.body != NONE && bound.clip == index);
+            let numbers: Vec<u32> = bound.map(|(number, _)| number).collect();
+            numbers.into_iter().for_each(|number| self.store_first_pose(number));
         }
         Ok(())
     }
 
-    /// Stores the first row of a live clip as the first pose of each clip bound to it. Does nothing
-    /// if the clip `index` is not live.
-    pub(super) fn store_first_poses(&mut self, index: u32) {
-        let Some(live) = self.live_clips.get(&index) else {
+    /// Stores the first row of a live clip as the first pose of a clip bound to it. Does nothing if
+    /// the clip is not live.
+    pub(super) fn store_first_pose(&mut self, number: u32) {
+        let TableSet { bodies, bound_clips, clips, rows, poses, .. } = &mut self.all;
+        let bound = bound_clips.as_slice()[number as usize];
+        let Some(live) = self.live_clips.get(&bound.clip) else {
             return;
         };
-        let TableSet { bodies, bound_clips, clips, rows, poses, .. } = &mut self.all;
-        for (number, bound) in (0..).zip(bound_clips.as_slice()) {
-            if bound.body == NONE || bound.clip != index {
-                continue;
-            }
-            let follower = live.followers.iter().find(|follower| follower.bound == number);
-            let clip = follower.map_or(&live.clip, |follower| &follower.converted.clip);
-            let ClipRows { row_first, row_stride, .. } = clips.as_slice()[bound.rows as usize];
-            let words = &rows.as_slice()[row_first as usize..][..row_stride as usize];
-            let mut pose = clip.pose_of(words);
-            // The clip may have more joints than the body.
-            pose.truncate(bodies.as_slice()[bound.body as usize].joint_count as usize);
-            set_first_pose(poses, bound.plane_first, &pose);
-        }
+        let follower = live.followers.iter().find(|follower| follower.bound == number);
+        let clip = follower.map_or(&live.clip, |follower| &follower.converted.clip);
+        let ClipRows { row_first, row_stride, .. } = clips.as_slice()[bound.rows as usize];
+        let words = &rows.as_slice()[row_first as usize..][..row_stride as usize];
+        let mut pose = clip.pose_of(words);
+        // The clip may have more joints than the body.
+        pose.truncate(bodies.as_slice()[bound.body as usize].joint_count as usize);
+        set_first_pose(poses, bound.plane_first, &pose);
     }
 
     /// Sets the newest row of a live clip.

@@ -72,8 +72,7 @@ pub fn hemisphere<R: Real>(a: [R; 4], towards: [R; 4]) -> [R; 4] {
 #[inline(always)]
 #[must_use]
 pub fn short_way<R: Real>(a: [R; 4]) -> [R; 4] {
-    let (one, zero) = (R::splat(1.0), R::splat(0.0));
-    scale(a, R::choose(a[3].less(zero), zero - one, one))
+    scale(a, R::choose(a[3].less(R::splat(0.0)), R::splat(-1.0), R::splat(1.0)))
 }
 
 /// The inverse of a unit quaternion.

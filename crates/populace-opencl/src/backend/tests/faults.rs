@@ -331,7 +331,7 @@ faults! {
         turns_in_lanes_are_not_weighted: "quat_scale(change.r, slot.weight)" => "change.r";
         scales_in_lanes_are_not_weighted: "vec3_scale(s, slot.weight)" => "s";
         changes_begin_at_rest:
-            "stored_pose(slot.range, FIRST_POSE_PLANE)" => "stored_pose(rest, 0)";
+            "stored_pose(slot.planes, FIRST_POSE_PLANE)" => "stored_pose(rest, 0)";
     }
     check_small_totals {
         small_totals_are_mixed: "sum.terms.total > LEAST_TOTAL" => "sum.terms.total > 0.5f";
@@ -353,7 +353,7 @@ faults! {
         full_groups_write_one_palette: "to[lane] + first, true" => "to[0] + first, true";
         lines_repeat_a_number: "lines[i] = numbers[i]" => "lines[i] = numbers[i & 7]";
         second_spans_have_the_rows_of_the_first: "slot.columns.lane += LANES;" => "";
-        second_spans_have_the_ranges_of_the_first: "slot.range += LANES;" => "";
+        second_spans_have_the_planes_of_the_first: "slot.planes += LANES;" => "";
         rotations_are_not_weighted: "factor * playing.at.weight" => "factor";
         vectors_of_spans_are_not_weighted: "vec3_scale(v, weight)" => "v";
         second_spans_are_not_mixed: "rotation_of(tables, next_span(slot))" =>
