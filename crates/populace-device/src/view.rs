@@ -77,8 +77,8 @@ impl Culling {
     }
 }
 
-/// Returns the least number. Compares halves, which compilers put into vectors; a chain of minima
-/// they do not.
+/// Returns the least number. Compares halves: compilers put them into vectors, but not a chain of
+/// minima.
 #[inline]
 fn least(numbers: [f32; LANES]) -> f32 {
     // One instruction; `f32::min` must also handle NaN.

@@ -204,7 +204,7 @@ impl Binding {
     }
 }
 
-/// What a skeleton's joints read from a clip: see the fields of [`Binding`].
+/// Ranges, row blocks and first pose of the joints of a skeleton that a clip is bound to.
 struct Places {
     ranges: Vec<[Range; 3]>,
     blocks: Vec<RowBlock>,

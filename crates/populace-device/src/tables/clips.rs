@@ -71,7 +71,7 @@ impl Tables {
 
     /// Adds the rows of a clip, or empty rows for its ring, and returns the first word.
     fn add_rows(&mut self, clip: &Clip, runs: &mut Runs) -> Result<u32, Error> {
-        // The first row, which bound clips take their first pose from, and the ring.
+        // The first row, which is the first pose of bound clips, and the ring.
         let times = clip.ring().map_or(1, |ring| 1 + ring.rows as usize);
         let (rows, count) = (clip.rows(), clip.rows().len().saturating_mul(times));
         if self.all.rows.len().saturating_add(count) > u32::MAX as usize {

@@ -126,9 +126,8 @@ impl Tables {
     }
 
     /// Writes a pose into a row of a live clip's ring, and into those of the bound clips that it is
-    /// converted for. With `row` of `None` it writes the
-    /// first row, and stores it as the first pose of the bound clips, which additive layers measure
-    /// from.
+    /// converted for. With `row` of `None` it writes the first row, and stores it as the first pose
+    /// of the bound clips, from which additive layers take differences.
     ///
     /// # Errors
     ///
@@ -163,7 +162,9 @@ impl Tables {
             let bound_clips = (0..).zip(self.all.bound_clips.as_slice());
             let bound = bound_clips.filter(|(_, bound)| bound.body != NONE && bound.clip == index);
             let numbers: Vec<u32> = bound.map(|(number, _)| number).collect();
-            numbers.into_iter().for_each(|number| self.store_first_pose(number));
+            for number in numbers {
+                self.store_first_pose(number);
+            }
         }
         Ok(())
     }

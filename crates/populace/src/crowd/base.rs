@@ -115,20 +115,20 @@ pub(super) struct Members {
     pub(super) capacity: usize,
 }
 
-/// The part of a member that every update reads.
+/// State of a member that every update reads.
 #[derive(Clone, Copy)]
 pub(super) struct MemberState {
     pub(super) generation: u32,
     /// `None` while the index is free.
     pub(super) character: Option<CharacterId>,
     pub(super) placement: Placement,
-    /// Whether root motion moves it.
+    /// True if root motion moves the member.
     pub(super) moves: bool,
     pub(super) seen: Seen,
 }
 
-/// The part of a member that updates do not read. It lies apart: the choice of levels waits for
-/// memory, and reads half as much without it.
+/// State of a member that updates do not read. It is stored apart, because the choice of levels
+/// waits for memory and reads half as much without it.
 #[derive(Clone, Copy)]
 pub(super) struct MemberDetails {
     pub(super) user_data: u64,
