@@ -72,9 +72,9 @@ pub(crate) struct ModelLevel {
 const COARSE: f32 = 0.005;
 
 /// A level with at least this error, in heights of the character, has opaque textures in the colours
-/// of its vertices. It is drawn where a body covers fewer than 67 pixels, and an eye less than one,
+/// of its vertices. It is drawn where a body covers fewer than 50 pixels, and an eye less than one,
 /// if errors are below a pixel.
-const BAKED: f32 = 0.015;
+const BAKED: f32 = 0.02;
 
 /// Radius in metres beyond which a character is a place, such as a house.
 const PLACE_M: f32 = 4.0;

@@ -59,7 +59,7 @@ pub(crate) struct PictureArgs {
     pub(crate) root_motion: bool,
     /// Greatest distance in pixels between the surfaces of members that are drawn with fewer
     /// triangles and their own, from 0 to 100
-    #[arg(long, value_name = "PIXELS", default_value_t = 0.7, value_parser = pixels)]
+    #[arg(long, value_name = "PIXELS", default_value_t = 0.8, value_parser = pixels)]
     pub(crate) detail: f32,
     /// Draw and evaluate all members in full detail, also those out of view
     #[arg(long)]
