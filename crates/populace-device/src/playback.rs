@@ -44,6 +44,7 @@ impl Slot {
     /// `phase` is where it starts, from 0 to 1. `speed` is 1 for the clip's own speed and negative
     /// for backward playback.
     #[must_use]
+    #[inline]
     pub fn looping(bound_clip: u32, tick: u64, duration_secs: f32, phase: f64, speed: f32) -> Self {
         Self {
             start_phase: fraction(phase),
@@ -105,6 +106,7 @@ impl Slot {
         }
     }
 
+    #[inline]
     fn still(bound_clip: u32, tick: u64, mode: u32) -> Self {
         Self {
             start_tick: tick,
@@ -272,6 +274,7 @@ const fn upper_half(phase: u64) -> u32 {
     clippy::cast_sign_loss,
     reason = "a fraction of 2^32; `as` saturates"
 )]
+#[inline]
 fn fraction(phase: f64) -> u32 {
     // The remainder is slow, and seldom changes the phase.
     let phase = if (0.0..1.0).contains(&phase) { phase } else { phase.rem_euclid(1.0) };
@@ -284,10 +287,12 @@ fn fraction(phase: f64) -> u32 {
     clippy::cast_sign_loss,
     reason = "two's complement carries the sign"
 )]
+#[inline]
 pub(crate) fn rate_from_cycles(per_sec: f64) -> u64 {
     (per_sec / TICKS_PER_SEC as f64 * 18_446_744_073_709_551_616.0) as i64 as u64
 }
 
+#[inline]
 fn phase_rate(duration_secs: f32, speed: f32) -> u64 {
     if duration_secs <= 0.0 {
         0

@@ -232,6 +232,7 @@ impl Playback {
 
     /// Returns a slot of layer 0 at full weight that plays the bound clip from `tick` on.
     #[must_use]
+    #[inline]
     pub fn slot(&self, bound: u32, tick: u64, duration_secs: f32) -> Slot {
         match self.mode {
             Mode::Looping => {

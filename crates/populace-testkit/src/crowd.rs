@@ -86,7 +86,7 @@ impl<'a> TestCrowd<'a> {
                 }
                 (None, None) => Slot { bound_clip: NONE, ..Slot::default() },
             };
-            self.tables.set_slot(index, slot, value).expect("the slot is valid");
+            self.tables.set_slot(index, slot, &value).expect("the slot is valid");
         }
         for (nth, layer) in plan.layers.iter().enumerate() {
             let mask = layer.mask.as_ref().map(|mask| self.mask(plan.body, mask));

@@ -84,10 +84,12 @@ fn medians<const N: usize>(scene: &mut Scene, calls: [Call; N]) -> Result<[f64; 
             scene.crowd.update(0.01)?;
         }
     }
-    Ok(times.map(|mut times| {
-        times.sort_by(f64::total_cmp);
-        times[ROUNDS / 2]
-    }))
+    Ok(times.map(median))
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
 }
 
 /// Times both calls in turns and prints the medians.
@@ -105,6 +107,27 @@ fn crossfade(scene: &mut Scene, nth: usize) -> Result<Vec<MemberId>, Error> {
         crowd.member_mut(*id)?.play(clip, ClipPlayback::looping().fade_in_secs(0.005))?;
     }
     Ok(Vec::new())
+}
+
+/// Despawns every tenth member and spawns as many, and updates the crowd. Returns the milliseconds of
+/// both: medians of rounds with the changes and without.
+fn churn(scene: &mut Scene) -> Result<[[f64; 2]; 2], Error> {
+    let mut times = [false, true].map(|_| [Vec::new(), Vec::new()]);
+    for round in 0..2 * ROUNDS {
+        let changes = round % 2;
+        let start = Instant::now();
+        let new = scene.members.iter_mut().skip(round / 2 % 10).step_by(10);
+        for (nth, member) in new.enumerate().filter(|_| changes == 1) {
+            let knight = scene.crowd.member(*member)?.character();
+            scene.crowd.despawn(*member)?;
+            *member = scene.crowd.spawn(knight, placement(nth))?;
+        }
+        let changed = Instant::now();
+        scene.crowd.update(0.01)?;
+        times[changes][0].push((changed - start).as_secs_f64() * 1e3);
+        times[changes][1].push(changed.elapsed().as_secs_f64() * 1e3);
+    }
+    Ok(times.map(|calls_and_update| calls_and_update.map(median)))
 }
 
 const SPAWN: [Call; 2] = [
@@ -208,5 +231,8 @@ fn main() -> Result<(), Error> {
     compare("machine parameters", &mut Scene::new(Schedule::Fused, true)?, PARAMETER)?;
     let [play] = medians(&mut Scene::new(Schedule::Fused, true)?, [crossfade])?;
     println!("{:<24} {play:>9.1}", "play with a crossfade");
+    let [[_, still], [calls, update]] = churn(&mut Scene::new(Schedule::Fused, false)?)?;
+    println!("despawn and spawn {}: {calls:.2} ms", MEMBERS / 10);
+    println!("update after that: {update:.2} ms, without changes {still:.2} ms");
     Ok(())
 }

@@ -145,7 +145,7 @@ impl Tables {
         skeleton: &Skeleton,
         controls: &Controls,
     ) -> Result<(), Error> {
-        let member = self.used_member(member_index)?;
+        let member = *self.used_member(member_index)?;
         if controls.is_empty() {
             self.remove_control(member_index);
             return Ok(());
@@ -254,7 +254,7 @@ impl Tables {
         self.all.controls.truncate(self.control_spaces.controls.end());
         (member.control, member.shape) = (NONE, NONE);
         self.all.members.set(member_index as usize, member);
-        self.mix_page(&member);
+        self.mix_page(member_index);
     }
 
     fn resize_runs(&mut self, control: usize, program: &Program) {
@@ -299,15 +299,15 @@ impl Tables {
 
     /// Records the shape of a member's program.
     fn set_shape(&mut self, control: usize, shape: &[u32]) {
-        let member_index = self.all.controls.as_slice()[control].member as usize;
-        let mut member = self.all.members.as_slice()[member_index];
+        let member_index = self.all.controls.as_slice()[control].member;
+        let mut member = self.all.members.as_slice()[member_index as usize];
         let shapes = &mut self.control_spaces.shapes;
         let number = shapes.share(shape).unwrap_or_else(|| shapes.add(shape, ()));
         shapes.release(member.shape);
         if member.shape != number {
             member.shape = number;
-            self.all.members.set(member_index, member);
-            self.mix_page(&member);
+            self.all.members.set(member_index as usize, member);
+            self.mix_page(member_index);
         }
     }
 

@@ -324,15 +324,17 @@ mod tests {
         let machine_instance = tables.add_machine_instance(state, 9, [0.5; PARAMETERS]).unwrap();
         for which in [0, 1] {
             tables
-                .set_slot(member, which, Slot::machine(machine_instance, u32_from(which), 9))
+                .set_slot(member, which, &Slot::machine(machine_instance, u32_from(which), 9))
                 .unwrap();
         }
         // A machine of another body.
-        tables.set_slot(other, 0, Slot::machine(machine_instance, 0, 9)).unwrap_err();
-        tables.set_slot(member, 0, Slot::machine(machine_instance + 1, 0, 9)).unwrap_err();
+        tables.set_slot(other, 0, &Slot::machine(machine_instance, 0, 9)).unwrap_err();
+        tables.set_slot(member, 0, &Slot::machine(machine_instance + 1, 0, 9)).unwrap_err();
         let epoch = tables.machine_instance(machine_instance).unwrap().epoch;
-        tables.set_slot(member, 0, Slot::machine(machine_instance, 0, 9).with_weight(0.2)).unwrap();
-        tables.set_slot(member, 1, Slot { bound_clip: NONE, ..Slot::default() }).unwrap();
+        tables
+            .set_slot(member, 0, &Slot::machine(machine_instance, 0, 9).with_weight(0.2))
+            .unwrap();
+        tables.set_slot(member, 1, &Slot { bound_clip: NONE, ..Slot::default() }).unwrap();
         assert_eq!(tables.running_elements(), 3, "one slot refers to it");
         tables.remove_member(member);
         assert_eq!((tables.running_elements(), tables.machine_parameters().len()), (0, 0));

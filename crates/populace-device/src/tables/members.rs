@@ -58,8 +58,9 @@ impl Tables {
     }
 
     /// Tells the list of a member's page that the member has changed its kind.
-    pub(super) fn mix_page(&mut self, member: &Member) {
-        self.page_lists.mix((member.palette_first / PAGE_ENTRIES) as usize);
+    pub(super) fn mix_page(&mut self, member_index: u32) {
+        let first = self.all.members.as_slice()[member_index as usize].palette_first;
+        self.page_lists.mix((first / PAGE_ENTRIES) as usize, member_index);
     }
 
     /// Adds a member of `body` without any clip and returns its index.
@@ -166,9 +167,9 @@ impl Tables {
         self.blocks.palette_blocks.truncate(self.palette_space.end());
     }
 
-    pub(super) fn used_member(&self, member_index: u32) -> Result<Member, Error> {
+    pub(super) fn used_member(&self, member_index: u32) -> Result<&Member, Error> {
         match self.all.members.as_slice().get(member_index as usize) {
-            Some(member) if member.body != NONE => Ok(*member),
+            Some(member) if member.body != NONE => Ok(member),
             _ => Err(Error::BadPlayback { what: "member", value: member_index }),
         }
     }
@@ -181,7 +182,7 @@ impl Tables {
     /// [`Error::BadPlayback`] if the member does not exist or the phase is [`MAX_PHASES`] or
     /// above.
     pub fn set_phase(&mut self, member_index: u32, phase: u32) -> Result<(), Error> {
-        let mut member = self.used_member(member_index)?;
+        let mut member = *self.used_member(member_index)?;
         if phase >= MAX_PHASES {
             return Err(Error::BadPlayback { what: "phase", value: phase });
         }

@@ -11,8 +11,8 @@ pub(super) struct PageLists {
     lists: Vec<Table<u32>>,
     /// Position of each member in its list, by member index; arbitrary for members in no list.
     positions: Vec<u32>,
-    /// Whether members may have left their kind since each list was sorted.
-    mixed: Vec<bool>,
+    /// Positions in each list whose members may be out of order since the list was sorted.
+    strays: Vec<Vec<u32>>,
 }
 
 impl PageLists {
@@ -23,9 +23,8 @@ impl PageLists {
     pub(super) fn add(&mut self, page: usize, member: u32) {
         while self.lists.len() <= page {
             self.lists.push(Table::new("the members of a page"));
-            self.mixed.push(true);
+            self.strays.push(Vec::new());
         }
-        self.mixed[page] = true;
         let list = &mut self.lists[page];
         let position = list.len();
         list.grow(position + 1, member);
@@ -33,6 +32,7 @@ impl PageLists {
             self.positions.resize(member as usize + 1, 0);
         }
         self.positions[member as usize] = u32_from(position);
+        self.strays[page].push(u32_from(position));
     }
 
     pub(super) fn remove(&mut self, page: usize, member: u32) {
@@ -42,24 +42,24 @@ impl PageLists {
         if position != last {
             list.set(position, moved);
             self.positions[moved as usize] = u32_from(position);
+            self.strays[page].push(u32_from(position));
         }
         list.truncate(last);
-        self.mixed[page] = true;
     }
 
     /// Tells that a member of a page has changed its kind.
-    pub(super) fn mix(&mut self, page: usize) {
-        self.mixed[page] = true;
+    pub(super) fn mix(&mut self, page: usize, member: u32) {
+        self.strays[page].push(self.positions[member as usize]);
     }
 
-    /// Sorts the lists in which members may have left their kind.
+    /// Sorts the lists with members that may be out of order. `kind` is another for each member.
     pub(super) fn sort_by_key<K: Ord>(&mut self, kind: impl Fn(u32) -> K) {
-        for (list, mixed) in self.lists.iter_mut().zip(&mut self.mixed) {
-            if !std::mem::take(mixed) || list.as_slice().is_sorted_by_key(|member| kind(*member)) {
+        for (list, strays) in self.lists.iter_mut().zip(&mut self.strays) {
+            if strays.is_empty() {
                 continue;
             }
-            let mut sorted = list.as_slice().to_vec();
-            sorted.sort_by_key(|member| kind(*member));
+            let sorted = sorted(list.as_slice(), strays, &kind);
+            strays.clear();
             for (position, member) in sorted.into_iter().enumerate() {
                 if list.as_slice()[position] != member {
                     list.set(position, member);
@@ -75,5 +75,71 @@ impl PageLists {
 
     pub(super) fn mark_dirty(&mut self) {
         self.lists.iter_mut().for_each(Table::mark_dirty);
+    }
+}
+
+/// Returns members in order. All of them but those at `strays` are in order already: in most frames
+/// few are not.
+fn sorted<K: Ord>(members: &[u32], strays: &mut Vec<u32>, kind: impl Fn(u32) -> K) -> Vec<u32> {
+    strays.sort_unstable();
+    strays.dedup();
+    strays.retain(|position| (*position as usize) < members.len());
+    let moved = strays.iter().map(|position| members[*position as usize]);
+    let mut moved: Vec<_> = moved.map(|member| (kind(member), member)).collect();
+    moved.sort_unstable();
+    let (mut moved, mut strays) = (moved.into_iter().peekable(), strays.iter().peekable());
+    let mut sorted = Vec::with_capacity(members.len());
+    for (position, member) in members.iter().enumerate() {
+        if strays.next_if(|stray| **stray as usize == position).is_some() {
+            continue;
+        }
+        let own = kind(*member);
+        while let Some((_, before)) = moved.next_if(|(kind, _)| *kind < own) {
+            sorted.push(before);
+        }
+        sorted.push(*member);
+    }
+    sorted.extend(moved.map(|(_, member)| member));
+    sorted
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_sorted_after_members_come_go_and_change_their_kind() {
+        let (mut lists, mut random) = (PageLists::default(), fastrand::Rng::with_seed(7));
+        let mut pages: [Vec<u32>; 2] = Default::default();
+        let mut kinds: Vec<u32> = Vec::new();
+        for frame in 0..200 {
+            for _ in 0..random.usize(..20) {
+                let page = random.usize(..2);
+                let members = &mut pages[page];
+                let at = random.usize(..=members.len());
+                match random.usize(..3) {
+                    0 if at < members.len() => lists.remove(page, members.swap_remove(at)),
+                    1 if at < members.len() => {
+                        kinds[members[at] as usize] = random.u32(..3);
+                        lists.mix(page, members[at]);
+                    }
+                    _ => {
+                        members.push(u32_from(kinds.len()));
+                        lists.add(page, u32_from(kinds.len()));
+                        kinds.push(random.u32(..3));
+                    }
+                }
+            }
+            let kind = |member: u32| (kinds[member as usize], member);
+            lists.sort_by_key(kind);
+            for (page, list) in lists.lists().iter().enumerate() {
+                let mut expected = pages[page].clone();
+                expected.sort_by_key(|member| kind(*member));
+                assert_eq!(list.as_slice(), expected, "page {page} in frame {frame}");
+                for (position, member) in list.as_slice().iter().enumerate() {
+                    assert_eq!(lists.positions[*member as usize] as usize, position);
+                }
+            }
+        }
     }
 }

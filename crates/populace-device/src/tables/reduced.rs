@@ -56,7 +56,7 @@ impl Tables {
         if member.posed != posed {
             member.posed = posed;
             self.all.members.set(member_index as usize, member);
-            self.mix_page(&member);
+            self.mix_page(member_index);
         }
     }
 

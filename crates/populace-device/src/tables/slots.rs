@@ -30,16 +30,17 @@ impl Tables {
     /// [`Error::BadPlayback`] if the member, slot or layer does not exist, the clip is not bound to
     /// the member's body or does not allow the slot's mode, or the state machine belongs to another
     /// body.
-    pub fn set_slot(&mut self, member_index: u32, index: usize, slot: Slot) -> Result<(), Error> {
+    #[inline]
+    pub fn set_slot(&mut self, member_index: u32, index: usize, slot: &Slot) -> Result<(), Error> {
         let member = self.used_member(member_index)?;
         let place = self.place_of_slot(member_index, index)?;
         if slot.layer() >= LAYERS_PER_MEMBER {
             return Err(Error::BadPlayback { what: "layer", value: slot.layer() });
         }
         if slot.mode() == SLOT_MACHINE {
-            self.check_machine_instance(&slot, &member)?;
+            self.check_machine_instance(slot, member)?;
         } else {
-            self.check_bound(&slot, &member)?;
+            self.check_bound(slot, member)?;
         }
         self.replace_slot(place, slot);
         self.use_layer(member_index, slot.layer());
@@ -53,6 +54,7 @@ impl Tables {
     /// # Errors
     ///
     /// [`Error::BadPlayback`] if the member or slot does not exist.
+    #[inline]
     pub fn ramp_slot(
         &mut self,
         member_index: u32,
@@ -97,6 +99,7 @@ impl Tables {
 
     /// Range of a member's slots in [`Tables::slots`].
     #[must_use]
+    #[inline]
     pub fn slot_range(&self, member_index: u32) -> Range<usize> {
         let first = member_index as usize * self.slots_per_member;
         first..first + self.slots_per_member
@@ -110,14 +113,20 @@ impl Tables {
     }
 
     pub(super) fn reset_playback(&mut self, member_index: u32) {
+        // Most are empty or plain, which need no record of a change.
         for slot in self.slot_range(member_index) {
-            self.replace_slot(slot, EMPTY_SLOT);
+            if self.all.slots.as_slice()[slot] != EMPTY_SLOT {
+                self.replace_slot(slot, &EMPTY_SLOT);
+            }
         }
         for layer in self.layer_range(member_index) {
-            self.all.layers.set(layer, PLAIN_LAYER);
+            if self.all.layers.as_slice()[layer] != PLAIN_LAYER {
+                self.all.layers.set(layer, PLAIN_LAYER);
+            }
         }
     }
 
+    #[inline]
     pub(super) fn check_bound(&self, slot: &Slot, member: &Member) -> Result<(), Error> {
         let bad = |what: &'static str, value: u32| Err(Error::BadPlayback { what, value });
         let bound_of = |index: u32| self.all.bound_clips.as_slice().get(index as usize);
@@ -141,6 +150,7 @@ impl Tables {
         Ok(())
     }
 
+    #[inline]
     fn place_of_slot(&self, member_index: u32, index: usize) -> Result<usize, Error> {
         if index >= self.slots_per_member {
             let value = u32::try_from(index).unwrap_or(NONE);
@@ -149,15 +159,18 @@ impl Tables {
         Ok(self.slot_range(member_index).start + index)
     }
 
-    fn replace_slot(&mut self, index: usize, slot: Slot) {
+    #[inline]
+    fn replace_slot(&mut self, index: usize, slot: &Slot) {
         let before = self.all.slots.as_slice()[index].machine_instance();
-        self.all.slots.set(index, slot);
+        self.all.slots.set(index, *slot);
         self.update_instance_uses(before, slot.machine_instance());
     }
 
+    #[inline]
     fn use_layer(&mut self, member_index: u32, layer: u32) {
-        let mut member = self.all.members.as_slice()[member_index as usize];
-        if member.layer_count() <= layer {
+        let own = &self.all.members.as_slice()[member_index as usize];
+        if own.layer_count() <= layer {
+            let mut member = *own;
             member.layers_and_phase += layer + 1 - member.layer_count();
             self.all.members.set(member_index as usize, member);
         }
@@ -178,7 +191,7 @@ mod tests {
             .set_layer(member_index, 2, Layer { weight: 0.5, mask_and_mode: LAYER_MASK })
             .unwrap();
         // No clip is bound.
-        tables.set_slot(member_index, 1, Slot::default().on_layer(3)).unwrap_err();
+        tables.set_slot(member_index, 1, &Slot::default().on_layer(3)).unwrap_err();
         tables.mark_clean();
         tables.remove_member(member_index);
         assert_eq!(tables.add_member(bodies[0]), Ok(member_index));
@@ -206,7 +219,7 @@ mod tests {
         let state = SampledState { bound_clip: NONE, row: 0.0, pace: 0.0 };
         let inertializing = Slot::inertialization(0, 900, [state; 2], [1.0, 0.0]);
         for (index, slot) in [looping, inertializing].into_iter().enumerate() {
-            tables.set_slot(member_index, index, slot).unwrap();
+            tables.set_slot(member_index, index, &slot).unwrap();
             tables.ramp_slot(member_index, index, 100, 0.25, 2.0).unwrap();
         }
         looping.ramp_weight(100, 1.0, 0.25, 2.0);

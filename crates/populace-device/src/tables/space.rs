@@ -1,6 +1,6 @@
 //! Allocation of blocks in the joint buffer and the palette pages.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
 /// Allocates runs of blocks that do not cross a page boundary, and reuses freed runs of equal
 /// length. A crowd has few different bodies, so a freed run fits the next member of the same body.
@@ -12,12 +12,12 @@ pub(super) struct Space {
     /// First blocks of free runs, by length. Entries missing from `free_ends` are stale.
     free: Vec<(usize, Vec<usize>)>,
     /// First block of each free run, keyed by the block that follows the run.
-    free_ends: HashMap<usize, usize>,
+    free_ends: FxHashMap<usize, usize>,
 }
 
 impl Space {
     pub(super) fn new(page_blocks: usize) -> Self {
-        Self { page_blocks, end: 0, free: Vec::new(), free_ends: HashMap::new() }
+        Self { page_blocks, end: 0, free: Vec::new(), free_ends: FxHashMap::default() }
     }
 
     /// Number of blocks up to the last one in use.

@@ -86,12 +86,14 @@ impl<T: bytemuck::Pod> Table<T> {
         self.data.len()
     }
 
+    #[inline]
     pub(super) fn set(&mut self, index: usize, value: T) {
         self.record_change(index);
         self.data[index] = value;
     }
 
     /// Changes an element where it is.
+    #[inline]
     pub(super) fn change(&mut self, index: usize) -> &mut T {
         self.record_change(index);
         &mut self.data[index]
@@ -104,6 +106,7 @@ impl<T: bytemuck::Pod> Table<T> {
     }
 
     /// Records that an element is about to change or be removed, and saves its value.
+    #[inline]
     fn record_change(&mut self, index: usize) {
         if index >= self.known {
             return; // in the tail

@@ -107,7 +107,7 @@ fn change(tables: &mut Tables, taken: &mut Vec<u32>, rng: &mut Rng, step: u64) {
             let slot =
                 Slot { start_tick: step, weight_tick: !step, bound_clip: NONE, ..Slot::default() };
             let index = rng.below(tables.slots_per_member());
-            tables.set_slot(taken[one], index, slot.on_layer(1)).unwrap();
+            tables.set_slot(taken[one], index, &slot.on_layer(1)).unwrap();
         }
     }
 }

@@ -141,10 +141,10 @@ impl Watcher {
         let weight = single(rng.between(0.3, 1.0));
         let index = crowd.index(member);
         let live = Slot::live(streams[stream].bound, 0, delay).with_weight(weight).on_layer(layer);
-        crowd.tables.set_slot(index, 0, live).expect("the slot is valid");
+        crowd.tables.set_slot(index, 0, &live).expect("the slot is valid");
         for (nth, play) in beside.iter().enumerate() {
             let slot = crowd.slot(play, body);
-            crowd.tables.set_slot(index, 1 + nth, slot).expect("the slot is valid");
+            crowd.tables.set_slot(index, 1 + nth, &slot).expect("the slot is valid");
         }
         Self { member, stream, delay, beside, weight, layer }
     }

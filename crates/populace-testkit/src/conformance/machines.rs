@@ -121,7 +121,7 @@ impl Machine {
         let index = crowd.index(self.member);
         let empty = Slot { bound_clip: NONE, ..Slot::default() };
         for which in 0..2 {
-            crowd.tables.set_slot(index, PLAIN + which, empty).expect("empty slots are valid");
+            crowd.tables.set_slot(index, PLAIN + which, &empty).expect("empty slots are valid");
         }
         let (tables, state) = (&mut crowd.tables, self.first_state);
         self.instance = tables
@@ -133,7 +133,7 @@ impl Machine {
             let mut slot = Slot::machine(self.instance, which, tick).on_layer(self.layer);
             // Each slot has half of the machine's weight.
             slot.ramp_weight(start, 0.5 * from, 0.5 * to, secs);
-            tables.set_slot(index, PLAIN + which as usize, slot).expect("the slot is valid");
+            tables.set_slot(index, PLAIN + which as usize, &slot).expect("the slot is valid");
         }
     }
 

@@ -58,6 +58,7 @@ impl Crowd {
     /// # Errors
     ///
     /// As for [`member`](Self::member).
+    #[inline]
     pub fn member_mut(&mut self, id: MemberId) -> Result<MemberMut<'_>, Error> {
         let character = self.state.base.check(id)?;
         Ok(MemberView { crowd: self, id, character })

@@ -63,6 +63,10 @@ impl Player {
 
 /// Returns the tick that is `secs` after another.
 fn tick_after(tick: u64, secs: f32) -> u64 {
+    // Rounding is slow, and most starts are not delayed.
+    if secs == 0.0 {
+        return tick;
+    }
     tick.saturating_add(ticks_from_secs(f64::from(secs)))
 }
 

@@ -241,7 +241,7 @@ impl Base {
             for slot in 0..self.slots(index).len() {
                 if which(&self.slots(index)[slot], &self.tables) {
                     let empty = Slot { bound_clip: NONE, ..Slot::default() };
-                    self.tables.set_slot(index, slot, empty)?;
+                    self.tables.set_slot(index, slot, &empty)?;
                 }
             }
         }

@@ -43,6 +43,7 @@ impl MemberMut<'_> {
     ///
     /// An id of another crowd, a setting that is out of its range, or a clip that does not fit the
     /// character ([`CharacterRef::binding`](crate::CharacterRef::binding)).
+    #[inline]
     pub fn play(&mut self, clip: ClipId, playback: ClipPlayback) -> Result<PlaybackId, Error> {
         let (player, base) = self.crowd.state.player();
         player.play(base, self.id, self.character, clip, playback.parts())

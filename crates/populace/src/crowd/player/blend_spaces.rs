@@ -105,9 +105,9 @@ impl Player {
         }
         self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         let action = Action::Space { index: space.parts().index, at };
-        let start = Start { serial: self.next_serial(), action, play, follows_after: None };
+        let start = self.start_of(action, play);
         let due = tick_after(base.clock.tick, play.after_secs);
-        self.begin_or_wait(base, member.number(), due, start)
+        self.begin_or_wait(base, member.number(), due, &start)
     }
 
     pub(crate) fn set_blend_parameter(

@@ -53,7 +53,7 @@ impl Player {
         for index in unevaluated {
             if let Some(slot) = base.slots(member_index)[index].as_inertialization() {
                 let slot = slot.with_incoming(target, ticks).into();
-                base.tables.set_slot(member_index, index, slot)?;
+                base.tables.set_slot(member_index, index, &slot)?;
             }
         }
         let weighing = weighing(base.slots(member_index), layer, tick);
@@ -72,7 +72,7 @@ impl Player {
             let states = [base.tables.sampled_state(&slot, tick), target];
             let inertialization = Slot::inertialization(tick, ticks, states, share).on_layer(layer);
             let started = Started::default();
-            self.put_slot(base, member_index, index, inertialization, started, tick)?;
+            self.put_slot(base, member_index, index, &inertialization, started, tick)?;
             self.leave(base, member_index, slot, tick)?;
         }
         Ok(total[0])

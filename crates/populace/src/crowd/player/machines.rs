@@ -126,8 +126,8 @@ impl Player {
         parameters.iter_mut().zip(&initial).for_each(|(own, (_, value))| *own = *value);
         self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
         let action = Action::Machine { state, parameters };
-        let start = Start { serial: self.next_serial(), action, play, follows_after: None };
-        self.begin_after(base, member, start, play.after_secs)
+        let start = self.start_of(action, play);
+        self.begin_after(base, member, &start, play.after_secs)
     }
 
     /// Returns the id of a parameter of a machine.
@@ -324,7 +324,7 @@ impl Player {
             slot.ramp_weight(tick, 0.0, 0.5 * weight, secs);
             // At weight 0 the first slot is free for others, but not for the second.
             let index = self.free_slot_beside(base, member_index, taken, tick).unwrap_or(0);
-            self.put_slot(base, member_index, index, slot, started, tick)?;
+            self.put_slot(base, member_index, index, &slot, started, tick)?;
             taken = Some(index);
         }
         Ok(())

@@ -24,9 +24,10 @@ impl Player {
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let start = self.start_of(base, character, clip, play, true)?;
+        let bound = bind_to_play(base, character, clip, &play)?;
+        let start = self.start_of(Action::Clip { bound, alone: true }, play);
         self.scheduled.retain(member.number(), |start| start.play.layer != play.layer);
-        self.begin_after(base, member, start, play.after_secs)
+        self.begin_after(base, member, &start, play.after_secs)
     }
 
     pub(crate) fn blend(
@@ -37,8 +38,9 @@ impl Player {
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let start = self.start_of(base, character, clip, play, false)?;
-        self.begin_after(base, member, start, play.after_secs)
+        let bound = bind_to_play(base, character, clip, &play)?;
+        let start = self.start_of(Action::Clip { bound, alone: false }, play);
+        self.begin_after(base, member, &start, play.after_secs)
     }
 
     pub(crate) fn queue(
@@ -49,11 +51,12 @@ impl Player {
         clip: ClipId,
         play: Playback,
     ) -> Result<PlaybackId, Error> {
-        let mut start = self.start_of(base, character, clip, play, true)?;
+        let bound = bind_to_play(base, character, clip, &play)?;
+        let mut start = self.start_of(Action::Clip { bound, alone: true }, play);
         let gap = ticks_from_secs(f64::from(play.after_secs));
         start.follows_after = Some(gap);
         let due = self.end_of_layer(base, member.number(), play.layer).saturating_add(gap);
-        self.begin_or_wait(base, member.number(), due, start)?;
+        self.begin_or_wait(base, member.number(), due, &start)?;
         Ok(playback_id(member, start.serial))
     }
 
@@ -135,7 +138,7 @@ impl Player {
             speed,
             self.started(base, member_index, index).once,
         );
-        base.tables.set_slot(member_index, index, slot)?;
+        base.tables.set_slot(member_index, index, &slot)?;
         self.time_the_queue(base, member_index, slot.layer() as usize);
         Ok(())
     }
@@ -205,21 +208,6 @@ impl Player {
         Ok(base.tables.set_layer(member.number(), layer, value)?)
     }
 
-    fn start_of(
-        &mut self,
-        base: &mut Base,
-        character: CharacterId,
-        clip: ClipId,
-        play: Playback,
-        alone: bool,
-    ) -> Result<Start, Error> {
-        play.check()?;
-        let bound = base.bind(character, clip, play.partial)?;
-        base.check_mode(clip, play.mode)?;
-        let action = Action::Clip { bound, alone };
-        Ok(Start { serial: self.next_serial(), action, play, follows_after: None })
-    }
-
     /// Returns whether a slot belongs to a playback that has not ended.
     fn is_of(&self, base: &Base, id: PlaybackId, index: usize) -> bool {
         let Started { serial, sample, .. } = self.started(base, id.member().number(), index);
@@ -254,6 +242,19 @@ impl Player {
             }
         });
     }
+}
+
+/// Checks the settings of a clip and returns the index of its binding.
+fn bind_to_play(
+    base: &mut Base,
+    character: CharacterId,
+    clip: ClipId,
+    play: &Playback,
+) -> Result<u32, Error> {
+    play.check()?;
+    let bound = base.bind(character, clip, play.partial)?;
+    base.check_mode(clip, play.mode)?;
+    Ok(bound)
 }
 
 pub(super) fn playback_id(member: MemberId, serial: u64) -> PlaybackId {

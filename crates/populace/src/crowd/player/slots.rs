@@ -178,12 +178,13 @@ impl Player {
         if faded_out(&slot, tick) {
             return Ok(());
         }
-        self.note_left(base, member_index, &slot, tick);
+        self.note_left(base, member_index, index, tick);
         Ok(base.tables.ramp_slot(member_index, index, tick, 0.0, 0.0)?)
     }
 
     /// Keeps a slot that ends during an update, for the events before its end.
-    pub(crate) fn note_left(&mut self, base: &mut Base, member_index: u32, slot: &Slot, tick: u64) {
+    pub(crate) fn note_left(&mut self, base: &Base, member_index: u32, index: usize, tick: u64) {
+        let slot = &base.slots(member_index)[index];
         if tick > base.clock.tick && slot.bound_clip != NONE {
             self.left.push((member_index, *slot, tick));
         }
@@ -203,7 +204,7 @@ impl Player {
             return Ok(());
         };
         slot.ramp_weight(tick, slot.weight_at(tick), 0.0, 0.0);
-        self.put_slot(base, member_index, index, slot, Started::default(), tick)
+        self.put_slot(base, member_index, index, &slot, Started::default(), tick)
     }
 
     pub(crate) fn empty_slot(
@@ -213,7 +214,7 @@ impl Player {
         index: usize,
     ) -> Result<(), Error> {
         let empty = Slot { bound_clip: NONE, ..Slot::default() };
-        Ok(base.tables.set_slot(member_index, index, empty)?)
+        Ok(base.tables.set_slot(member_index, index, &empty)?)
     }
 
     /// Writes a slot to a free index; the caller has called [`free_slots`](Self::free_slots).
@@ -221,7 +222,7 @@ impl Player {
         &mut self,
         base: &mut Base,
         member_index: u32,
-        slot: Slot,
+        slot: &Slot,
         started: Started,
         tick: u64,
     ) -> Result<(), Error> {
@@ -235,12 +236,11 @@ impl Player {
         base: &mut Base,
         member_index: u32,
         index: usize,
-        slot: Slot,
+        slot: &Slot,
         started: Started,
         tick: u64,
     ) -> Result<(), Error> {
-        let replaced = base.slots(member_index)[index];
-        self.note_left(base, member_index, &replaced, tick);
+        self.note_left(base, member_index, index, tick);
         base.tables.set_slot(member_index, index, slot)?;
         let range = base.tables.slot_range(member_index);
         self.started[range.start + index] = started;

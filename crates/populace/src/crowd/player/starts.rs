@@ -13,11 +13,16 @@ use crate::crowd::base::Base;
 use crate::crowd::{MemberId, PlaybackId, u32_from};
 
 impl Player {
+    /// Returns a new start.
+    pub(crate) fn start_of(&mut self, action: Action, play: Playback) -> Start {
+        Start { serial: self.next_serial(), action, play, follows_after: None }
+    }
+
     pub(crate) fn begin_after(
         &mut self,
         base: &mut Base,
         member: MemberId,
-        start: Start,
+        start: &Start,
         secs: f32,
     ) -> Result<PlaybackId, Error> {
         let due = tick_after(base.clock.tick, secs);
@@ -30,10 +35,10 @@ impl Player {
         base: &mut Base,
         member_index: u32,
         due: u64,
-        start: Start,
+        start: &Start,
     ) -> Result<(), Error> {
         if due > base.clock.tick {
-            self.scheduled.push(member_index, due, start);
+            self.scheduled.push(member_index, due, *start);
             return Ok(());
         }
         self.begin(base, member_index, start, base.clock.tick)
@@ -42,7 +47,7 @@ impl Player {
     /// Executes all starts that are due at or before `tick`, each as of its own tick.
     pub(crate) fn begin_due(&mut self, base: &mut Base, tick: u64) -> Result<(), Error> {
         while let Some((due, member_index, start)) = self.scheduled.take_due(tick) {
-            self.begin(base, member_index, start, due)?;
+            self.begin(base, member_index, &start, due)?;
         }
         Ok(())
     }
@@ -51,21 +56,21 @@ impl Player {
         &mut self,
         base: &mut Base,
         member_index: u32,
-        start: Start,
+        start: &Start,
         tick: u64,
     ) -> Result<(), Error> {
         match start.action {
             Action::Clip { bound, alone } => {
-                self.begin_clip(base, member_index, &start, (bound, alone), tick)
+                self.begin_clip(base, member_index, start, (bound, alone), tick)
             }
             Action::Space { index, at } => {
-                self.begin_space(base, member_index, &start, (index, at), tick)
+                self.begin_space(base, member_index, start, (index, at), tick)
             }
             Action::Machine { state, parameters } => {
-                self.begin_machine(base, member_index, &start, (state, parameters), tick)
+                self.begin_machine(base, member_index, start, (state, parameters), tick)
             }
             Action::Move { at, over_secs } => {
-                self.begin_move(base, member_index, &start, (at, over_secs), tick)
+                self.begin_move(base, member_index, start, (at, over_secs), tick)
             }
         }
     }
@@ -117,8 +122,8 @@ impl Player {
         let once = slot.mode() == SLOT_ONCE;
         let started = Started { serial: start.serial, sample: None, once };
         match vacant {
-            Some(index) => self.put_slot(base, member_index, index, slot, started, tick),
-            None => self.fill_slot(base, member_index, slot, started, tick),
+            Some(index) => self.put_slot(base, member_index, index, &slot, started, tick),
+            None => self.fill_slot(base, member_index, &slot, started, tick),
         }
     }
 

@@ -166,7 +166,7 @@ impl Player {
             let own = started.sample.filter(|_| started.serial == active_space.serial);
             if let Some(sample) = own {
                 let paced = self.in_phase(active_space, usize::from(sample), NONE, tick);
-                self.note_left(base, member_index, &slot, tick);
+                self.note_left(base, member_index, index, tick);
                 slot = Slot {
                     start_tick: tick,
                     start_phase: paced.start_phase,
@@ -179,7 +179,7 @@ impl Player {
             let weight =
                 own.map_or(0.0, |sample| weight_of(weights, sample)) * active_space.play.weight;
             slot.ramp_weight(tick, base.slots(member_index)[index].weight_at(tick), weight, secs);
-            base.tables.set_slot(member_index, index, slot)?;
+            base.tables.set_slot(member_index, index, &slot)?;
         }
         Ok(())
     }
@@ -203,7 +203,7 @@ impl Player {
         self.fill_slot(
             base,
             member_index,
-            slot,
+            &slot,
             Started { serial: active_space.serial, sample, once: false },
             tick,
         )
