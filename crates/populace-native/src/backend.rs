@@ -149,8 +149,8 @@ impl NativeBackend {
                 } else {
                     fused(&inputs, machine.registers, scratch, pages);
                 }
-                let mut writes: Vec<_> = scratch.iter_mut().map(|own| &mut own.writes).collect();
-                history.commit(&mut writes);
+                history.commit(&|job| scratch.for_each_writes(job));
+                scratch.iter_mut().for_each(|own| own.writes.clear());
             });
         }
     }

@@ -8,7 +8,7 @@
 //! entries. Writes each palette entry of the frame's members once, and deferred states and watched
 //! joints. Intermediate results stay in the core's caches.
 
-use populace_device::layout::{Float4, PAGE_ENTRIES, PALETTE_BLOCK};
+use populace_device::layout::{Float4, NONE, PAGE_ENTRIES, PALETTE_BLOCK};
 use populace_model::Affine;
 use populace_model::math::components;
 
@@ -24,7 +24,7 @@ use crate::playback::Play;
 use crate::poses::{Block, COMPONENTS, PoseBlock};
 use crate::processor::Dispatch;
 use crate::rows::Joints;
-use crate::scratch::{Scratch, ScratchPool};
+use crate::scratch::{Place, Scratch, ScratchPool};
 use crate::split;
 
 /// `Float4` elements of a palette block.
@@ -113,15 +113,32 @@ fn write_palette(inputs: &FrameInputs, dispatch: Dispatch, seat: &mut Seat, scra
     }
 }
 
+/// Takes the palettes of at most [`ABREAST`] members, which `places` has in the order of the palettes.
+fn seats_of<'a>(places: &[Place], mut palettes: &'a mut [Float4]) -> [Seat<'a>; ABREAST] {
+    let mut taken = 0;
+    std::array::from_fn(|nth| {
+        let Some(Place { member, palette: range, .. }) = places.get(nth) else {
+            return Seat { member: NONE, palette: &mut [] };
+        };
+        let (_, rest) = std::mem::take(&mut palettes).split_at_mut(range.start - taken);
+        let (palette, rest) = rest.split_at_mut(range.len());
+        (palettes, taken) = (rest, range.end);
+        Seat { member: *member, palette }
+    })
+}
+
 /// Writes the palettes of members of one body with equal programs, side by side. Those that would
 /// leave most lanes empty go one by one.
 fn write_groups(
     inputs: &FrameInputs,
     registers: Dispatch,
-    seats: &mut [Seat],
+    places: &[Place],
+    palettes: &mut [Float4],
     scratch: &mut Scratch,
 ) {
-    for seats in seats.chunks_mut(ABREAST) {
+    for places in places.chunks(ABREAST) {
+        let mut seats = seats_of(places, palettes);
+        let seats = &mut seats[..places.len()];
         if seats.len() * 4 < ABREAST {
             for seat in seats {
                 write_palette(inputs, registers, seat, scratch);
@@ -146,21 +163,20 @@ pub(crate) fn fused(
         let first = page * (PAGE_ENTRIES / PALETTE_BLOCK) as usize;
         let blocks = &all[first..first + palettes.len() / BLOCK];
         split::for_each_part::<BLOCK>(blocks, palettes, &|part| {
-            let mut seats = Vec::new();
-            part.for_each_member(|member, _, [palette]| {
-                if frame.evaluates(member) && frame.reaches(&members[member as usize]) {
-                    seats.push(Seat { member, palette });
-                }
-            });
-            let kind = |seat: &Seat| {
-                let member = &members[seat.member as usize];
-                (member.posed, member.shape)
-            };
-            seats.sort_by_cached_key(|seat| (kind(seat), seat.member));
-            let scratch = &mut scratch.of_current_thread();
-            for seats in seats.chunk_by_mut(|a, b| kind(a) == kind(b)) {
-                write_groups(inputs, registers, seats, scratch);
+            let scratch = &mut *scratch.of_current_thread();
+            let mut places = std::mem::take(&mut scratch.places);
+            places.clear();
+            places.extend(part.members().filter_map(|(member, palette)| {
+                let own = &members[member as usize];
+                let is_due = frame.evaluates(member) && frame.reaches(own);
+                is_due.then_some(Place { kind: (own.posed, own.shape), member, palette })
+            }));
+            places.sort_unstable_by_key(|place| (place.kind, place.palette.start));
+            let [palettes] = part.arrays;
+            for places in places.chunk_by(|a, b| a.kind == b.kind) {
+                write_groups(inputs, registers, places, palettes, scratch);
             }
+            scratch.places = places;
         });
     }
 }

@@ -132,22 +132,15 @@ impl History {
         }
     }
 
-    /// Applies the writes of all workers, states in parallel.
-    pub(crate) fn commit(&mut self, workers: &mut [&mut DeferredWrites]) {
+    /// Applies the writes of all workers, states in parallel. `for_each` passes those of each.
+    pub(crate) fn commit(&mut self, for_each: &(impl Fn(&mut dyn FnMut(&DeferredWrites)) + Sync)) {
         let Persistent { states, watched } = &mut self.now;
-        for worker in workers.iter() {
-            worker.watched.write(watched, 0);
-        }
+        for_each(&mut |worker| worker.watched.write(watched, 0));
         let each = states.len().div_ceil(rayon::current_num_threads()).max(LEAST);
         let size = each.next_multiple_of(STATES_PER_CONTROL as usize);
         states.par_chunks_mut(size).enumerate().for_each(|(nth, part)| {
-            for worker in workers.iter() {
-                worker.states.write(part, nth * size);
-            }
+            for_each(&mut |worker| worker.states.write(part, nth * size));
         });
-        for worker in workers {
-            worker.clear();
-        }
     }
 
     /// Returns an element of the states as of the frame before; 0 past the end.

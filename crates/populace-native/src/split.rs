@@ -1,5 +1,7 @@
 //! Work spread over threads. A member is never split between two.
 
+use std::ops::Range;
+
 use populace_device::layout::{Float4, NONE};
 
 /// Elements that one thread takes at a time: enough to hide the cost of scheduling, few enough to
@@ -15,7 +17,7 @@ pub(crate) struct Part<'a, const BLOCK: usize, const N: usize> {
     blocks: &'a [u32],
     /// Index of the first block among all.
     first: usize,
-    arrays: [&'a mut [Float4]; N],
+    pub(crate) arrays: [&'a mut [Float4]; N],
 }
 
 impl<'a, const BLOCK: usize, const N: usize> Part<'a, BLOCK, N> {
@@ -33,6 +35,17 @@ impl<'a, const BLOCK: usize, const N: usize> Part<'a, BLOCK, N> {
             first += end;
             arrays = rest;
         }
+    }
+
+    /// Iterates over the members, each with the range of its elements in an array.
+    pub(crate) fn members(&self) -> impl Iterator<Item = (u32, Range<usize>)> {
+        let runs = self.blocks.chunk_by(|a, b| a == b);
+        let ranges = runs.scan(0, |end, run| {
+            let start = *end;
+            *end += run.len() * BLOCK;
+            Some((run[0], start..*end))
+        });
+        ranges.filter(|(member, _)| *member != NONE)
     }
 
     /// Does a job on all threads, for parts of at most `grain` elements or of one member.

@@ -13,6 +13,9 @@ pub(super) struct PageLists {
     positions: Vec<u32>,
     /// Positions in each list whose members may be out of order since the list was sorted.
     strays: Vec<Vec<u32>>,
+    /// Scratch buffers: members at these positions, and a list in order.
+    moved: Vec<u32>,
+    sorted: Vec<u32>,
 }
 
 impl PageLists {
@@ -54,16 +57,19 @@ impl PageLists {
 
     /// Sorts the lists with members that may be out of order. `kind` is another for each member.
     pub(super) fn sort_by_key<K: Ord>(&mut self, kind: impl Fn(u32) -> K) {
-        for (list, strays) in self.lists.iter_mut().zip(&mut self.strays) {
+        let Self { lists, positions, strays, moved, sorted } = self;
+        for (list, strays) in lists.iter_mut().zip(strays) {
             if strays.is_empty() {
                 continue;
             }
-            let sorted = sorted(list.as_slice(), strays, &kind);
+            collect_strays(list.as_slice(), strays, moved);
+            moved.sort_unstable_by_key(|member| kind(*member));
+            merge(list.as_slice(), strays, moved, &kind, sorted);
             strays.clear();
-            for (position, member) in sorted.into_iter().enumerate() {
+            for (position, &member) in sorted.iter().enumerate() {
                 if list.as_slice()[position] != member {
                     list.set(position, member);
-                    self.positions[member as usize] = u32_from(position);
+                    positions[member as usize] = u32_from(position);
                 }
             }
         }
@@ -78,29 +84,37 @@ impl PageLists {
     }
 }
 
-/// Returns members in order. All of them but those at `strays` are in order already: in most frames
-/// few are not.
-fn sorted<K: Ord>(members: &[u32], strays: &mut Vec<u32>, kind: impl Fn(u32) -> K) -> Vec<u32> {
+/// Finds the members at `strays`, whose positions become sorted, each once.
+fn collect_strays(members: &[u32], strays: &mut Vec<u32>, moved: &mut Vec<u32>) {
     strays.sort_unstable();
     strays.dedup();
     strays.retain(|position| (*position as usize) < members.len());
-    let moved = strays.iter().map(|position| members[*position as usize]);
-    let mut moved: Vec<_> = moved.map(|member| (kind(member), member)).collect();
-    moved.sort_unstable();
-    let (mut moved, mut strays) = (moved.into_iter().peekable(), strays.iter().peekable());
-    let mut sorted = Vec::with_capacity(members.len());
+    moved.clear();
+    moved.extend(strays.iter().map(|position| members[*position as usize]));
+}
+
+/// Brings members into order. Those that are not at `strays` are in order already, and so are those
+/// of `moved`, which are the others.
+fn merge<K: Ord>(
+    members: &[u32],
+    strays: &[u32],
+    moved: &[u32],
+    kind: impl Fn(u32) -> K,
+    sorted: &mut Vec<u32>,
+) {
+    let (mut strays, mut moved) = (strays.iter().peekable(), moved.iter().peekable());
+    sorted.clear();
     for (position, member) in members.iter().enumerate() {
         if strays.next_if(|stray| **stray as usize == position).is_some() {
             continue;
         }
         let own = kind(*member);
-        while let Some((_, before)) = moved.next_if(|(kind, _)| *kind < own) {
-            sorted.push(before);
+        while let Some(before) = moved.next_if(|other| kind(**other) < own) {
+            sorted.push(*before);
         }
         sorted.push(*member);
     }
-    sorted.extend(moved.map(|(_, member)| member));
-    sorted
+    sorted.extend(moved);
 }
 
 #[cfg(test)]

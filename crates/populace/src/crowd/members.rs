@@ -75,9 +75,9 @@ impl Crowd {
         placement: Placement,
     ) -> Result<MemberId, Error> {
         let (player, base) = self.state.player();
-        let member = base.add_member(character, placement)?;
+        let added = base.add_member(character, placement);
         player.set_slot_count(base.members.all.len() * base.tables.slots_per_member());
-        Ok(member)
+        added
     }
 
     /// Removes a member. Its handle goes stale, and members attached to it are detached.

@@ -6,6 +6,7 @@
 //! Inertializing slots cannot be hastened: the start waits for the first of them to end before
 //! another slot is evicted.
 
+use arrayvec::ArrayVec;
 use populace_device::layout::Slot;
 use populace_device::{MAX_LAYERS, MAX_SLOTS};
 
@@ -24,6 +25,9 @@ pub(crate) enum Plan {
     /// The slot is not affected.
     Apart,
 }
+
+/// Something for each of a member's slots, or for some of them.
+type OfSlots<T> = ArrayVec<T, MAX_SLOTS>;
 
 impl Player {
     /// Frees `needed` slots. If too few are free, fades out the weakest and returns the tick at
@@ -85,7 +89,7 @@ impl Player {
         base: &Base,
         member_index: u32,
         plan: impl Fn(&Slot, Started) -> Plan,
-    ) -> Vec<Plan> {
+    ) -> OfSlots<Plan> {
         let slots = base.slots(member_index).iter().enumerate();
         slots.map(|(index, slot)| plan(slot, self.started(base, member_index, index))).collect()
     }
@@ -110,7 +114,7 @@ impl Player {
         member_index: u32,
         shares: &[Option<f32>; MAX_SLOTS],
         plans: &[Plan],
-    ) -> (Vec<usize>, Vec<usize>) {
+    ) -> (OfSlots<usize>, OfSlots<usize>) {
         let slots = base.slots(member_index);
         let rank = |i: usize| match slots[i].as_inertialization() {
             Some(inertialization) => (1, inertialization.end_tick()),
@@ -121,12 +125,12 @@ impl Player {
             |i: usize| self.partner(base, member_index, i).is_some_and(|partner| partner < i);
         let gives_way =
             |i: &usize| shares[*i].is_some() && plans[*i] != Plan::Stays && !is_second(*i);
-        let mut order: Vec<_> = (0..slots.len()).filter(gives_way).collect();
+        let mut order: OfSlots<_> = (0..slots.len()).filter(gives_way).collect();
         let both = |i: usize| [Some(i), self.partner(base, member_index, i)].into_iter().flatten();
         let share = |i: usize| both(i).filter_map(|i| shares[i]).sum::<f32>();
         order.sort_by(|&a, &b| rank(a).cmp(&rank(b)).then(share(a).total_cmp(&share(b))));
         let mut base = 0.0;
-        let (fading, others): (Vec<_>, Vec<_>) = order.into_iter().partition(|&index| {
+        let (fading, others): (OfSlots<_>, OfSlots<_>) = order.into_iter().partition(|&index| {
             let of_base = if slots[index].layer() == 0 { share(index) } else { 0.0 };
             let fades = base + of_base < 1.0 - NEGLIGIBLE;
             base += if fades { of_base } else { 0.0 };
@@ -173,10 +177,10 @@ impl Player {
                     && !evicted.contains(i)
                     && base.slots(member_index)[*i].layer() == layer
             };
-            let mut still: Vec<_> = (0..plans.len()).filter(of_layer).collect();
+            let mut still: OfSlots<_> = (0..plans.len()).filter(of_layer).collect();
             let weight = |i: &usize| base.slots(member_index)[*i].weight_at(tick);
             still.sort_by(|a, b| weight(b).total_cmp(&weight(a)));
-            let heirs: Vec<_> = still
+            let heirs: OfSlots<_> = still
                 .first()
                 .iter()
                 .flat_map(|i| [Some(**i), self.partner(base, member_index, **i)])
