@@ -55,7 +55,7 @@ impl PageLists {
         self.strays[page].push(self.positions[member as usize]);
     }
 
-    /// Sorts the lists with members that may be out of order. `kind` is another for each member.
+    /// Sorts the lists with members that may be out of order. `kind` must differ for each member.
     pub(super) fn sort_by_key<K: Ord>(&mut self, kind: impl Fn(u32) -> K) {
         let Self { lists, positions, strays, moved, sorted } = self;
         for (list, strays) in lists.iter_mut().zip(strays) {
@@ -84,7 +84,7 @@ impl PageLists {
     }
 }
 
-/// Finds the members at `strays`, whose positions become sorted, each once.
+/// Sorts `strays`, keeps each position of the list once, and collects the members there.
 fn collect_strays(members: &[u32], strays: &mut Vec<u32>, moved: &mut Vec<u32>) {
     strays.sort_unstable();
     strays.dedup();
@@ -93,8 +93,8 @@ fn collect_strays(members: &[u32], strays: &mut Vec<u32>, moved: &mut Vec<u32>) 
     moved.extend(strays.iter().map(|position| members[*position as usize]));
 }
 
-/// Brings members into order. Those that are not at `strays` are in order already, and so are those
-/// of `moved`, which are the others.
+/// Merges members in order into `sorted`: those of the list that are not at `strays`, and `moved`.
+/// Both are in order.
 fn merge<K: Ord>(
     members: &[u32],
     strays: &[u32],
