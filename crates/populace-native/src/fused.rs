@@ -113,7 +113,7 @@ fn write_palette(inputs: &FrameInputs, dispatch: Dispatch, seat: &mut Seat, scra
     }
 }
 
-/// Takes the palettes of at most [`ABREAST`] members, which `places` has in the order of the palettes.
+/// Takes the palettes of at most [`ABREAST`] members. `places` must be in order of `palette`.
 fn seats_of<'a>(places: &[Place], mut palettes: &'a mut [Float4]) -> [Seat<'a>; ABREAST] {
     let mut taken = 0;
     std::array::from_fn(|nth| {

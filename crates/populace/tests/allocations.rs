@@ -1,5 +1,5 @@
-//! Allocations of frames, counted over all threads. On OpenCL devices, checks of debug builds and the
-//! driver allocate too, so only the native device is counted.
+//! Allocations of frames, counted over all threads. On OpenCL devices, checks of debug builds and
+//! the driver allocate too, so only the native device is counted.
 
 #![expect(clippy::unwrap_used, reason = "a failed call fails the test")]
 
